@@ -6,17 +6,20 @@ process computes with one of them, chosen before anything is compiled, by OCEAN_
 has to agree with it.
 """
 
+import inspect
 import linecache
 import os
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
-from types import ModuleType, SimpleNamespace
+from types import FrameType, ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from ocean_sim.conventions import Lacking
+from ocean_sim.machine import left_for_later
 
 VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
 NAME = os.environ.get(VARIABLE) or TAICHI
@@ -44,9 +47,31 @@ if NAME == TAICHI:  # whose own check of its version, which nobody asks for, imp
     unasked = ModuleType("taichi._version_check")
     unasked.start_version_check_thread = lambda: None  # type: ignore[attr-defined]
     sys.modules.setdefault(unasked.__name__, unasked)
+
+
+def _line_of(frame: FrameType, context: int = 1) -> tuple[str, int, str, list[str], int]:
+    """What `inspect.getframeinfo` tells of a frame, without looking through all modules for the one that it is in."""
+    code, line = frame.f_code, frame.f_lineno
+    return code.co_filename, line, code.co_name, [linecache.getline(code.co_filename, line, frame.f_globals)], 0
+
+
+@contextmanager
+def _imported_quickly() -> Iterator[None]:
+    """While Taichi is imported: it asks of each of its own functions where it is decorated, and imports dill for the
+    source of functions that a person types."""
+    asked = inspect.getframeinfo
+    inspect.getframeinfo = _line_of  # type: ignore[assignment]
+    try:
+        with left_for_later("dill"):
+            yield
+    finally:
+        inspect.getframeinfo = asked
+
+
 try:
     if TYPE_CHECKING or NAME == TAICHI:
-        import taichi as ti
+        with _imported_quickly():
+            import taichi as ti
         import taichi.math as tm
         from taichi._snode.fields_builder import FieldsBuilder
         from taichi._snode.snode_tree import SNodeTree

@@ -1,6 +1,7 @@
 """What this machine has: cores, memory, packages, this program itself, and how its processes end."""
 
 import hashlib
+import importlib
 import os
 import signal
 import subprocess
@@ -11,6 +12,8 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
@@ -155,3 +158,41 @@ def end_after(wait: Callable[[], object]) -> None:
         os._exit(1)
 
     threading.Thread(target=end, daemon=True).start()
+
+
+class _Later(ModuleType):
+    """Stands in for a module until something of it is asked for, and imports it then."""
+
+    def __getattr__(self, name: str) -> Any:
+        if sys.modules.get(self.__name__) is self:
+            del sys.modules[self.__name__]
+        return getattr(importlib.import_module(self.__name__), name)
+
+
+@contextmanager
+def left_for_later(*names: str) -> Iterator[None]:
+    """While a library is imported, leave out these modules, which it imports with itself and hardly ever uses."""
+    waiting = {name: _Later(name) for name in names if name not in sys.modules}
+    sys.modules.update(waiting)
+    try:
+        yield
+    finally:
+        for name, module in waiting.items():
+            if sys.modules.get(name) is module:
+                del sys.modules[name]
+
+
+def import_image_library() -> None:
+    """Import `scipy.ndimage`, without the special functions by which it turns images, and without compiler and tests
+    of NumPy, which it looks through for what arrays can do: half of its time."""
+    import numpy as np
+
+    seldom = {"f2py", "testing"} - set(vars(np))
+    with left_for_later("scipy.special", *(f"numpy.{name}" for name in sorted(seldom))):
+        for name in seldom:  # where NumPy is asked for all that it has, it looks here first
+            setattr(np, name, sys.modules[f"numpy.{name}"])
+        try:
+            importlib.import_module("scipy.ndimage")
+        finally:
+            for name in seldom:
+                delattr(np, name)

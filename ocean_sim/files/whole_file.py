@@ -24,7 +24,8 @@ def whole(path: Path) -> Iterator[Path]:
         with naming(path):
             yield path
         return
-    path = path.resolve()
+    if path.is_symlink():
+        path = path.resolve()
     draft = unfinished(path)
     try:
         with naming(path, draft):

@@ -255,6 +255,7 @@ class Gauges(Observer):
         self.columns_ride = np.array([[wave.rides] for wave in gauged.values()], dtype=float).reshape(-1, 1)
         ride = [sensor.rides for sensor in sensors.values()]
         self.points_ride = np.repeat(np.array(ride, dtype=float), self.sizes)[:, None]  # 1 of those that ride, else 0
+        self.ride = bool(config.riding)  # whether any does
         self.sampled = Sampled(config.every)
         meaning = {
             f"{name}_m": f"elevation at {list(wave.at)} m{RIDING if wave.rides else ''}"
@@ -269,7 +270,7 @@ class Gauges(Observer):
 
     def observe(self, simulation: "Simulation") -> None:
         fluid, parts = simulation.fluid, []
-        x, z = middle(simulation)
+        x, z = middle(simulation) if self.ride else (0.0, 0.0)
         if len(self.columns):
             parts.append(fluid.elevations(self.columns + self.columns_ride * [x, z]))
         if len(self.points):

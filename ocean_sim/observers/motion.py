@@ -37,7 +37,7 @@ AXES = {
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-MOMENTS = 32  # looked at together
+MOMENTS = 100  # looked at together
 MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, spin=3, orders=2)  # then the load
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
@@ -161,8 +161,9 @@ class Log:
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
-        acting = ship.acceleration, ship.turning, body.angular_velocity, orders, ship.last.parts.ravel()
-        self.moments[self.seen] = np.concatenate([[time], body.position, body.orientation, *acting])
+        moment, pose = self.moments[self.seen], (*body.position.tolist(), *body.orientation.tolist())
+        moment[: MOMENT.size] = time, *pose, *ship.acceleration.tolist(), *ship.turning.tolist(), *body.spin, *orders
+        moment[MOMENT.size :] = ship.last.parts.ravel()
         self.due += [(k * self.multiples.every, self.seen) for k in self.multiples.reached(time)]
         self.seen += 1
         if self.seen == 1:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ocean_sim.wind import Wind
 
 PARTS = ("gravity", "buoyancy", "wind_drag", "wind_lift", "wave", "damping", "propeller", "rudder")
+NOTHING = np.zeros((2, 3))  # a part that does not act
 
 
 @dataclass(frozen=True)
@@ -28,12 +29,10 @@ class Load:
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
         """Of forces and torques by name, (2, 3) each; the other parts are zero. Raises ValueError for a name that is
         not one of the ship's parts."""
-        parts = np.zeros((len(names), 2, 3))
-        for name, force in forces.items():
+        for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
-            parts[names.index(name)] = force
-        return cls(parts)
+        return cls(np.concatenate([forces.get(name, NOTHING) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray, names: tuple[str, ...]) -> "Load":
         """With more of one part, (2, 3)."""
@@ -42,14 +41,19 @@ class Load:
         return Load(parts)
 
     @property
+    def total(self) -> np.ndarray:
+        """Their sum, force and torque, (2, 3)."""
+        return self.parts.sum(axis=0)
+
+    @property
     def force(self) -> np.ndarray:
         """Their sum, (3,), world axes [N]."""
-        return self.parts[:, 0].sum(axis=0)
+        return self.total[0]
 
     @property
     def torque(self) -> np.ndarray:
         """Their sum, (3,), world axes [N m]."""
-        return self.parts[:, 1].sum(axis=0)
+        return self.total[1]
 
 
 class Look(NamedTuple):

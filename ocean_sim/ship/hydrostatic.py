@@ -18,6 +18,7 @@ from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.rigid_body import to_world
 from ocean_sim.ship.shared.slamming import Slamming
 
 
@@ -49,4 +50,4 @@ class Hydrostatic(FloatingShip):
             self.slamming = Slamming(self.hull.still, float(by_rule(self.hull.still)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
-        return now.share * self.resistance.load(now.motion) @ now.body.matrix.T
+        return now.share * to_world(self.resistance.load(now.motion), now.body)

@@ -17,7 +17,7 @@ from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.moorings import Moorings
-from ocean_sim.ship.shared.rigid_body import RigidBody, held
+from ocean_sim.ship.shared.rigid_body import RigidBody, held, to_world
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.vessel import Actuators, Vessel
 from ocean_sim.surface import Surface
@@ -98,14 +98,14 @@ class Pressure(Vessel):
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """(4.27); all that the water does is under `buoyancy`."""
         forces, torques = self.boundary.forces()
-        r, body = self.body.matrix, self.body
-        motion = np.concatenate([r.T @ body.velocity, body.rates])
+        body = self.body
+        motion = np.array([*body.own_velocity, *body.own_spin])
         driven = self.actuators.load(motion, self.density, 1.0)
         pressed = np.stack([forces[self.number], torques[self.number]])
         forces_of = {"gravity": self.weight, "buoyancy": pressed}
         if self.moorings is not None:
             forces_of["mooring"] = self.moorings.load(body)
-        return Load.of(forces_of | {part: force @ r.T for part, force in driven.items()}, self.parts)
+        return Load.of(forces_of | {part: to_world(force, body) for part, force in driven.items()}, self.parts)
 
     def advance(self, load: Load, dt: float) -> None:
         super().advance(load, dt)

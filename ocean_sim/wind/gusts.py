@@ -134,6 +134,7 @@ class Gusts:
         self.n, self.shapes = len(self.volumes), max(len(v.shapes) for v in self.volumes)
         self.rows = np.zeros((self.n, row_size(self.volumes)))
         self.half = [0.0] * self.n  # half the thickness of the slabs [m]
+        self.outlines = [(np.zeros((0, 2, 3)), np.zeros((0, 3)))] * self.n  # lines and tails that show them [m]
         self.row = ti.field(float, shape=self.rows.shape)
         self.noise = Noise(seed, config.noise_every, DeviceRow(DRAWS.size))
         self.time, self.gain = 0.0, 1.0
@@ -161,16 +162,13 @@ class Gusts:
         """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
         drawings = []
         strongest = max(v.strongest for v in self.volumes)
-        for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
-            first = volume.include[0].core
-            centre = p.centre + self.patch.origin
-            lines = [turned(s.core.edges() - first.centre, p.turn) + centre for s in volume.include]
+        for p, volume, (part, turn), outline in zip(self.passages, self.volumes, self.blown, self.outlines):
+            centre, (lines, tails) = p.centre + self.patch.origin, outline
             pushes = any(volume.acceleration)
             push = volume.acceleration if pushes else np.multiply(volume.wind_speed, volume.ahead)
             arrow = self.gain * part * p.strength / (strongest or 1.0) * turned(push, p.turn + turn)
-            tails = turned(first.spread() - first.centre, p.turn) + centre
             arrows, unit = np.tile(arrow, (len(tails), 1)), "m/s²" if pushes else "m/s"
-            drawings.append(Drawing(np.concatenate(lines), tails, arrows, strongest, unit))
+            drawings.append(Drawing(lines + centre, tails + centre, arrows, strongest, unit))
         return joined(drawings)
 
     def follow(self, middle: np.ndarray) -> None:
@@ -200,6 +198,7 @@ class Gusts:
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
+        self.outlines[g] = volume.outline(turn)
         self.rows[g, VOLUME.normal : VOLUME.half_thickness] = *normal, middle
         numbers: list[float] = []
         for shape, sign in volume.shapes:

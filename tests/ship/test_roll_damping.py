@@ -106,7 +106,7 @@ def test_it_takes_the_place_of_the_rule_and_of_what_the_sections_did():
     still, added = hull_of("wigley").afloat(8.0, 1000.0, 9.81), np.zeros(6)
     ruled, predicted = (Resistance(Damping(ikeda=each), still, added) for each in (None, Ikeda()))
     rolls, sways = np.eye(6)[5], np.eye(6)[0]
-    assert ruled.linear[5] > 0.0 == predicted.linear[5]
+    assert ruled.linear["roll"] > 0.0 == predicted.linear["roll"]
     assert predicted.load(rolls)[1, 2] == pytest.approx(predicted.rolling.moment(1.0, 0.0))
     assert predicted.load(rolls)[0, 0] == 0.0 != ruled.load(rolls)[0, 0]
     np.testing.assert_array_equal(predicted.load(sways), ruled.load(sways))

@@ -17,7 +17,20 @@ import numpy as np
 
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.rigid_body import RigidBody, cross, solved
+from ocean_sim.ship.shared.plain import (
+    Rows,
+    Three,
+    Vector,
+    cross,
+    minus,
+    plus,
+    scaled,
+    solved,
+    times,
+    turned,
+    turned_back,
+)
+from ocean_sim.ship.shared.rigid_body import RigidBody
 
 DEPTHS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draughts over breadth
 RECTANGLES = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
@@ -97,30 +110,51 @@ def reaction(
     changes by omega x (the water's own) as well (Fossen 2021, 10.3). They are solved together with the hull, so a
     light body is no harder than a heavy one.
     """
-    r = body.matrix
-    line, turn = added[:3], added[3:]
-    v, omega = r.T @ body.velocity, body.rates
-    v_r, omega_r = v - drift[:3], omega - drift[3:]
-    spin = body.inertia_body @ omega
-    momentum, turning = line * v_r, turn * omega_r
-    carried = (added * surge).reshape(2, 3)
-    if between is not None:
-        more = (between @ np.concatenate([v_r, omega_r])).reshape(2, 3)
-        momentum, turning = momentum + more[0], turning + more[1]
-        carried = carried + (between @ surge).reshape(2, 3)
-    turned = np.concatenate([cross(omega, drift[:3]), cross(omega, drift[3:])])  # of the water, as the axes turn
-    kept = added * turned if between is None else added * turned + between @ turned
-    along = cross(omega, momentum) + kept[:3]
-    around = cross(omega, turning) + cross(v_r, momentum) + kept[3:]
-    push = r.T @ force + carried[0] - along - body.mass * cross(omega, v)
-    twisting = r.T @ torque + carried[1] - around - cross(omega, spin)
-    whole = body.inertia_body + np.diag(turn)
+    r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
+    v, omega = body.own_velocity, body.own_spin
+    (stream, swirl), (pull, pull_turn) = halves(drift), halves(surge)
+    v_r, omega_r = minus(v, stream), minus(omega, swirl)
+    momentum, turning = swept(water, between, v_r, omega_r)
+    carried, carried_turn = swept(water, between, pull, pull_turn)
+    kept, kept_turn = swept(water, between, cross(omega, stream), cross(omega, swirl))  # of it, as the axes turn
+    along = plus(cross(omega, momentum), kept)
+    around = plus(plus(cross(omega, turning), cross(v_r, momentum)), kept_turn)
+    push = minus(minus(plus(turned_back(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
+    gyration = cross(omega, turned(inertia, omega))
+    twisting = minus(minus(plus(turned_back(r, torque.tolist()), carried_turn), around), gyration)
+    rate, twist = sped_up(body.mass, inertia, water, between, push, twisting)
+    answer, answer_turn = swept(water, between, rate, twist)
+    moved = turned(r, plus(answer, along)), turned(r, plus(answer_turn, around))
+    return -np.array(moved), np.array([turned(r, carried), turned(r, carried_turn)])
+
+
+def halves(motion: np.ndarray) -> tuple[list[float], list[float]]:
+    """Of (6,) along and about the axes, as plain numbers."""
+    six = motion.tolist()
+    return six[:3], six[3:]
+
+
+def swept(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
+    """Momentum and angular momentum of the water that moves along at such velocities, or their rates at such
+    accelerations."""
+    own = scaled(water[:3], line), scaled(water[3:], turn)
     if between is None:
-        rate, twist = push / (body.mass + line), solved(whole, twisting)
-        moved = -np.array([line * rate + along, turn * twist + around])
-    else:
-        inertia = between + np.diag(np.append(body.mass + line, np.zeros(3)))
-        inertia[3:, 3:] += whole
-        rates = np.linalg.solve(inertia, np.concatenate([push, twisting]))
-        moved = -(np.array([along, around]) + (added * rates + between @ rates).reshape(2, 3))
-    return moved @ r.T, carried @ r.T
+        return own
+    more = halves(between @ [*line, *turn])
+    return plus(own[0], more[0]), plus(own[1], more[1])
+
+
+def sped_up(
+    mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
+) -> tuple[Vector, Vector]:
+    """Acceleration [m/s2] and angular one [rad/s2] of hull and water together under a force [N] and a torque [N m]."""
+    x, y, z = water[3:]
+    (p, q, r), (s, t, u), (v, w, o) = inertia
+    whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)
+    heavy = [mass + more for more in water[:3]]
+    if between is None:
+        (a, b, c), (k, l, m) = push, heavy
+        return (a / k, b / l, c / m), solved(whole, twisting)
+    both = between + np.diag(heavy + [0.0, 0.0, 0.0])
+    both[3:, 3:] += whole
+    return halves(np.linalg.solve(both, [*push, *twisting]))

@@ -99,13 +99,13 @@ class Cubes:
         self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
     ) -> Wetted:
         """What water and wind do to the hull where it is."""
-        table, turn = self.table, body.matrix
+        table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
         table[0, HANDED.since], table[0, HANDED.step] = wind.since, wind.step
         self.sum_up(around, water, wind, table)
         total = table[1:].sum(axis=0)
-        dx, dz = self.cubes.aside(turn, self.weight * float(total[SUMS.cut]))
+        dx, dz = self.cubes.aside(body.rows, self.weight * float(total[SUMS.cut]))
         total[SUMS.buoyancy + 3] -= dz
         total[SUMS.buoyancy + 5] += dx
         velocity = acceleration = np.zeros(6)

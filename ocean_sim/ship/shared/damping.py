@@ -10,8 +10,9 @@ mass of a kind brings Munk's moment; for a kind without, it is here. The lift of
 times that of a slender body (Clarke, Gedling & Hine 1983, Trans. RINA 125).
 """
 
+from bisect import bisect_left
 from collections.abc import Collection
-from math import pi, sqrt
+from math import copysign, pi, sqrt
 
 import numpy as np
 
@@ -61,16 +62,17 @@ class Resistance:
         to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra = Motions(*added)
-        self.linear = np.zeros(6)
-        for number, motion in ((1, "heave"), (3, "pitch"), (5, "roll")):
+        self.linear: dict[str, float] = {}
+        for motion in BY_RULE:
             inertia = whole[motion] + getattr(extra, motion)
             ruled = motion not in radiated and (motion != "roll" or config.ikeda is None)
             given = getattr(config, motion)
             share = (BY_RULE[motion] if ruled else 0.0) if given is None else given
-            self.linear[number] = 2.0 * share * sqrt(inertia * abs(stiffness[motion]))
+            self.linear[motion] = 2.0 * share * sqrt(inertia * abs(stiffness[motion]))
         z, breadth, draught = hull.stations
         self.z = z - hull.matter.centre[2]
-        self.crossing = 0.5 * hull.density * config.cross_flow * draught * float(hull.voxels.size[2])
+        crossing = 0.5 * hull.density * config.cross_flow * draught * float(hull.voxels.size[2])
+        self.crossing = CrossFlow(self.z, crossing)
         section = float((breadth * draught).max())
         rule = 0.0 if "surge" in radiated else 0.05 * hull.density * section
         self.surge = rule if config.surge is None else config.surge
@@ -93,26 +95,41 @@ class Resistance:
 
     def load(self, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
-        sway, _, surge, _, yaw, roll = motion.tolist()
+        sway, heave, surge, pitch, yaw, roll = motion.tolist()
         middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
-        across = middle + yaw * self.z
-        drag = self.crossing * np.abs(across) * across
+        crossed, crossed_turn = self.crossing.drag(middle, yaw)
         lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
-        side = lift - float(drag.sum())
-        turning = lift * self.stern - float((drag * self.z).sum()) - self.munk * surge * sway
-        more = [
-            side,
-            0.0,
-            -self.surge * abs(surge) * surge,
-            0.0,
-            turning,
-            -side * self.low - self.roll * abs(roll) * roll + self.predicted(roll, surge),
-        ]
-        return (more - self.linear * motion).reshape(2, 3)
+        side = lift - crossed
+        force = side, -self.linear["heave"] * heave, -self.surge * abs(surge) * surge
+        torque = (
+            -self.linear["pitch"] * pitch,
+            lift * self.stern - crossed_turn - self.munk * surge * sway,
+            -side * self.low - (self.linear["roll"] + self.roll * abs(roll)) * roll + self.predicted(roll, surge),
+        )
+        return np.array((force, torque))
 
     def predicted(self, roll: float, surge: float) -> float:
         """Moment of roll damping by components [N m]."""
         return 0.0 if self.rolling is None else self.rolling.moment(roll, surge)
+
+
+class CrossFlow:
+    """Drag c |v + r z| (v + r z) of sections at z, added up along a hull: on either side of where water crosses neither
+    way that is a parabola, by the moments of c."""
+
+    def __init__(self, z: np.ndarray, c: np.ndarray) -> None:
+        """(n,) from stern to bow [m]; (n,) [N s2/m2]."""
+        self.z: list[float] = z.tolist()
+        moments = np.cumsum(np.stack([c * z**k for k in range(4)], axis=1), axis=0)
+        self.behind: list[list[float]] = [[0.0] * 4, *moments.tolist()]  # of how many sections, from the stern on
+
+    def drag(self, v: float, r: float) -> tuple[float, float]:
+        """Force [N] and moment [N m] of water that crosses at v [m/s] amidships and at r [1/s] more a metre ahead."""
+        astern = self.behind[bisect_left(self.z, -v / r)] if r else self.behind[0]
+        way = copysign(1.0, r or v)  # of the water ahead of there
+        c_0, c_1, c_2, c_3 = (way * (whole - 2.0 * part) for whole, part in zip(self.behind[-1], astern))
+        vv, vr, rr = v * v, 2.0 * v * r, r * r
+        return c_0 * vv + c_1 * vr + c_2 * rr, c_1 * vv + c_2 * vr + c_3 * rr
 
 
 def fullness(hull: Hydrostatics) -> float:

@@ -346,7 +346,7 @@ class FloatingHull:
 
     def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
         """(6,) velocity in body axes [m/s], [rad/s], relative to the water where its own is known."""
-        return np.concatenate([body.matrix.T @ body.velocity, body.rates]) - wet.velocity
+        return np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
 
     def limits(self, added: dict[str, float] | None = None) -> Limits:
         """STEPS_A_PERIOD steps in the fastest natural motion."""

@@ -12,9 +12,10 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import called
 from ocean_sim.ship import Load
+from ocean_sim.ship.shared import plain
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
-from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.rigid_body import RigidBody, to_world
 from ocean_sim.ship.shared.slamming import Slamming
 from ocean_sim.ship.shared.vessel import Vessel
 from ocean_sim.surface import Surface
@@ -45,8 +46,8 @@ class FloatingShip(Vessel):
             self.last = Load.of({}, self.parts)
         self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
         self.longest = hull.limits()
-        # Of the last load: velocity relative to the water, volume under water [m3], its speed upwards relative to the
-        # water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
+        # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
+        # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
@@ -55,14 +56,15 @@ class FloatingShip(Vessel):
         now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface, body)
         self.relative, self.wet = now.motion, wet.volume
         self.airborne = not wet.volume > 0.0
-        self.rising = float(body.matrix[1] @ now.motion[:3])
-        self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
+        if self.slamming is not None:
+            self.rising = plain.dot(body.rows[1], now.motion[:3].tolist())
+            self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without what the water
         does back."""
-        wet, density, turn = now.wet, self.hull.still.density, now.body.matrix
+        wet, density = now.wet, self.hull.still.density
         driven = self.actuators.load(now.motion, density, now.share)
         moored = self.hull.moorings
         return {
@@ -71,19 +73,20 @@ class FloatingShip(Vessel):
             "wave": wet.wave,
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
-            "damping": self.damping(now) + self.held_back(),
+            "damping": self.damped(now),
             **({"mooring": moored.load(now.body)} if moored is not None else {}),
-            **{part: force @ turn.T for part, force in driven.items()},
+            **{part: to_world(force, now.body) for part, force in driven.items()},
         }
 
     def damping(self, now: Immersion) -> np.ndarray:
         """(2, 3) what slows it down, world axes [N], [N m]."""
         return np.zeros((2, 3))
 
-    def held_back(self) -> np.ndarray:
-        """(2, 3) what slows down in heave a hull that lies far from its draught [N], [N m]."""
-        push = 0.0 if self.slamming is None else self.slamming.held_back(self.wet, self.rising)
-        return push * self.upwards
+    def damped(self, now: Immersion) -> np.ndarray:
+        """(2, 3) the same, with what slows down in heave a hull that lies far from its draught."""
+        if self.slamming is None:
+            return self.damping(now)
+        return self.damping(now) + self.slamming.held_back(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The forces with what the water that is moved along does back, which depends on all of them."""

@@ -82,7 +82,7 @@ class Hydrostatics:
         turn = np.eye(3) if turn is None else turn
         share = self.shares(turn[1], self.level(turn[1]))
         volume = self.whole * np.clip(share, 0.0, 1.0)
-        dx, dz = self.voxels.aside(turn, float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
+        dx, dz = self.voxels.aside(turn.tolist(), float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def apart(self, turn: np.ndarray) -> np.ndarray:

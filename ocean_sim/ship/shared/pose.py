@@ -13,8 +13,8 @@ pose = Columns(**POSE)
 
 def write_pose(row: np.ndarray, body: RigidBody) -> None:
     """Write a body into the first numbers of a row."""
-    row[pose.position : pose.turn], row[pose.turn : pose.velocity] = body.position, body.matrix.ravel()
-    row[pose.velocity : pose.spin], row[pose.spin : pose.size] = body.velocity, body.angular_velocity
+    across, up, ahead = body.rows
+    row[: pose.size] = *body.position.tolist(), *across, *up, *ahead, *body.velocity.tolist(), *body.spin
 
 
 @ti.func

@@ -1,7 +1,8 @@
 """Propeller and rudder, and who moves them: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27))."""
 
+from bisect import bisect_right
 from itertools import pairwise
-from math import cos, hypot, pi, radians, remainder, sin, sqrt
+from math import atan2, cos, hypot, pi, radians, remainder, sin, sqrt
 from typing import Self
 
 import numpy as np
@@ -11,6 +12,7 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import FileName, shown
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.shared.pilot import Helmsman, Pilot
+from ocean_sim.ship.shared.plain import Three
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 COLUMNS = ("time_s", "throttle", "rudder_rad")
@@ -75,15 +77,14 @@ class Rudder(Model):
         share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
         return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
-    def load(self, angle: float, flow: np.ndarray, density: float) -> np.ndarray:
-        """(3,) force [N], body axes, in water that it moves through at `flow` [m/s], body axes."""
-        ahead, across = float(flow[2]), float(flow[0])
+    def load(self, angle: float, across: float, ahead: float, density: float) -> Three:
+        """Force [N], body axes, in water that it moves through at such speeds across and ahead [m/s], body axes."""
         speed = hypot(ahead, across)
-        incidence = angle + np.arctan2(across, abs(ahead)) if speed > 0.0 else 0.0
+        incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
         slope = 6.13 * self.aspect_ratio / (self.aspect_ratio + 2.25)
         normal = 0.5 * density * self.area * speed**2 * slope * sin(incidence)
         normal *= 1.0 if ahead >= 0.0 else -1.0
-        return np.array([-normal * cos(angle), 0.0, -normal * sin(angle)])
+        return -normal * cos(angle), 0.0, -normal * sin(angle)
 
 
 class Row(Model):
@@ -179,19 +180,29 @@ class Crew:
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
-        self.time, self.throttle, self.rudder = np.zeros(1), np.zeros(1), np.zeros(1)
+        self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
         if isinstance(controls, Track):
             table = csv_file.numbers(controls.file)
-            self.time, self.throttle, self.rudder = (table[name] for name in COLUMNS)
+            self.time, *orders = (table[name].tolist() for name in COLUMNS)
+            self.orders = list(zip(*orders, strict=True))
         elif isinstance(controls, list) and controls:
-            rows = np.array([[row.time, row.throttle, row.rudder] for row in controls])
-            self.time, self.throttle, self.rudder = rows.T
+            self.time = [row.time for row in controls]
+            self.orders = [(row.throttle, row.rudder) for row in controls]
+
+    def between(self, time: float) -> tuple[float, float]:
+        """Throttle and rudder [rad] at a time [s], on straight lines between the rows."""
+        later = bisect_right(self.time, time)
+        throttle, rudder = self.orders[max(later - 1, 0)]
+        if later in (0, len(self.time)):
+            return throttle, rudder
+        since, step = time - self.time[later - 1], self.time[later] - self.time[later - 1]
+        next_throttle, next_rudder = self.orders[later]
+        return throttle + (next_throttle - throttle) / step * since, rudder + (next_rudder - rudder) / step * since
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
         """Throttle and rudder [rad] that are asked for."""
         if self.course is None:
-            throttle, rudder = (float(np.interp(time, self.time, y)) for y in (self.throttle, self.rudder))
-            return throttle, rudder
+            return self.between(time)
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder

@@ -6,9 +6,10 @@ at the midpoint: second-order in the step, at the cost of the thesis's forward E
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, sin, sqrt
 
 import numpy as np
+
+from ocean_sim.ship.shared import plain
 
 
 @dataclass(frozen=True)
@@ -23,19 +24,40 @@ class RigidBody:
     angular_momentum: np.ndarray  # (3,) about the centre of mass [kg m2/s]
 
     @cached_property
+    def rows(self) -> plain.Rows:
+        """Those of the rotation, body to world, as plain numbers."""
+        return plain.matrix(self.orientation.tolist())
+
+    @cached_property
+    def own_spin(self) -> plain.Three:
+        """Angular velocity in body axes [rad/s], as plain numbers."""
+        momentum = plain.turned_back(self.rows, self.angular_momentum.tolist())
+        return plain.solved(self.inertia_body.tolist(), momentum)
+
+    @cached_property
+    def spin(self) -> plain.Three:
+        """Angular velocity in world axes [rad/s], as plain numbers."""
+        return plain.turned(self.rows, self.own_spin)
+
+    @cached_property
+    def own_velocity(self) -> plain.Three:
+        """Velocity of the centre of mass in body axes [m/s], as plain numbers."""
+        return plain.turned_back(self.rows, self.velocity.tolist())
+
+    @cached_property
     def matrix(self) -> np.ndarray:
         """(3, 3) rotation, body to world."""
-        return matrix(self.orientation)
+        return np.array(self.rows)
 
     @cached_property
     def angular_velocity(self) -> np.ndarray:
         """(3,) in world axes [rad/s]."""
-        return spin_of(self.matrix, self.angular_momentum, self.inertia_body)
+        return np.array(self.spin)
 
     @cached_property
     def rates(self) -> np.ndarray:
         """(3,) angular velocity in body axes: pitch, yaw and roll rate [rad/s]."""
-        return self.matrix.T @ self.angular_velocity
+        return np.array(self.own_spin)
 
     @cached_property
     def angles(self) -> np.ndarray:
@@ -56,6 +78,11 @@ class RigidBody:
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
 
 
+def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
+    """(2, 3) force and torque in body axes, in those of the world."""
+    return np.array([plain.turned(body.rows, part) for part in load.tolist()])
+
+
 def components(vector: np.ndarray) -> list:
     """Those of a vector as plain numbers, with which Python reckons many times as quickly as with NumPy's; of n vectors
     (k, n), k arrays (n,)."""
@@ -64,8 +91,7 @@ def components(vector: np.ndarray) -> list:
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's, or of (3, n)."""
-    (ax, ay, az), (bx, by, bz) = components(a), components(b)
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+    return np.array(plain.cross(components(a), components(b)))
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -75,16 +101,7 @@ def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
 
 def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(4.7): first q, then p; (4,) each, or (4, n)."""
-    a, b, c, d = components(p)
-    e, f, g, h = components(q)
-    return np.array(
-        [
-            a * e - b * f - c * g - d * h,
-            a * f + b * e + c * h - d * g,
-            a * g + c * e + d * f - b * h,
-            a * h + d * e + b * g - c * f,
-        ]
-    )
+    return np.array(plain.product(components(p), components(q)))
 
 
 def inverse(q: np.ndarray) -> np.ndarray:
@@ -100,29 +117,17 @@ def rotated(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 def matrix(q: np.ndarray) -> np.ndarray:
     """(4.10): (3, 3) rotation of a quaternion of any length, or (3, 3, n) of (4, n)."""
-    w, x, y, z = components(q)
-    s = 2.0 / (w * w + x * x + y * y + z * z)
-    return np.array(
-        [
-            [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
-            [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)],
-            [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)],
-        ]
-    )
+    return np.array(plain.matrix(components(q)))
 
 
 def normalised(q: np.ndarray) -> np.ndarray:
     """The unit quaternion along q."""
-    w, x, y, z = q.tolist()
-    return q / sqrt(w * w + x * x + y * y + z * z)
+    return np.array(plain.normalised(q.tolist()))
 
 
 def rotation(turn: np.ndarray) -> np.ndarray:
     """The factor of (4.25): turn about a vector by its length [rad]."""
-    x, y, z = turn.tolist()
-    angle = sqrt(x * x + y * y + z * z)
-    half = sin(0.5 * angle) / angle if angle > 1e-150 else 0.5
-    return np.array([cos(0.5 * angle), half * x, half * y, half * z])
+    return np.array(plain.rotation(turn.tolist()))
 
 
 def about(axis: int, angle: float) -> np.ndarray:
@@ -143,26 +148,6 @@ def angles(q: np.ndarray) -> np.ndarray:
     return np.array([pitch, np.arctan2(r[0, 2], r[2, 2]), np.arctan2(r[1, 0], r[1, 1])])
 
 
-def spin_of(turn: np.ndarray, momentum: np.ndarray, inertia_body: np.ndarray) -> np.ndarray:
-    """(3,) angular velocity in world axes [rad/s] of an angular momentum, with the inertia of (4.19)."""
-    return turn @ solved(inertia_body, turn.T @ momentum)
-
-
-def solved(m: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The solution x of m x = b, (3, 3) and (3,): Cramer's rule, many times as quick as NumPy's way."""
-    (p, q, r), (s, t, u), (v, w, x) = m.tolist()
-    d, e, f = b.tolist()
-    one, two, three = t * x - u * w, u * v - s * x, s * w - t * v
-    other = 1.0 / (p * one + q * two + r * three)
-    return np.array(
-        [
-            other * (d * one + e * (r * w - q * x) + f * (q * u - r * t)),
-            other * (d * two + e * (p * x - r * v) + f * (r * s - p * u)),
-            other * (d * three + e * (q * v - p * w) + f * (p * t - q * s)),
-        ]
-    )
-
-
 def spinning(body: RigidBody, omega: np.ndarray) -> RigidBody:
     """The body with another angular velocity, world axes [rad/s]."""
     return replace(body, angular_momentum=momentum_of(body.matrix, body.inertia_body, omega))
@@ -179,13 +164,15 @@ def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) 
     (4.22) with the new velocity in (4.23), which for an oscillator neither gains nor loses energy, and (4.25) at the
     midpoint.
     """
-    momentum = body.angular_momentum + torque * dt
-    now = spin_of(body.matrix, momentum, body.inertia_body)
-    halfway = product(rotation(now * (dt / 2.0)), body.orientation)
-    omega = spin_of(matrix(halfway), momentum, body.inertia_body)
+    inertia, start = body.inertia_body.tolist(), body.orientation.tolist()
+    momentum = plain.plus(body.angular_momentum.tolist(), plain.times(dt, torque.tolist()))
+    now = plain.spin_of(body.rows, momentum, inertia)
+    halfway = plain.product(plain.rotation(plain.times(dt / 2.0, now)), start)
+    omega = plain.spin_of(plain.matrix(halfway), momentum, inertia)
+    turned = plain.normalised(plain.product(plain.rotation(plain.times(dt, omega)), start))
     velocity = body.velocity + force / body.mass * dt
-    turned = normalised(product(rotation(omega * dt), body.orientation))
-    return RigidBody(body.mass, body.inertia_body, body.position + velocity * dt, turned, velocity, momentum)
+    position = body.position + velocity * dt
+    return RigidBody(body.mass, body.inertia_body, position, np.array(turned), velocity, np.array(momentum))
 
 
 def thesis_advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
@@ -212,7 +199,7 @@ def held(body: RigidBody, free: np.ndarray) -> RigidBody:
 
     Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
     """
-    if free.all():
+    if False not in free.tolist():
         return body
     r, heading = body.matrix, about(1, body.angles[1])
     rates = np.where(free[3:], body.rates, 0.0)
@@ -225,7 +212,7 @@ def held(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 def guided(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
     """The body after a step of dt [s] in which only the motions that are free took place: the others do not creep."""
-    if free.all():
+    if False not in free.tolist():
         return after
     heading, rates = about(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)
     velocity, moved = (

@@ -26,6 +26,7 @@ from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.shared.rigid_body import to_world
 from ocean_sim.ship.shared.slamming import Slamming
 
 OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
@@ -157,7 +158,7 @@ class SeakeepingShip(FloatingShip):
         if self.memory is not None:
             self.made = now.motion + (now.wet.velocity - self.drift(now))
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
-        return now.share * resisted @ now.body.matrix.T
+        return now.share * to_world(resisted, now.body)
 
     def drift(self, now: Immersion) -> np.ndarray:
         """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
@@ -170,7 +171,7 @@ class SeakeepingShip(FloatingShip):
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
         `wave`."""
-        force, torque = sum(forces.values(), np.zeros((2, 3)))
+        force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
             (x, _, z), (_, yaw, _) = now.body.position, now.body.angles

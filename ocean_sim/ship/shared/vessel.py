@@ -15,6 +15,7 @@ from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import Preflight, Problems, ShipConfig, called
 from ocean_sim.ship import PARTS, Load, Outline
+from ocean_sim.ship.shared import plain
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
 from ocean_sim.ship.shared.outline import extreme, outline
@@ -24,7 +25,6 @@ from ocean_sim.ship.shared.rigid_body import (
     RigidBody,
     about,
     advanced,
-    cross,
     guided,
     oriented,
     product,
@@ -127,8 +127,9 @@ class Actuators:
         """`centre`: the centre of mass from the hull's origin [m]."""
         self.crew: Crew | Helmsman | Person = config.crew()
         self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
-        self.pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
-        self.steering = np.zeros(3) if rudder is None else rudder.position - centre  # from there [m]
+        pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
+        steering = np.zeros(3) if rudder is None else rudder.position - centre
+        self.pushing, self.steering = pushing.tolist(), steering.tolist()  # from there [m]
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
 
     @property
@@ -146,21 +147,24 @@ class Actuators:
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
         """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
-        found = {}
-        thrust, speed = 0.0, float(motion[2])
+        found, thrust = {}, 0.0
+        velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
-            thrust = self.propeller.force(self.throttle, speed)
-            force = np.array([0.0, 0.0, wet * thrust])
-            found["propeller"] = np.array([force, cross(self.pushing, force)])
+            thrust = self.propeller.force(self.throttle, velocity[2])
+            found["propeller"] = at(self.pushing, (0.0, 0.0, wet * thrust))
         if self.rudder_blade is not None:
-            arm = self.steering
-            flow = motion[:3] + cross(motion[3:], arm)
+            across, _, ahead = plain.plus(velocity, plain.cross(rates, self.steering))
             if self.propeller is not None:
-                stream = self.propeller.slipstream(thrust, float(flow[2]), density)
-                flow[2] = self.rudder_blade.behind(self.propeller, stream, float(flow[2]))
-            force = wet * self.rudder_blade.load(self.rudder, flow, density)
-            found["rudder"] = np.array([force, cross(arm, force)])
+                stream = self.propeller.slipstream(thrust, ahead, density)
+                ahead = self.rudder_blade.behind(self.propeller, stream, ahead)
+            force = self.rudder_blade.load(self.rudder, across, ahead, density)
+            found["rudder"] = at(self.steering, plain.times(wet, force))
         return found
+
+
+def at(arm: plain.Vector, force: plain.Three) -> np.ndarray:
+    """(2, 3) a force [N] and its torque [N m], at an arm [m]."""
+    return np.array((force, plain.cross(arm, force)))
 
 
 class Vessel(ABC):
@@ -248,7 +252,8 @@ class Vessel(ABC):
 
     def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
         """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
-        return advanced(body, load.force, load.torque, dt)
+        force, torque = load.total
+        return advanced(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
@@ -270,7 +275,8 @@ class Vessel(ABC):
             after = walled_step(load)
         else:
             load, after = self.contact.collided(load, walled_step, dt)
-        speed = sqrt(float(after.velocity @ after.velocity))
+        velocity = after.velocity.tolist()
+        speed = sqrt(plain.dot(velocity, velocity))
         if not speed <= FASTEST:
             x, y, z = before.position
             raise Diverged(
@@ -280,9 +286,9 @@ class Vessel(ABC):
         if after.position[1] < self.bed:
             x, _, z = after.position
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
-        self.acceleration = (after.velocity - before.velocity) / dt
+        faster, more = after.velocity - before.velocity, after.angular_momentum - before.angular_momentum
+        self.acceleration = faster / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load
-        faster, more = after.velocity - before.velocity, after.angular_momentum - before.angular_momentum
         self.gained = after, 0.5 * faster, 0.5 * more
         self.actuators.steer(after, dt)

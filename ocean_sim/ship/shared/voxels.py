@@ -11,6 +11,7 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.files.cache_file import kept
+from ocean_sim.ship.shared import plain
 from ocean_sim.ship.shared.shapes import HullShape
 
 SAMPLES = 4  # along each edge of a cube
@@ -48,17 +49,18 @@ class Voxels:
         """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
         return float(np.linalg.norm(self.size * up))
 
-    def aside(self, turn: np.ndarray, cut: float) -> tuple[float, float]:
+    def aside(self, turn: plain.Rows, cut: float) -> tuple[float, float]:
         """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
         lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
-        x, square_of_spread, z = (turn @ (self.square * turn[1])).tolist()
+        x, square_of_spread, z = plain.turned(turn, plain.scaled(self.square, turn[1]))
         share = -cut / (12.0 * sqrt(square_of_spread))
         return share * x, share * z
 
     @cached_property
-    def square(self) -> np.ndarray:
-        """(3,) of the size [m2]."""
-        return self.size**2
+    def square(self) -> plain.Three:
+        """Of the size along each axis [m2]."""
+        x, y, z = (self.size**2).tolist()
+        return x, y, z
 
     @cached_property
     def centroid(self) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from ocean_sim.basin import OPEN, Basin
 from ocean_sim.files.cache_file import kept
 from ocean_sim.ship import Load
+from ocean_sim.ship.shared import plain
 from ocean_sim.ship.shared.drawn import content, drawn
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross
 from ocean_sim.ship.shared.shapes import HullShape
@@ -29,8 +30,8 @@ class Sides:
     ) -> None:
         """`centre` of mass from the hull's origin, `room` before each side [m]; the sides across `axes`."""
         self.points = outermost(shape) - centre  # body axes [m]
-        self.middle = 0.5 * (self.points.max(axis=0) + self.points.min(axis=0))
-        self.half = 0.5 * np.ptp(self.points, axis=0)  # of the box around them [m]
+        self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
+        self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
         self.radius = float(np.linalg.norm(self.points, axis=1).max())  # [m]
         self.stops = [(k, way, side[k] + way * room) for way, side in zip((1.0, -1.0), basin.stops()) for k in axes]
         self.stops = [stop for stop in self.stops if abs(stop[2]) < OPEN]
@@ -40,10 +41,11 @@ class Sides:
 
     def near(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
-        turn = body.matrix
-        speed, rate = (sqrt(float(v @ v)) for v in (body.velocity, body.rates))
+        velocity, turn = body.velocity.tolist(), body.rows
+        speed, rate = (sqrt(plain.dot(v, v)) for v in (velocity, body.spin))
         along = 2.0 * dt * (speed + self.radius * rate)
-        position, reach = (body.position + turn @ self.middle).tolist(), (np.abs(turn) @ self.half).tolist()
+        position = plain.plus(body.position.tolist(), plain.turned(turn, self.middle))
+        reach = plain.turned([[abs(part) for part in row] for row in turn], self.half)
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:

@@ -95,6 +95,13 @@ class Volume(Scheduled):
         weak, strong = self.redraw_strength
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
+    def outline(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 2, 3) ends of the lines that show the volume, turned by `turn` [rad], and (m, 3) points spread over its
+        first shape, seen from the centre of the volume [m]."""
+        first = self.include[0].core
+        lines = [turned(shape.core.edges() - first.centre, turn) for shape in self.include]
+        return np.concatenate(lines), turned(first.spread() - first.centre, turn)
+
     def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
         """The thinnest slab across an axis of the first shape that holds the volume, turned by `turn` [rad]: its
         normal, and its middle, seen from the centre of the volume, and half its thickness along the normal [m]."""

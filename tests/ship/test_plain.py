@@ -1,0 +1,54 @@
+"""Plain numbers against NumPy: the same algebra, to rounding."""
+
+import numpy as np
+import pytest
+
+from ocean_sim.ship.shared import plain
+from ocean_sim.ship.shared.damping import CrossFlow
+
+ROUNDING = 1e-13  # a few hundred units in the last place of numbers about 1
+
+
+@pytest.fixture
+def drawn():
+    """A matrix that is far from singular, and two vectors, of a fixed seed."""
+    rng = np.random.default_rng(1998)
+    return rng.normal(size=(3, 3)) + 3.0 * np.eye(3), rng.normal(size=3), rng.normal(size=3)
+
+
+def test_vectors_and_matrices_are_numpys(drawn):
+    m, a, b = drawn
+    rows, x, y = m.tolist(), a.tolist(), b.tolist()
+    for found, wanted in (
+        (plain.plus(x, y), a + b),
+        (plain.minus(x, y), a - b),
+        (plain.times(0.7, x), 0.7 * a),
+        (plain.scaled(x, y), a * b),
+        (plain.dot(x, y), a @ b),
+        (plain.cross(x, y), np.cross(a, b)),
+        (plain.turned(rows, x), m @ a),
+        (plain.turned_back(rows, x), m.T @ a),
+        (plain.solved(rows, x), np.linalg.solve(m, a)),
+    ):
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=ROUNDING)
+
+
+def test_a_quaternion_turns_as_its_matrix_does(drawn):
+    _, a, b = drawn
+    q = plain.normalised((0.3, *a.tolist()))
+    pure = plain.product(plain.product(q, (0.0, *b.tolist())), (q[0], -q[1], -q[2], -q[3]))
+    assert plain.turned(plain.matrix(q), b.tolist()) == pytest.approx(pure[1:], abs=ROUNDING)
+    whole = plain.product(plain.rotation((0.2, 0.0, 0.0)), plain.rotation((0.3, 0.0, 0.0)))
+    assert whole == pytest.approx(plain.rotation((0.5, 0.0, 0.0)), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("speed", [-1.3, 0.0, 0.4])
+@pytest.mark.parametrize("rate", [-0.5, -0.02, 0.0, 1e-300, 0.02, 0.5])
+def test_cross_flow_is_the_sum_over_its_sections(speed, rate):
+    z = np.linspace(-7.0, 6.0, 27)
+    c = 900.0 * np.exp(-((z / 5.0) ** 2))
+    across = speed + rate * z
+    drag = c * np.abs(across) * across
+    force, moment = CrossFlow(z, c).drag(speed, rate)
+    assert force == pytest.approx(drag.sum(), abs=ROUNDING * np.abs(drag).sum())
+    assert moment == pytest.approx((drag * z).sum(), abs=7.0 * ROUNDING * np.abs(drag).sum())

@@ -132,7 +132,7 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     series = (
         ("velocity upwards\n[m/s]", 1.0, BLUE),
         ("momentum made\n[kN s]", 1e3, RED),
-        ("energy lost\n[kJ]", 1e3, GREEN),
+        ("energy lost\n(< 0: made) [kJ]", 1e3, GREEN),
     )
     for k, (label, unit, colour) in enumerate(series):
         axes = figure.add_subplot(grid[k, 1])

@@ -13,6 +13,7 @@ TURN, STRETCH, SHIFT, STEP = (0.8, 0.6), 1.13, 5.1, 13.7  # of the second noise 
 SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
 UNRESOLVED = 0.25  # share of the variance that no octave holds
 SMOOTHEST, SHARPEST = 0.0008, 0.035  # variances of slopes between which the drawn ones stay
+FLATTEST = 0.06  # cosine to the normal below which water is seen no flatter
 GRADIENT_VARIANCE = 0.4204  # of the slopes of an octave of unit height and wavelength, along and across together
 
 
@@ -67,6 +68,13 @@ def slopes(
         slope_z += fade * steep * (down * sin + across * cos)
         lost += (1.0 - fade**2) * (1.0 - UNRESOLVED) * variance / OCTAVES
     return slope_x, slope_z, 0.5 * lost
+
+
+def lengthened(footprint: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """The footprint [m] by which ripples fade, of pixels whose sides are that long in the geometric mean: water that is
+    seen flat, by its cosine to the normal, is longer in a pixel than it is broad, and ripples across the view would
+    leave streaks and grain on the crests of waves."""
+    return footprint * np.maximum(cosine, FLATTEST) ** -0.25
 
 
 def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.ndarray:

@@ -176,9 +176,10 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   away /= dist;
   vec3 e = -away, n = normalize(nrmW);
   float share = attW.x, variance = attW.z, sunlit = 1.0;
-{hulls}{shadows}  float footprint = max(pixel * dist / sqrt(max(dot(e, n), 0.06)), 0.004);
+{hulls}{shadows}  float slant = sqrt(max(dot(e, n), {number(ripples.FLATTEST)}));
+  float footprint = max(pixel * dist / slant, 0.004);
   if (rippleVariance > 0.0) {{
-    vec3 r = ripples(posW.xz, footprint);
+    vec3 r = ripples(posW.xz, footprint * inversesqrt(slant));
     float up = max(n.y, 0.1);
     n = normalize(vec3(n.x / up - r.x, 1.0, n.z / up - r.y));
     variance += r.z;

@@ -146,7 +146,7 @@ def test_no_direction_below_the_horizon_shows_the_nadir():
 def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.positions().reshape(-1, 3)
-    footprint = plane.footprints(water)
+    footprint = ripples.lengthened(plane.footprints(water), w.cosine(water.to_eye, water.normal))
     x, z, lost = ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
     water = water._replace(normal=ripples.tilted(water.normal, x, z), variance=water.variance + lost)
     expected = w.display(w.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3)

@@ -180,19 +180,3 @@ def left_for_later(*names: str) -> Iterator[None]:
         for name, module in waiting.items():
             if sys.modules.get(name) is module:
                 del sys.modules[name]
-
-
-def import_image_library() -> None:
-    """Import `scipy.ndimage`, without the special functions by which it turns images, and without compiler and tests
-    of NumPy, which it looks through for what arrays can do: half of its time."""
-    import numpy as np
-
-    seldom = {"f2py", "testing"} - set(vars(np))
-    with left_for_later("scipy.special", *(f"numpy.{name}" for name in sorted(seldom))):
-        for name in seldom:  # where NumPy is asked for all that it has, it looks here first
-            setattr(np, name, sys.modules[f"numpy.{name}"])
-        try:
-            importlib.import_module("scipy.ndimage")
-        finally:
-            for name in seldom:
-                delattr(np, name)

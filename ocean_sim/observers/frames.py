@@ -14,7 +14,6 @@ from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Copied, Fluid
-from ocean_sim.machine import import_image_library
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.sampled import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
@@ -100,8 +99,6 @@ class Frames(Observer):
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
         open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
-        if open_air:
-            import_image_library()
         self.white = foam.Field(self.shape, self.cell) if open_air else None
         self.wind_speed = simulation.scene.wind.strongest
         self.before = np.zeros(2)  # origin of the frame before [m]

@@ -45,6 +45,7 @@ import numpy as np
 GRAVITY = 9.81  # [m/s^2]
 WATER_DENSITY = 1000.0  # rest density [kg/m^3]
 LEAST_DENSITY = 1e-3  # [kg/m^3] of a fluid: masses far below are nothing in single precision
+LEAST_STEP = 1e-9  # [s] of a simulation: shorter ones are nothing beside its time
 AIR_DENSITY = 1.225  # [kg/m^3], ICAO standard atmosphere at sea level
 
 

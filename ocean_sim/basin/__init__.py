@@ -377,9 +377,12 @@ class Side:
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
     origin x, z [m]; 0 along the others."""
-    length = np.array([period[0], 0.0, period[2]])
-    away = np.insert(origin, 1, 0.0) - x
-    return length * np.round(away / np.where(length > 0.0, length, np.inf))
+    return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
+
+
+def whole_sides(away: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """(..., n) the whole lengths of periodic sides (n,) [m] nearest to ways (..., n) [m]; 0 where they have none."""
+    return sides * np.round(away / np.where(sides > 0.0, sides, np.inf))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY, Diverged
+from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.shared.air_pressure import AirPressure
 from ocean_sim.fluid.shared.breaking import Breaking
@@ -66,7 +66,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     basin."""
     cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
-    step: float | None = quantity("s", None, ge=1e-9)
+    step: float | None = quantity("s", None, ge=LEAST_STEP)
     """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
     highest waves by at most a fortieth of their period."""
     rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)

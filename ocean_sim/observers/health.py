@@ -14,7 +14,15 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.energy import Balance, driven, mechanical, potential, stored_by_weight, told_apart
+from ocean_sim.observers.shared.energy import (
+    Balance,
+    at_stake,
+    driven,
+    mechanical,
+    potential,
+    stored_by_weight,
+    told_apart,
+)
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.level import level_ratio
 from ocean_sim.observers.shared.momentum import Momentum
@@ -30,7 +38,7 @@ POSITIONS_EVERY = 50  # steps between two checks of all positions
 ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
 GAIN_REPORTED = 0.01  # of the same scale as `max_energy_gain`: less is not reported
 MOMENTUM_REPORTED = 1e-4  # over all impulses: more from nowhere is reported
-WORK_REPORTED = 0.05  # over all work and the energy at the reference speed: gains beyond, that no work has given
+WORK_REPORTED = 0.05  # over all work and the energy at stake: gains beyond, that no work has given, are reported
 PARTED = 0.02  # spacings: images that are farther apart after so few steps as lie before the first look are reported
 QUIET = 0.5  # [s] at least between two events of one kind
 FIRM = 100.0  # stiffness over the square of the reference speed that holds the water within 1 %
@@ -127,7 +135,8 @@ class Health(Concluding):
             self.symmetry = Symmetry(simulation)
         if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
             self.momentum = Momentum(simulation)
-            self.working = [] if self.judged else told_apart(simulation)
+            alone = self.judged and simulation.basin.sea is None
+            self.working = [] if alone else told_apart(simulation)
             if self.working:
                 self.balance = Balance(simulation, self.working)
                 self.stiffness = simulation.fluid.sound_speed
@@ -255,12 +264,12 @@ class Health(Concluding):
                 self.once("momentum from nowhere", over_all_impulses=said, bound=MOMENTUM_REPORTED)
 
     def note_work(self, totals: Totals) -> None:
-        """Where driven water has gained energy that no force has given; other water is judged by its energy alone."""
+        """Where driven water, or that of a patch, has gained energy that no force has given; other water is judged by
+        its energy alone."""
         if self.balance is not None and not self.simulation.fluid.status.clipped:
             fluid = with_particles(self.simulation.fluid)
-            scale = fluid.particles.mass * fluid.particles.count.now * fluid.reference_speed**2
             work = fluid.work
-            scale += sum(abs(work[term]) for term in self.working)
+            scale = at_stake(self.simulation) + sum(abs(work[term]) for term in self.working)
             share = self.unaccounted(self.balance, totals) / scale
             if not share <= WORK_REPORTED:
                 self.once("energy that no work has given", over_all_work=float(f"{share:.3g}"), bound=WORK_REPORTED)

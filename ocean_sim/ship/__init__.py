@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from ocean_sim.basin import whole_sides
+
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Limits
     from ocean_sim.ship.shared.pilot import Helmsman
@@ -69,9 +71,10 @@ class Afloat(NamedTuple):
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks
-    gm: float  # metacentric heights [m]
+    gm: float  # metacentric heights of the hull as it is simulated, in cubes [m]
     gm_longitudinal: float
     periods: dict[str, float | None]  # natural, of heave, roll and pitch [s]; None where nothing rights her
+    gm_of_faces: float | None = None  # of the hull itself, by its faces [m]; None where they only approach it
 
 
 class Outline(NamedTuple):
@@ -97,10 +100,10 @@ class Outline(NamedTuple):
         """It or its image that is nearest to another, and the images next to that, where the water repeats itself along
         x and z after these lengths [m]; 0: not at all."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
-        sides = [
-            (p * round(float(way) / p) + np.array([-p, 0.0, p])) if p else [0.0] for way, p in zip(apart, periods[::2])
-        ]
-        return [self._replace(plan=self.plan + np.array(way)) for way in product(*sides)]
+        sides = np.array(periods[::2])
+        next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
+        nearest = whole_sides(apart, sides)
+        return [self._replace(plan=self.plan + (nearest + way)) for way in next_to]
 
     def middle(self, other: "Outline") -> np.ndarray:
         """(2,) x and z [m] of the middle of what the boxes around both share."""

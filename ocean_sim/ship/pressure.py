@@ -14,6 +14,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
+from ocean_sim.ship.shared.added_mass import by_rule
 from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.moorings import Moorings
@@ -43,6 +44,10 @@ class Config(FloatingConfig):
         flat = preflight.tank.dimension == 2
         body = self.unsettled(self.start(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        """By rule: the particles that she moves have it, no law of hers."""
+        return by_rule(still)
 
     def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in 2-D a metre of it."""

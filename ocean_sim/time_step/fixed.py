@@ -2,7 +2,7 @@
 
 from typing import Any, ClassVar, Literal
 
-from ocean_sim.conventions import Setting
+from ocean_sim.conventions import LEAST_STEP, Setting
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
 from ocean_sim.time_step import Limited
@@ -13,7 +13,7 @@ class Config(TimeStepConfig):
 
     example: ClassVar[dict[str, Any]] = {"dt": 0.001}
     kind: Literal["fixed"] = "fixed"
-    dt: float = quantity("s", ge=1e-9)
+    dt: float = quantity("s", ge=LEAST_STEP)
     """The time step."""
 
     def advice(self, limit: str, shortest: float) -> str:

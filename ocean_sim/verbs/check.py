@@ -138,6 +138,7 @@ def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
             "draught_m": None if isinf(each.draught) else each.draught,
             "gm_m": each.gm,
             "gm_longitudinal_m": each.gm_longitudinal,
+            "gm_of_faces_m": each.gm_of_faces,
             "periods_s": each.periods,
         }
         for name, each in found.items()
@@ -239,9 +240,12 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
     for name, ship in found["ships"].items():
         if ship["draught_m"] is not None:
             periods = ", ".join(f"{motion} {t:.3g} s" for motion, t in ship["periods_s"].items() if t is not None)
+            own = ship["gm_of_faces_m"]
+            faces = "" if own is None else f" (by the faces of her hull {own:.3g} m)"
             console.say(
                 f"{called(name)}: {figures(ship['displacement_kg'])} kg, draught {ship['draught_m']:.3g} m, GM "
-                f"{ship['gm_m']:.3g} m, longitudinal GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
+                f"{ship['gm_m']:.3g} m{faces}, longitudinal "
+                f"GM {ship['gm_longitudinal_m']:.3g} m; natural periods: {periods}"
             )
     for sentence in found["statements"]:
         console.say(sentence)

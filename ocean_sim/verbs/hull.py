@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 SWINGS = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
+DRAWN = (".png", ".svg", ".pdf")  # as what a picture is written
 FROUDE = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
 EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
@@ -55,6 +56,8 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
     from ocean_sim.ship.shared.mesh import BadMesh
 
     asked.agree(loading)
+    if out is not None and out.suffix.lower() not in DRAWN:
+        raise console.Refused(f"--out: {out} is no picture's name: end it in {', '.join(DRAWN[:-1])} or {DRAWN[-1]}")
     condition = None if loading is None else condition_of(loading)
     try:
         shape, density, keels = found_hull(name, ship)
@@ -185,6 +188,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     from ocean_sim.ship.shared.hull import ENOUGH
     from ocean_sim.ship.shared.shapes import MeshFile
     from ocean_sim.ship.shared.stability import Stability
+    from ocean_sim.ship.shared.waterplane import metacentric_heights
 
     notes: list[str] = []
     problems: list[str] = []
@@ -215,11 +219,15 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     if condition is not None:
         afloat = replace(afloat, lost=condition.lost)
     stability = Stability(afloat, None if condition is None else condition.openings)
+    heights = metacentric_heights(shape.shape, afloat)
+    if heights is not None:
+        notes.append(f"GM by the faces of the hull is {heights[0]:.4g} m; what follows is by its cubes")
     problems += troubles(stability)
     damped, beyond = rolling(afloat, asked)
     sunk, blunt = squatting(afloat, asked.depth)
     notes += [*beyond, *blunt]
     found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
+    facts["gm_of_faces_m"] = None if heights is None else heights[0]
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 

@@ -75,6 +75,21 @@ def test_standing_waves_travel_nowhere():
     assert "over a wavelength travelled" not in one and "waves 2 m long and 0.02 m high" in one
 
 
+def test_a_sea_whose_shortest_waves_are_noise_is_warned_of():
+    """A JONSWAP sea with 37 spacings to the highest waves; of its variance 4 % lies in waves of fewer than ten."""
+    spectrum = {"significant_wave_height": 0.8, "peak_period": 4.5, "heading_deg": 90.0}
+    for cut_off, spacing, warned in ((4.0, 0.8, True), (2.0, 0.8, False), (4.0, 0.4, False)):
+        scene = {
+            "duration": 60.0,
+            "basin": {"length": 120.0, "depth": 10.0, "walls": "periodic"},
+            "sea": {"kind": "linear_waves", "spectrum": spectrum | {"cut_off": cut_off}},
+            "fluid": {"kind": "delta_sph", "spacing": spacing},
+        }
+        config = ocean_sim.load(scene, QUIET)
+        found = [one for one in config.fluid.warnings(config.preflight) if "as noise" in one]
+        assert bool(found) == warned
+
+
 @pytest.mark.parametrize(
     ("spacing", "height", "warned"),
     [

@@ -241,6 +241,35 @@ def test_so_it_is_in_water_that_solves_for_its_pressure(keys):
     assert not blown(0.0, **keys)
 
 
+@pytest.mark.parametrize("width", [None, 0.5])
+def test_waves_of_a_patch_are_what_a_gain_counts_beside(width):
+    """A gain of 2.5e-3 of m U^2: more than these waves have, and nothing beside water at its reference speed."""
+    sea = {"kind": "linear_waves", "height": 0.02, "period": 0.75, "heading_deg": 90.0}
+    patch, water = {"length": 1.8, "width": width, "walls": "periodic"}, {"kind": "delta_sph"}
+    assert blown(0.05, patch, water, sea=sea) == ["energy that no work has given"]
+    assert not blown(0.0, patch, water, sea=sea)
+    assert not blown(0.05, patch, water, sea="calm")
+
+
+@pytest.mark.parametrize(("height", "said"), [(1.0, []), (4.97, ["energy that no work has given"])])
+def test_of_waves_in_a_patch_that_nothing_else_drives_the_steepest_gain_energy(height, said):
+    """Waves of 40 m on 40 spacings: of k a = 0.08 and 0.39, for two and a half periods."""
+    scene = {
+        "basin": {"length": 80.0, "depth": 20.0, "walls": "periodic"},
+        "sea": {"kind": "linear_waves", "height": height, "period": 5.07, "heading_deg": 90.0},
+        "fluid": {"kind": "delta_sph", "spacing": 1.0},
+        "render": None,
+        "runtime": {"threads": 1},
+    }
+    with loop.Simulation(load(scene)) as simulation:
+        observer = health.Config().build(loop.NOWHERE, simulation)
+        observer.observe(simulation)
+        while simulation.time < 12.5:
+            simulation.step()
+            observer.observe(simulation)
+        assert observer.reported == said
+
+
 DRIFT = {"kind": "absorbing", "target": {"current": [1.0, 0.0, 0.0]}}
 
 

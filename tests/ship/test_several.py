@@ -9,6 +9,7 @@ import pytest
 from ocean_sim import load, run
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.shared.band import into_rim
 from ocean_sim.observers import motion
 from ocean_sim.pictures import opengl
 from ocean_sim.reading import schema
@@ -360,3 +361,11 @@ def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
     assert max(abs(torques[name, True]) for name in "ab") < 0.02 * scale
     assert torques["a", False] * torques["b", False] < 0.0
     assert min(abs(torques[name, False]) for name in "ab") > 2.0 * max(abs(torques[name, True]) for name in "ab")
+
+
+def test_a_ship_nearer_round_the_patch_is_not_in_the_rim():
+    """On a patch of 100 m with a rim of 20 m on either side of the seam: 90 m away one way is 10 m the other way."""
+    away = np.array([[0.0, 0.0], [29.0, 0.0], [31.0, 0.0], [50.0, 0.0], [90.0, 0.0], [0.0, 45.0]])
+    both, slice_ = np.array([100.0, 100.0]), np.array([100.0, 0.0])
+    assert into_rim(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
+    assert into_rim(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])

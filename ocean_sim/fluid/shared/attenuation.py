@@ -65,6 +65,13 @@ class Train:
             return self.sea.significant_height
         return 2.0 * float(self.sea.amplitude.sum())
 
+    def shorter_than(self, length: float) -> float:
+        """Share of the variance of random waves that is in those shorter than a length [m]; 0 of regular waves."""
+        if not self.sea.random:
+            return 0.0
+        variance, lengths = self.sea.amplitude**2, 2.0 * pi / self.sea.wavenumber
+        return float(variance[lengths < (1.0 - 1e-9) * length].sum() / variance.sum())
+
     def lost(self, viscosity: float) -> tuple[float, float]:
         """Share of the height that a viscosity [m2/s] takes away in a period, and on the way of a wavelength."""
         sea, k = self.sea, 2.0 * pi / self.sea.wavelength

@@ -18,6 +18,7 @@ from math import ceil, exp, pi
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
 from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
@@ -180,10 +181,17 @@ class Band:
         if len(ships) < 2:
             return []
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
-        far = (np.abs(at - at.mean(axis=0)) - (0.5 * periods - self.width))[:, periods > 0.0].max(axis=1)
+        far = into_rim(at - at.mean(axis=0), periods, self.width)
         inside = [name for name, depth in zip(ships, far, strict=True) if depth > 0.0]
         there = f"{' and '.join(inside)} begin {far.max():.3g} m inside the rim of the patch, which lies opposite the"
         return [f"{there} middle of all ships; take a larger patch"] if inside else []
+
+
+def into_rim(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
+    """(n,) how far [m] points (n, 2) away from the middle of a patch, along x and z [m], lie in its rim of this width
+    [m], they or their images; negative outside."""
+    depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
+    return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 
 
 def band(lattice: Lattice) -> Band | None:

@@ -11,9 +11,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from ocean_sim.basin import whole_sides
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
-from ocean_sim.fluid.shared.band import Band, cells_of
+from ocean_sim.fluid.shared.band import Band, cells_of, into_rim
 from ocean_sim.fluid.shared.cubic import cubic
 from ocean_sim.fluid.shared.sea_source import LEVELS, VALUES, Depths, PlaneWaveSource, Source, numbers
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
@@ -189,8 +190,7 @@ class SeaRim:
 
     def nearest(self, points: np.ndarray) -> np.ndarray:
         """(..., 2) points x, z [m] where the patch around the origin has them, 0 along an axis that it has not."""
-        around = np.where(self.periods > 0.0, self.periods, np.inf)
-        return np.where(self.periods > 0.0, points - self.periods * np.round(points / around), 0.0)
+        return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place(self, time: float) -> None:
         """Where it is at a time [s], or where the ships are."""
@@ -199,8 +199,7 @@ class SeaRim:
 
     def holds(self, points: np.ndarray, time: float) -> np.ndarray:
         """(m,) whether points x, z (m, 2) in the world [m] lie in it at a time [s]."""
-        away = np.abs(self.nearest(points - self.where(time)))
-        return np.any((away > 0.5 * self.periods - self.width) & (self.periods > 0.0), axis=-1)
+        return into_rim(points - self.where(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:
         """To a time [s]."""

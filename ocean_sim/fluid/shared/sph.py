@@ -37,6 +37,7 @@ SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
+FINEST, UNRESOLVED = 10.0, 0.02  # spacings to a wave; share of the variance in shorter ones that is worth saying
 STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
@@ -122,21 +123,21 @@ class SphConfig(WaterConfig):
             found += basin.rough_bed.warnings(self.lattice(basin).row)
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
-        around = band(self.began(preflight))
+        lattice = self.began(preflight)
+        around = band(lattice)
         if around is not None:
             outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
             ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
             found += [*around.warnings(preflight.duration), *around.parted(ships)]
-        return [*found, *of_zones(zones(self.began(preflight))), *self.of_scales(preflight)]
+        return [*found, *of_zones(zones(lattice)), *self.of_scales(lattice, preflight.support)]
 
-    def of_scales(self, preflight: Preflight) -> Iterator[str]:
+    def of_scales(self, lattice: Lattice, support: float) -> Iterator[str]:
         """Whether there are too few particles for the depth or for the waves of a scene, and whether these break."""
-        lattice = self.began(preflight)
-        spacing, depth = lattice.spacing, preflight.tank.depth
-        if preflight.support >= depth > 0.0:
+        spacing, depth = lattice.spacing, lattice.basin.depth
+        if support >= depth > 0.0:
             yield (
-                f"the water is {depth / spacing:.3g} particles deep, less than a support radius of "
-                f"{preflight.support / spacing:.3g}: too few to move like water; take a smaller spacing"
+                f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of "
+                f"{support / spacing:.3g}: too few to move like water; take a smaller spacing"
             )
         for train in trains(lattice):
             length, height = train.sea.wavelength, train.height
@@ -145,6 +146,13 @@ class SphConfig(WaterConfig):
                 yield (
                     f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
+                )
+            short = train.shorter_than(FINEST * spacing)
+            if short > UNRESOLVED:
+                yield (
+                    f"{short:.2g} of the variance of the sea is in waves of fewer than {FINEST:g} particles, which the "
+                    "feed holds up as noise: the water moves more than its waves; take a smaller spacing or a lower "
+                    "cut_off"
                 )
             steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
             if steepness > most:

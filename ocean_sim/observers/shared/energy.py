@@ -67,6 +67,18 @@ def stored_by_weight(simulation: "Simulation") -> float:
     return particles.mass * particles.count.now * head**2 / (6.0 * fluid.sound_speed**2)
 
 
+def at_stake(simulation: "Simulation") -> float:
+    """Energy [J] beside which a gain counts: of the motion at the reference speed; in a patch of open sea with waves
+    theirs, of motion and of height, and what the weight of the water stores, if the scheme stores any."""
+    basin, particles = simulation.basin, with_particles(simulation.fluid).particles
+    sea = None if basin.sea is None else basin.sea.plane_waves(basin)
+    if sea is None or simulation.fluid.solvers:
+        return particles.mass * particles.count.now * simulation.fluid.reference_speed**2
+    area = basin.config.length * (basin.config.width or 1.0)  # [m2]
+    waves = 0.5 * particles.rest_density * sea.gravity * float((sea.amplitude**2).sum()) * area
+    return waves + stored_by_weight(simulation)
+
+
 def falls_around(simulation: "Simulation") -> bool:
     """Whether what the water falls through is not all in its potential energy: a body force, a tank that moves, or
     gravity along an axis that is periodic."""

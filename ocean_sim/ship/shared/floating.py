@@ -32,6 +32,7 @@ from ocean_sim.ship.shared.squat import squat
 from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.water import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
+from ocean_sim.ship.shared.waterplane import metacentric_heights
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -41,6 +42,7 @@ FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
 BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
+STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
 LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
 
 
@@ -108,7 +110,12 @@ class FloatingConfig(VesselConfig):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
         periods = still.periods(Motions(*self.moved_along(still).tolist())._asdict())
-        return Afloat(still.matter.mass, still.draught, across, along, periods)
+        return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
+
+    def gm_of_faces(self, still: Hydrostatics) -> float | None:
+        """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
+        heights = metacentric_heights(self.whole_hull.shape, still)
+        return None if heights is None else heights[0]
 
     def look(self, preflight: Preflight) -> Look:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
@@ -236,6 +243,18 @@ class FloatingConfig(VesselConfig):
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
+    def of_cubes(self, still: Hydrostatics) -> list[str]:
+        """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
+        gm, own = still.metacentric_height(), self.gm_of_faces(still)
+        if self.carried_as_body or own is None or abs(gm - own) <= STIFFER * abs(own):
+            return []
+        than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
+        if min(gm, own) <= 0.0:
+            return [f"{than}; other cells_per_draught may bring them together"]
+        slower = sqrt(gm / own) - 1.0
+        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than it would"
+        return [f"{than}: {rolls}; other cells_per_draught may bring them together"]
+
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if isinf(hull.draught):
@@ -255,6 +274,7 @@ class FloatingConfig(VesselConfig):
         elif at_rest(hull) is None:
             far = "her centre of mass lies too far from that of her buoyancy"
             found.append(f"within {LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
+        found += self.of_cubes(hull)
         if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
             found.append(self.over_a_bed(hull, preflight.tank.depth))
         resistance = self.resistance(hull)

@@ -16,6 +16,7 @@ class HullShape(Model):
     """What every shape has."""
 
     is_mesh: ClassVar[bool] = False  # whether it is `closed`, and knows no `inside`
+    rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
         """What its voxels depend on."""
@@ -66,6 +67,7 @@ class Box(HullShape):
 class Wigley(HullShape):
     """Wigley's parabolic hull y = B/2 (1 - (2z/L)^2) (1 - (y/T)^2), wall-sided above its draught."""
 
+    rounded: ClassVar[bool] = True
     kind: Literal["wigley"]
     length: float = quantity("m", gt=0.0)
     """Along z, at the waterline L."""
@@ -88,6 +90,7 @@ class Wigley(HullShape):
 class Cylinder(HullShape):
     """A circular cylinder that lies along z."""
 
+    rounded: ClassVar[bool] = True
     kind: Literal["cylinder"]
     length: float = quantity("m", gt=0.0)
     """Along z."""
@@ -105,6 +108,7 @@ class Cylinder(HullShape):
 class Sphere(HullShape):
     """A ball; its lowest point is its keel."""
 
+    rounded: ClassVar[bool] = True
     kind: Literal["sphere"]
     radius: float = quantity("m", gt=0.0)
     """Radius of the ball."""

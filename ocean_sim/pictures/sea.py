@@ -228,8 +228,8 @@ class Sea(Content):
             if len(line) <= 2:
                 continue
             bow, ends = self.bow(key), line.reshape(-1, 2)
-            stem = foam.from_ship(*ends.T, position, turn)[0].max()
-            ahead, aside = foam.from_ship(*places.T, position, turn)
+            stem = foam.from_ship(ends[:, 0], ends[:, 1], position, turn)[0].max()
+            ahead, aside = foam.from_ship(places[:, 0], places[:, 1], position, turn)
             abaft = stem - ahead
             raised += bow.height(abaft, np.abs(aside) - bow.half_breadth(abaft))
         return raised.reshape(self.height.shape)

@@ -337,7 +337,7 @@ def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):
 
     bound: list[int] = []
     monkeypatch.setattr(runtime.os, "sched_setaffinity", gone)
-    runtime._pin(set())
+    runtime._pin(set(), threads=1, one=True)
     assert bound
 
 
@@ -377,6 +377,7 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
 
     monkeypatch.setattr(render, "render_run", missing)
     monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(after, "finished", lambda folder: None)
     code, _, err = ask("render", "bare")
     assert code == 3 and "install" in err
@@ -389,6 +390,7 @@ def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
     Path("bare/preview.png").touch()
     monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
     monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(after, "finished", lambda folder: None)
     assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")
 

@@ -89,6 +89,11 @@ class FloatingConfig(VesselConfig):
         """The hull in still water, by gravity and density, as far as it has been asked for."""
         return {}
 
+    @cached_property
+    def by_faces(self) -> dict[Hydrostatics, float | None]:
+        """GM [m] of the hull itself, likewise."""
+        return {}
+
     def afloat(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         asked = gravity, density
@@ -114,8 +119,10 @@ class FloatingConfig(VesselConfig):
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:
         """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
-        heights = metacentric_heights(self.whole_hull.shape, still)
-        return None if heights is None else heights[0]
+        if still not in self.by_faces:
+            heights = metacentric_heights(self.whole_hull.shape, still)
+            self.by_faces[still] = None if heights is None else heights[0]
+        return self.by_faces[still]
 
     def look(self, preflight: Preflight) -> Look:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

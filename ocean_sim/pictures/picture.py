@@ -199,7 +199,7 @@ class Picture:
             self.arrow_bar.show(target, *legend(frame, self.wind.length))
         if self.height_bar is not None and isinstance(self.content, Water):
             self.height_bar.show(self.content.most)
-        self.plotter.render()
+        self.stage.render()
         bars = [copy(bar) for bar in (self.scale_bar, self.arrow_bar, self.height_bar) if bar is not None]
         return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 

@@ -21,7 +21,7 @@ from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Content, Stage
 from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, standing
-from ocean_sim.pictures.water_shading import EXPOSURE, FOG, Terms, slope_variance
+from ocean_sim.pictures.water_shading import EXPOSURE, Terms, slope_variance
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
 NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
@@ -35,11 +35,11 @@ CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls
 class Dome:
     """The sky, wherever the eye is."""
 
-    def __init__(self, stage: Stage, sky: sky_module.Sky, image: Any) -> None:
+    def __init__(self, stage: Stage, image: Any) -> None:
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
         self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
-        self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0)
+        self.shaded.set(exposure=EXPOSURE)
 
     def stand(self, eye: np.ndarray) -> None:
         self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
@@ -63,7 +63,7 @@ class Sea(Content):
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, NODES[order.quality])
         sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
-        image = self.image = water_glsl.texture(sky.image, smaller=True, repeat=True)
+        self.above = water_glsl.textures_of(sky)
         self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.vessels = vessels
@@ -72,7 +72,7 @@ class Sea(Content):
         self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
         self.shadow = np.zeros((max(len(self.hulls), 1), ship_glsl.PIXELS, ship_glsl.PIXELS, 3), np.float32)  # [m]
         self.shadows = water_glsl.texture(self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
-        textures = {"sky": image, "hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
+        textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
         dark = "".join(ship_glsl.shadow(k) for k in range(len(self.hulls)))
         body = water_glsl.water(len(self.hulls), "carW.xz", dark)
         functions = water_glsl.WATER_FUNCTIONS + ship_glsl.OPEN
@@ -81,7 +81,7 @@ class Sea(Content):
         )
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
-        self.dome = Dome(stage, sky, image)
+        self.dome = Dome(stage, self.above["sky"])
         glint = None if order.glint == "none" else order.glint
         terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
         shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
@@ -124,7 +124,7 @@ class Sea(Content):
 
     def ship(self, model: Model) -> ShadedShip:
         """A ship in the light of this sea, not mirrored yet."""
-        self.ships.append(ShadedShip(self.stage, model, self.sky, self.image))
+        self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
         return self.ships[-1]
 
     def appear(self) -> None:

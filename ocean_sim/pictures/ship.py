@@ -47,8 +47,8 @@ class DrawnShip:
 class ShadedShip:
     """A model in the light of a sea's sun and sky, pixel by pixel."""
 
-    def __init__(self, stage: Stage, model: Model, sky: Sky, image: Any) -> None:
-        """`image`: the sky's texture."""
+    def __init__(self, stage: Stage, model: Model, sky: Sky, above: dict[str, Any]) -> None:
+        """`above`: the textures of the sky."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         shape = stage.pyvista.PolyData.from_regular_faces(
@@ -60,7 +60,7 @@ class ShadedShip:
             shape.point_data[name] = values.astype(np.float32)
         self.shade = ship_glsl.Shade(mesh.corners, float(np.linalg.norm(self.corners, axis=1).max()))
         self.map = water_glsl.texture(np.zeros((2, 2, 3), np.float32))
-        textures = {"sky": image, "shade": self.map}
+        textures = above | {"shade": self.map}
         self.shaded = water_glsl.Shaded(shape, ship_glsl.SHIP, ship_glsl.FUNCTIONS, textures, ship_glsl.TRAITS)
         self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0, **water_glsl.lit_by(sky))
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)

@@ -4,7 +4,7 @@ herself, a mirrored sky, the sun's highlight and the air between her and the eye
 import numpy as np
 
 from ocean_sim.pictures import light
-from ocean_sim.pictures.water_glsl import number, vector
+from ocean_sim.pictures.water_glsl import FOG, number, vector
 from ocean_sim.pictures.water_shading import EXPOSURE
 
 TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
@@ -35,7 +35,7 @@ float open(vec2 at, float depth, int begins) {{
   return seen;
 }}
 """
-FUNCTIONS = f"""{OPEN}
+FUNCTIONS = f"""{FOG}{OPEN}
 float sunlit(vec3 p, vec3 n) {{
   vec3 q = p + {number(BIAS)} * shipLength * n - shipAt;
   vec2 at = {PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength);
@@ -57,7 +57,7 @@ SHIP = f"""
   float ci = clamp(dot(n, e), 0.0, 1.0), share = {number(COAT)} + {number(1.0 - COAT)} * pow(1.0 - ci, 5.0);
   vec3 ray = 2.0 * dot(n, e) * n - e;
   vec3 seen = {number(BRIGHTER)} * {vector(light.FROM_BELOW)};
-  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.0, 1.0, attW.x));
+  if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
   c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
   vec3 h = normalize(sunDir + e);
   float c2 = max(dot(h, n), 0.001);

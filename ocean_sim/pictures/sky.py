@@ -22,6 +22,8 @@ HAZE = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
 GROUND = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
 
 LOWEST = 0.004  # height of a direction at which the sky is read for any lower one
+HAZES = 64, 128  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
+HAZY, BRIGHTEST_HAZE = 3.5, 3.0  # smaller copy of the sky that it comes from, and to which radiance it is cut
 GROUND_RADIUS, TOP_RADIUS = (
     6360e3,
     6420e3,
@@ -51,98 +53,103 @@ def around(direction: np.ndarray) -> np.ndarray:
 
 
 class Sky:
-    """An equirectangular image of radiance (height, width, 3) with its smaller copies.
+    """An image of radiance from above (side, side, 3) with its smaller copies: each direction lies where the line from
+    the nadir to it crosses the level plane, so that nothing but a division is needed to find it, and angles stay what
+    they are.
 
-    Row 0 is the zenith, the last row the nadir; column 0 looks along -x and the middle one along +x. Sides are powers
-    of two, as the texture's smaller copies need.
+    Columns go along x, rows along z, the zenith is in the middle, and the horizon the circle that touches the sides;
+    beyond it the image goes on as it is there. The side is a power of two, as the texture's smaller copies need.
     """
 
     def __init__(self, image: np.ndarray, sun: np.ndarray = SUN, sunlight: np.ndarray = SUNLIGHT) -> None:
         """`sun`: unit direction to it; `sunlight`: its colour at the ground."""
         self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
         levels = [self.image.astype(float)]
-        while min(levels[-1].shape[:2]) > 1:
+        while len(levels[-1]) > 1:
             a = levels[-1]
             levels.append(0.25 * (a[::2, ::2] + a[1::2, ::2] + a[::2, 1::2] + a[1::2, 1::2]))
         self.levels = levels
-        above = self.image[: len(self.image) // 2].astype(float)
-        weight = np.sin((np.arange(len(above)) + 0.5) * np.pi / len(self.image))
-        self.ambient = np.minimum(above, 4.0).mean(axis=1).T @ weight / weight.sum()  # mean radiance from above
+        up = directions(len(self.image))[..., 1]
+        weight = np.where(up > 0.0, (1.0 + up) ** 2, 0.0)  # solid angle of a pixel, but for a factor
+        self.ambient = np.tensordot(weight, np.minimum(self.image, 4.0), axes=2) / weight.sum()  # mean from above
+        many = HAZES[0] * HAZES[1]
+        at = 4.0 * (np.arange(many) + 0.5) / many
+        x = np.where(at < 2.0, 1.0 - at, at - 3.0)  # as `hazy` finds them
+        z = np.where(at < 2.0, 1.0, -1.0) * (1.0 - np.abs(x))
+        around = self.sample(unit(np.stack([x, np.zeros(many), z], axis=1)), HAZY)
+        self.haze = np.minimum(around, BRIGHTEST_HAZE).astype(np.float32).reshape(*HAZES, 3)
+
+    def hazy(self, away: np.ndarray) -> np.ndarray:
+        """(n, 3) radiance of fog in unit directions (n, 3): the sky's just above the horizon there."""
+        ahead = away[:, 0] / np.maximum(np.abs(away[:, 0]) + np.abs(away[:, 2]), 1e-6)
+        at = np.where(away[:, 2] < 0.0, 3.0 + ahead, 1.0 - ahead)
+        haze = self.haze.reshape(-1, 3)
+        return haze[(len(haze) / 4 * at).astype(int) % len(haze)]
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the
         horizon that just above it."""
-        up = np.maximum(direction[:, 1], LOWEST)
-        d = unit(np.stack([direction[:, 0], up, direction[:, 2]], axis=1))
+        d = unit(np.column_stack([direction[:, 0], np.maximum(direction[:, 1], LOWEST), direction[:, 2]]))
+        at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
         low = np.floor(levels).astype(int)
         result = np.empty((len(d), 3))
         for k in np.unique(low):
             here = low == k
             share = (levels[here] - k)[:, None]
-            result[here] = (1.0 - share) * bilinear(self.levels[k], d[here], k, len(self.levels[int(k)]))
-            if (share > 0.0).any():
-                coarser = self.levels[min(k + 1, len(self.levels) - 1)]
-                result[here] += share * bilinear(coarser, d[here], k, len(self.levels[int(k)]))
+            coarser = self.levels[min(k + 1, len(self.levels) - 1)]
+            result[here] = (1.0 - share) * bilinear(self.levels[k], at[here]) + share * bilinear(coarser, at[here])
         return result
 
 
-def bilinear(image: np.ndarray, d: np.ndarray, level: int, rows: int) -> np.ndarray:
-    """(n, 3) from an image in directions (n, 3); never from rows below the horizon of the finer copy."""
-    height, width = image.shape[:2]
-    u = np.arctan2(d[:, 2], d[:, 0]) / (2.0 * np.pi) + 0.5
-    v = np.minimum(np.arccos(np.clip(d[:, 1], -1.0, 1.0)) / np.pi, 0.5 - 0.75 / rows)
-    x, y = u * width - 0.5, np.clip(v * height - 0.5, 0.0, height - 1.0)
+def bilinear(image: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(n, 3) from an image at places (n, 2) of its columns and rows, 0 to 1; beyond the outermost as these are."""
+    last = len(image) - 1
+    x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
     i, j = np.floor(x).astype(int), np.floor(y).astype(int)
     a, b = (x - i)[:, None], (y - j)[:, None]
-    below, right = np.minimum(j + 1, height - 1), (i + 1) % width
-    i = i % width
+    right, below = np.minimum(i + 1, last), np.minimum(j + 1, last)
     upper = image[j, i] * (1.0 - a) + image[j, right] * a
     lower = image[below, i] * (1.0 - a) + image[below, right] * a
     return upper * (1.0 - b) + lower * b
 
 
-def directions(width: int, height: int) -> np.ndarray:
-    """(height, width, 3) of the middles of the pixels."""
-    down = (np.arange(height) + 0.5) / height * np.pi
-    turn = (np.arange(width) + 0.5) / width * 2.0 * np.pi - np.pi
-    down, turn = np.meshgrid(down, turn, indexing="ij")
-    return np.stack([np.sin(down) * np.cos(turn), np.cos(down), np.sin(down) * np.sin(turn)], axis=-1)
+def directions(side: int) -> np.ndarray:
+    """(side, side, 3) unit vectors of the middles of the pixels, beyond the horizon those of the horizon there."""
+    middles = (np.arange(side) + 0.5) / side * 2.0 - 1.0
+    x, z = np.meshgrid(middles, middles)
+    square = np.minimum(x * x + z * z, 1.0)
+    level = np.sqrt(1.0 - ((1.0 - square) / (1.0 + square)) ** 2) / np.hypot(x, z)
+    return np.stack([level * x, (1.0 - square) / (1.0 + square), level * z], axis=-1)
 
 
-def cloudy(sun: np.ndarray = SUN, width: int = 2048, cover: float = 0.5, seed: int = 3) -> Sky:
+def cloudy(sun: np.ndarray = SUN, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:
     """The scattered sky with clouds over a share of it, from the cache where it was made before."""
-    content = json.dumps(["sky 10", [round(float(s), 9) for s in sun], width, cover, seed]).encode()
-    arrays = kept("sky", content, lambda: made(sun, width, cover, seed))
+    content = json.dumps(["sky 11", [round(float(s), 9) for s in sun], side, cover, seed]).encode()
+    arrays = kept("sky", content, lambda: made(sun, side, cover, seed))
     return Sky(arrays["image"], sun, arrays["sunlight"])
 
 
-def clear(width: int = 256) -> Sky:
+def clear(side: int = 128) -> Sky:
     """The clear gradient as an image, without clouds."""
-    return Sky(colour(directions(width, width // 2).reshape(-1, 3)).reshape(width // 2, width, 3))
+    return Sky(colour(directions(side).reshape(-1, 3)).reshape(side, side, 3))
 
 
-def made(sun: np.ndarray, width: int, cover: float, seed: int) -> dict[str, np.ndarray]:
-    """The image (width / 2, width, 3) of the sky, and the colour of the sun."""
+def made(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, np.ndarray]:
+    """The image (side, side, 3) of the sky, and the colour of the sun."""
     from scipy.ndimage import zoom
 
-    height = width // 2
-    coarse = directions(128, 64)
+    coarse = directions(128)
     coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
-    clear, _ = scattered(unit(coarse), sun)
-    wrapped = np.concatenate([clear[:, -4:], clear, clear[:, :4]], axis=1)
-    grown = zoom(wrapped, (height / 64, width / 128, 1), order=1, grid_mode=True, mode="nearest")
-    margin = 4 * width // 128
-    image = grown[:, margin:-margin]
+    image = zoom(scattered(unit(coarse), sun)[0], (side / 128, side / 128, 1), order=1, grid_mode=True, mode="nearest")
     sunlight = scattered(sun[None], sun)[1][0]
-    d = directions(width, height)
+    d = directions(side)
     image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE)
     towards = d @ sun
     image, veil = clouds(d, towards, image, sunlight, sun, cover, seed)
     glow = 7.0 * np.exp(-(1.0 - towards) / 0.0007) + 0.7 * np.exp(-(1.0 - towards) / 0.010)
     glow += 45.0 * np.clip((towards - DISK) / (0.15 * (1.0 - DISK)) + 0.5, 0.0, 1.0)
     image = image + glow[..., None] * sunlight * (1.0 - 0.6 * veil)
-    image[d[..., 1] < 0.0] = image[height // 2 - 1].mean(axis=0)
     return {"image": image.astype(np.float32), "sunlight": sunlight / sunlight.max()}
 
 

@@ -3,8 +3,10 @@
 from types import ModuleType
 from typing import Any
 
+from ocean_sim.pictures import water_glsl
 from ocean_sim.pictures.camera import Camera
 from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.order import RenderFailed
 
 
 class Stage:
@@ -17,6 +19,7 @@ class Stage:
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
         self.plotter = self.empty((samples * size[0], samples * size[1]))
+        self.said = water_glsl.listening()
 
     def empty(self, size: tuple[int, int]) -> Any:
         """A plotter without light, off screen."""
@@ -24,6 +27,13 @@ class Stage:
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
         return plotter
+
+    def render(self) -> None:
+        """Draw; raises RenderFailed where OpenGL refuses a program."""
+        self.plotter.render()
+        why = water_glsl.refused(self.said)
+        if why is not None:
+            raise RenderFailed(f"OpenGL refuses a program of this picture: {why}; please report it with this line")
 
 
 class Content:

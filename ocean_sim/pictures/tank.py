@@ -54,13 +54,13 @@ class Shell(Content):
         self.ball = Mesh(directions, ball.regular_faces, directions)
         self.behind = water_glsl.texture(np.zeros((2, 2, 3), np.uint8))
         self.far, self.farther = (water_glsl.texture(np.zeros((2, 2, 4), np.uint8)) for _ in range(2))
-        textures = {"sky": water_glsl.texture(over.image, smaller=True, repeat=True)}
+        textures = water_glsl.textures_of(over)
         seen = textures | {"scene": self.behind, "back": self.farther, "before": self.far}
         functions = water_glsl.WATER_FUNCTIONS + tank_glsl.GRAINS
         plain = water_glsl.plain(0) | water_glsl.switched(water_shading.Terms()) | water_glsl.lit_by(over)
         self.water = water_glsl.Shaded(stage.pyvista.PolyData(), tank_glsl.WATER, functions, seen, TRAITS)
         measured = {
-            name: water_glsl.texture_of(of.GetInput(), of.GetMipmap(), of.GetRepeat())
+            name: water_glsl.texture_of(of.GetInput(), of.GetMipmap())
             for name, of in (textures | {"before": self.far}).items()
         }  # of a window of its own
         self.backs = water_glsl.Shaded(self.water.mesh, tank_glsl.DISTANCE, functions, measured, TRAITS)

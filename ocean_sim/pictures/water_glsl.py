@@ -1,9 +1,9 @@
 """The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
 Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
-declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing. Mesa's processor in software
-computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: what few pixels need is a
-loop of one turn or none.
+declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing (see `refused`). Mesa's
+processor in software computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: what
+few pixels need is a loop of one turn or none.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 from ocean_sim.pictures import foam, ripples
 from ocean_sim.pictures import water_shading as w
-from ocean_sim.pictures.sky import LOWEST, Sky
+from ocean_sim.pictures.sky import HAZES, LOWEST, Sky
 
 GAMMA = 0.0319, 0.8804, 0.8577, 0.0193, 0.7503  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
 
@@ -29,9 +29,7 @@ def vector(values: Iterable[float]) -> str:
 COMMON = f"""
 vec3 skyAt(vec3 d, float level) {{
   d = normalize(vec3(d.x, max(d.y, {number(LOWEST)}), d.z));
-  float rows = float(textureSize(sky, 0).y >> int(level));
-  vec2 uv = vec2(atan(d.z, d.x) / 6.283185307 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.141592654);
-  return textureLod(sky, vec2(uv.x, min(uv.y, 0.5 - 0.75 / rows)), level).rgb;
+  return textureLod(sky, 0.5 + 0.5 * d.xz / (1.0 + d.y), level).rgb;
 }}
 vec3 filmic(vec3 c) {{
   c = max(c, vec3(0.0)) * exposure;
@@ -45,16 +43,22 @@ vec3 radiance(vec3 shown) {{
   vec3 a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y;
   return (sqrt(b * b + 0.56 * a * y) - b) / (2.0 * a * exposure);
 }}
+"""
+
+# The haze is fetched from a fine row around the horizon, in less time than it is found in the sky.
+FOG = f"""
 vec3 foggy(vec3 c, vec3 away, float dist) {{
   float f = 1.0 - exp(-dist / fogReach);
   f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
   f = mix(f, 1.0, smoothstep({number(w.END[0])}, {number(w.END[1])}, dist / fogReach));
-  vec2 low = vec2(atan(away.z, away.x) / 6.283185307 + 0.5, 0.5 - 0.75 / float(textureSize(sky, 3).y));
-  return mix(c, min(textureLod(sky, low, 3.0).rgb, vec3(3.0)), f * useFog);
+  float ahead = away.x / max(abs(away.x) + abs(away.z), 1e-6);
+  float at = away.z < 0.0 ? 3.0 + ahead : 1.0 - ahead;
+  int k = int({number(HAZES[0] * HAZES[1] / 4)} * at) % {HAZES[0] * HAZES[1]};
+  return mix(c, texelFetch(haze, ivec2(k % {HAZES[1]}, k / {HAZES[1]}), 0).rgb, f * useFog);
 }}
 """
 
-WATER_FUNCTIONS = f"""
+WATER_FUNCTIONS = f"""{FOG}
 float refracted(float ci) {{ return sqrt(1.0 - (1.0 - ci * ci) / {number(w.REFRACTIVE_INDEX**2)}); }}
 float fresnel(float ci) {{
   const float n = {number(w.REFRACTIVE_INDEX)};
@@ -193,7 +197,8 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   if (ray.y < 0.0) ray.y = 0.01 - 0.6 * ray.y;
   vec3 straight = normalize(ray);
   ray.y += 0.35 * blur * (1.0 - ci);
-  vec3 mirrored = min(skyAt(normalize(ray), min(26.0 * blur, 5.0)), vec3({number(w.BRIGHTEST)}));
+  float blurred = min({number(w.BLURS)} * blur, {number(w.MOST_BLURRED)});
+  vec3 mirrored = min(skyAt(normalize(ray), blurred), vec3({number(w.BRIGHTEST)}));
   float hidden = 0.0;
 {mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
     clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
@@ -248,16 +253,21 @@ BEYOND = """
 SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 
 
-def texture(image: np.ndarray, *, smaller: bool = False, repeat: bool = False) -> Any:
+def textures_of(sky: Sky) -> dict[str, Any]:
+    """The textures of a sky and of its haze, by the names that programs know them by."""
+    return {"sky": texture(sky.image, smaller=True), "haze": texture(sky.haze)}
+
+
+def texture(image: np.ndarray, *, smaller: bool = False) -> Any:
     """A texture of floats, or of 8-bit numbers from 0 to 1; row 0 is at the coordinate 0."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
     fill(data, image)
-    return texture_of(data, smaller, repeat)
+    return texture_of(data, smaller)
 
 
-def texture_of(data: Any, smaller: bool, repeat: bool) -> Any:
+def texture_of(data: Any, smaller: bool) -> Any:
     """A texture of VTK's image; one that two windows share would be sent anew to each in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
@@ -265,9 +275,8 @@ def texture_of(data: Any, smaller: bool, repeat: bool) -> Any:
     made.SetMipmap(smaller)
     made.InterpolateOn()
     made.SetMaximumAnisotropicFiltering(1)  # else levels asked for are not those read, where neighbours look elsewhere
-    made.SetRepeat(repeat)
-    if not repeat:
-        made.EdgeClampOn()
+    made.RepeatOff()
+    made.EdgeClampOn()
     made.SetColorModeToDirectScalars()
     made.SetInputDataObject(data)
     return made
@@ -324,10 +333,7 @@ class Shaded:
 
     def twin(self) -> Any:
         """An actor of the same mesh and program, for another plotter, whose textures are its own."""
-        own = {
-            name: texture_of(image.GetInput(), image.GetMipmap(), image.GetRepeat())
-            for name, image in self.textures.items()
-        }
+        own = {name: texture_of(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
         twin = self.drawn(own)
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
@@ -346,6 +352,23 @@ class Shaded:
                 self.uniforms.SetUniform3f(name, array.tolist())
             else:
                 self.uniforms.SetUniformf(name, float(array))
+
+
+def listening() -> Any:
+    """Keeps what VTK has to say from now on, for `refused`."""
+    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+
+    said = vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(said)
+    return said
+
+
+def refused(said: Any) -> str | None:
+    """Why OpenGL has refused a program since then, None where it has not: VTK leaves out what that shades."""
+    if "vtkShaderProgram" not in (text := said.GetOutput()):
+        return None
+    why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))
+    return next(why, "it does not say why").rsplit("): ", 1)[-1]
 
 
 def lit_by(sky: Sky) -> dict[str, Any]:

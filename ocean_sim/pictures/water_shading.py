@@ -27,6 +27,7 @@ BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea und
 THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
 FOAM = np.array([0.70, 0.75, 0.78])  # reflectance of foam
 THIN_FOAM = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
+BLURS, MOST_BLURRED = 26.0, 5.5  # smaller copies of the sky over the roughness of water that mirrors it, and at most
 BRIGHTEST = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SHININESS = 120.0
@@ -215,7 +216,7 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
     if terms.foam:
         white = np.clip(water.foam, 0.0, 1.0)[:, None]
         colour = colour * (1.0 - white) + foam_colour(normal, white, water.heap, light) * white
-    return foggy(colour, horizon(-to_eye, sky), water.distance, fog) if terms.fog else colour
+    return foggy(colour, sky.hazy(-to_eye), water.distance, fog) if terms.fog else colour
 
 
 def algorithm_6(water: Water, sky: Sky, terms: Terms = Terms(glint="thesis")) -> np.ndarray:
@@ -253,12 +254,7 @@ def sky_reflection(
     ray = reflected(to_eye, normal)
     ray[:, 1] = np.where(ray[:, 1] < 0.0, 0.01 - 0.6 * ray[:, 1], ray[:, 1])
     ray[:, 1] += 0.35 * blur * (1.0 - cos_eye)
-    return np.minimum(sky.sample(unit(ray), np.minimum(26.0 * blur, 5.0)), BRIGHTEST)
-
-
-def horizon(away: np.ndarray, sky: Sky) -> np.ndarray:
-    """Colour of the air at the horizon in the direction of view."""
-    return np.minimum(sky.sample(away * [1.0, 0.0, 1.0], 3.0), 3.0)
+    return np.minimum(sky.sample(unit(ray), np.minimum(BLURS * blur, MOST_BLURRED)), BRIGHTEST)
 
 
 def surface(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:

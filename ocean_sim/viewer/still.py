@@ -20,7 +20,7 @@ from ocean_sim.waves import Components
 GAP_CELLS, GAP_REACH = 64, 3.0  # of the map of distances to a hull at rest; [m] around it
 FAR_WAVES = 40  # plane waves of the sea around the basin, at most
 INVENTED = 28  # of them where only the basin's own water is known
-SKY_WIDTH = 1024  # pixels
+SKY_SIDE = 512  # pixels
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
 
 
@@ -188,12 +188,12 @@ def shaders(ships: int) -> dict[str, str]:
 
 
 @cache
-def sky_packet(width: int = SKY_WIDTH) -> bytes:
-    """The sky and its smaller copies in shared-exponent colours, rows above the horizon alone; deflated."""
-    seen = sky.cloudy(width=width)
-    levels = {f"level{k}": shared_exponent(image[: max(len(image) // 2, 1)]) for k, image in enumerate(seen.levels)}
+def sky_packet(side: int = SKY_SIDE) -> bytes:
+    """The sky and its smaller copies, and its haze, in shared-exponent colours; deflated."""
+    seen = sky.cloudy(side=side)
+    images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
     lit = {name: plain(value) for name, value in water_glsl.lit_by(seen).items()}
-    return zlib.compress(packet("sky", levels, lit=lit), 6)
+    return zlib.compress(packet("sky", {name: shared_exponent(image) for name, image in images.items()}, lit=lit), 6)
 
 
 def shared_exponent(image: np.ndarray) -> np.ndarray:

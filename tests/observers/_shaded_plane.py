@@ -40,13 +40,13 @@ def normals(points: np.ndarray) -> np.ndarray:
 
 
 def smooth_sky() -> sky_module.Sky:
-    d = sky_module.directions(256, 128)
+    d = sky_module.directions(128)
     image = np.stack([0.5 + 0.4 * d[..., 0], 0.5 + 0.3 * d[..., 2], 0.6 + 0.5 * d[..., 1]], axis=-1)
     return sky_module.Sky(image, SUN)
 
 
 def six_colours() -> sky_module.Sky:
-    d = sky_module.directions(256, 128)
+    d = sky_module.directions(128)
     axis = np.abs(d).argmax(axis=-1)
     names = np.array([["+x", "-x"], ["+y", "-y"], ["+z", "-z"]])
     positive = np.take_along_axis(d, axis[..., None], axis=-1)[..., 0] > 0.0
@@ -85,13 +85,13 @@ def main(out: str) -> None:
     mesh = pyvista.PolyData.from_regular_faces(corners, np.array([[0, 1, 2], [2, 1, 3]]))
     mesh.point_data["nrm"] = normals(corners).astype(np.float32)
     skies = {"smooth": smooth_sky(), "six": six_colours()}
-    textures = {name: water_glsl.texture(sky.image, smaller=True, repeat=True) for name, sky in skies.items()}
+    textures = {name: water_glsl.textures_of(sky) for name, sky in skies.items()}
     none = water_glsl.texture(np.zeros((2, 2, 4), np.uint8))
     drawn = {}
 
     def draw(name: str, sky: str, eye: np.ndarray, terms: w.Terms, foam: float = 0.0, ripples: float = 0.0) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
-        inputs = {"sky": textures[sky], "hull": none, "mirror": none}
+        inputs = textures[sky] | {"hull": none, "mirror": none}
         shaded = water_glsl.Shaded(mesh, water_glsl.water(0), water_glsl.WATER_FUNCTIONS, inputs, ("nrm", "att"))
         shaded.set(**water_glsl.plain(0), **water_glsl.lit_by(skies[sky]), **water_glsl.switched(terms))
         shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)

@@ -1,6 +1,9 @@
 """The sea around a basin: its heights are the basin's inside it, its spectrum the basin's outside."""
 
-from dataclasses import replace
+import json
+import subprocess
+import sys
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -315,6 +318,21 @@ def test_each_part_of_the_sea_switches_off_by_itself(picture):
     for part, least in {"far_sea": 1.0, "ripples": 1.0, "sky": 1.0, "foam": 0.01}.items():
         changed = np.abs(picture(**{part: False}) - whole).mean()
         assert changed > least, part
+
+
+@with_opengl
+@pytest.mark.parametrize("program", ["SHIP", "FUNCTIONS"])
+def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, program):
+    """VTK would only log it, and leave out the ship."""
+    order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
+    asked = json.dumps({"goes_on": False, "orders": [order]})
+    broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
+    code = f"import sys; from ocean_sim.observers import render; from ocean_sim.pictures import ship_glsl; {broken}"
+    drawing, pipe = opengl.environment(opengl.window()), subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", code], env=drawing, stdin=pipe, stderr=pipe, text=True) as child:
+        told = child.stderr.read()
+    assert child.returncode == 1 and not list(tmp_path.iterdir())
+    assert told.splitlines()[-1].startswith("OpenGL refuses a program of this picture: error: ")
 
 
 @with_opengl

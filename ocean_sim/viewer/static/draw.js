@@ -47,13 +47,13 @@ class Program {
   }
 }
 
-function texture(gl, unit, filter, wrap) {
+function texture(gl, unit, filter) {
   const made = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0 + unit);
   gl.bindTexture(gl.TEXTURE_2D, made);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter === gl.NEAREST ? gl.NEAREST : gl.LINEAR);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wrap || gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   return made;
 }
@@ -79,37 +79,42 @@ function array(gl, attributes, indices) {
   return made;
 }
 
-// One sky for all that is drawn.
+// One sky for all that is drawn, and what fog looks like around its horizon.
 class Sky {
   constructor(gl) {
     this.gl = gl;
     this.lit = { sunDir: [-0.8725, 0.3246, -0.3652], sunLight: [1, 0.83, 0.515], skyLight: [0.35, 0.45, 0.56] };
-    this.texture = texture(gl, 0, gl.LINEAR_MIPMAP_LINEAR, gl.REPEAT);
-    const rows = new Uint32Array(32 * 16);  // a plain one until the other comes
-    for (let j = 0; j < 16; j++) for (let i = 0; i < 32; i++) rows[32 * j + i] = shared(0.30 + 0.02 * j, 0.48 + 0.025 * j, 0.85);
-    this.levels([[32, 16, rows]]);
+    this.texture = texture(gl, 0, gl.LINEAR_MIPMAP_LINEAR);
+    this.haze = texture(gl, 4, gl.NEAREST);
+    const plain = (shape, ...rgb) => ({ shape, data: new Uint32Array(shape[0] * shape[1]).fill(shared(...rgb)) });
+    this.levels([plain([1, 1], 0.40, 0.62, 0.90)]);  // until the others come
+    this.hazes(plain([64, 128], 0.60, 0.80, 1.0));
   }
 
   levels(levels) {
     const gl = this.gl;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    levels.forEach(([width, height, data], level) => {
-      gl.texImage2D(gl.TEXTURE_2D, level, gl.RGB9_E5, width, height, 0, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, data);
-    });
+    levels.forEach((image, level) => this.fill(image, level));
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAX_LEVEL, levels.length - 1);
+  }
+
+  hazes(image) {
+    this.gl.activeTexture(this.gl.TEXTURE4);
+    this.gl.bindTexture(this.gl.TEXTURE_2D, this.haze);
+    this.fill(image, 0);
+  }
+
+  fill({ shape: [rows, columns], data }, level) {
+    const gl = this.gl;
+    gl.texImage2D(gl.TEXTURE_2D, level, gl.RGB9_E5, columns, rows, 0, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, data);
   }
 
   take(head) {
     this.lit = head.lit;
-    this.levels(head.arrays.map(({ name, shape: [rows, columns] }) => {
-      const height = Math.max(columns >> 1, 1), whole = new Uint32Array(columns * height);
-      for (let j = 0; j < height; j++) {
-        const from = Math.min(j, rows - 1);
-        whole.set(head.data[name].subarray(from * columns, (from + 1) * columns), j * columns);
-      }
-      return [columns, height, whole];
-    }));
+    const [haze, ...levels] = head.arrays.map(({ name, shape }) => ({ shape, data: head.data[name] }));
+    this.hazes(haze);
+    this.levels(levels);
   }
 }
 
@@ -126,7 +131,7 @@ function declared(uniforms) {
     kinds[name] = !Array.isArray(value) ? "float" : Array.isArray(value[0]) ? "mat4" : "vec3";
   }
   return Object.entries(kinds).map(([name, kind]) => `uniform ${kind} ${name};\n`).join("") +
-    "uniform sampler2D sky, hull, mirror;\nout vec4 fragOutput0;\n";
+    "uniform sampler2D sky, haze, hull, mirror;\nout vec4 fragOutput0;\n";
 }
 
 const KNOWN = `

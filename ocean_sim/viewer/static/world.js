@@ -246,7 +246,7 @@ class World {
     gl.disable(gl.BLEND);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, painter.sky.texture);
-    const uniforms = { ...still.uniforms, ...painter.sky.lit, eyeW: eye.position, time: this.time, pixel, sky: 0, hull: 2, mirror: 3 };
+    const uniforms = { ...still.uniforms, ...painter.sky.lit, eyeW: eye.position, time: this.time, pixel, sky: 0, hull: 2, mirror: 3, haze: 4 };
     const turned = [...eye.view];
     turned[12] = turned[13] = turned[14] = 0;
     const back = M.inverse(M.mul(eye.projection, turned));

@@ -199,7 +199,8 @@ def test_figure_6_4_foam_covers_what_was_measured_at_sea(figures):
 def test_figure_6_9_has_the_stages_of_the_step(figures):
     stages = {row["stage"]: row for row in rows(figures / "fig6_9.csv")}
     assert list(stages)[:4] == ["wind", "fluid", "surface", "ship"]
-    assert stages["fluid"]["reads"].split()[:1] == ["wind"]
+    assert stages["fluid"]["reads"].split() == ["wind", "ship"]  # two-way: ships push the water
+    assert stages["surface"]["reads"] == "fluid"  # one-way, and no wind
     assert {"wind", "fluid", "surface"} <= set(stages["ship"]["reads"].split())
     assert stages["ship"]["kinds"].split() == list(kinds("ship"))
 

@@ -54,17 +54,19 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
     """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with wakes and
     waves of ships and the white along their hulls as pictures show them."""
     data = arrays(frame)
-    kept_height = data["elevation"]
+    raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
-        data["elevation"], data["foam"] = wakes.shown(data)
+        height, data["foam"] = wakes.shown(data)
+        raised, data["elevation"] = height - data["elevation"], height
     fields: dict[str, np.ndarray] = {}
-    if "vertices" in data:
+    if len(grid["z"]) < 2:  # a line
+        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
+    elif "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
         if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
             at = wakes.places(points[:, [0, 2]], data.get("origin", np.zeros(2)))
-            raised = read(data["elevation"] - kept_height, at)
             if raised.any():
-                points = points + np.stack([0.0 * raised, raised, 0.0 * raised], axis=1)
+                points = points + np.outer(read(raised, at), [0.0, 1.0, 0.0])
                 fields["Normals"] = upwards(points, faces)
             fields |= {
                 name: read(data[key], at).astype(np.float32)
@@ -73,8 +75,6 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
             }
         elif "velocity" in data:
             fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
-    elif len(grid["z"]) < 2:
-        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     else:
         x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
         dx, dz = data.get("origin", np.zeros(2))

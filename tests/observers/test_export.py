@@ -106,6 +106,16 @@ def test_a_slice_has_particles_but_no_mesh(tmp_path):
     assert not (tmp_path / "export").exists()
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_surface_of_a_slice_is_left_out_without_a_word(tmp_path):
+    """Its places from side to side of a basin without breadth were numbers over nothing, and NumPy said so."""
+    grid = {"x": np.arange(3.0), "z": np.zeros(1), "lower": np.zeros(3), "upper": np.array([3.0, 1.0, 0.0])}
+    line = {"vertices": np.zeros((3, 3)), "triangles": np.zeros((0, 3), int), "normals": np.zeros((3, 3))}
+    np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 1)), position=np.ones((5, 3)), **line)
+    kept = export_scene.shot(tmp_path / "frame.npz", grid, Wakes([], grid))
+    assert len(kept.points) == len(kept.faces) == 0 and len(kept.particles["position"]) == 5
+
+
 def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
     """Another number of points and other triangles in each moment, and once the same as before."""
     from vtkmodules.util.numpy_support import vtk_to_numpy

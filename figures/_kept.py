@@ -78,7 +78,7 @@ def save(path: Path, picture: np.ndarray) -> None:
     from PIL import Image, ImageDraw, ImageFont
 
     width = picture.shape[1]
-    size = max(10, width // 90)
+    size = max(13, width // 90)  # smaller letters run together
     words = wrap(f"{'--fast, coarse. ' if Said.fast else ''}{Said.caption}. {BARED}", int(1.9 * width / size))
     strip = Image.new("RGB", (width, (len(words) + 1) * (size + 4)), "white")
     ImageDraw.Draw(strip).multiline_text((8, 4), "\n".join(words), fill="#44525c", font=ImageFont.load_default(size))

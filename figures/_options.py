@@ -24,7 +24,7 @@ def options(doc: str | None, fast: str = "", **files: str) -> argparse.Namespace
         parser.add_argument(f"--{name}", type=Path, help=what)
     found = parser.parse_args()
     found.out.mkdir(parents=True, exist_ok=True)
-    Said.caption = re.sub(r": CSV.*", "", " ".join((doc or "").split("\n\n")[0].split()))
+    Said.caption = re.sub(r": CSV.*", "", " ".join((doc or "").split("\n\n")[0].split())).replace("`", "")
     Said.fast, Said.whole = found.fast, not fast
     return found
 

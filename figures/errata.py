@@ -1,4 +1,4 @@
-"""What the thesis prints, what is meant, the difference, and what this program measures: CSV and PNG.
+"""What the thesis prints, what is meant and why, and what this program measures: CSV and PNG.
 
 The table goes to standard output, too.
 
@@ -473,6 +473,7 @@ def drawn(rows: list[Erratum], path: Path) -> None:
             number = isinstance(value, float)
             colour = {"as_printed": GREY, "measured": BLUE}.get(name, INK)
             text = (f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.5g}") if number else value
+            text = "0 / 0" if text == "nan" else text
             axes.text(
                 x,
                 k + (0.14 if name == "quantity" else 0.35),

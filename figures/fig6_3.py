@@ -181,7 +181,7 @@ def drawn(
     seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, list[tuple]], seeds: int, path: Path
 ) -> None:
     """The sea under each preset from above, that of spectral_sea, and the four trends of so many seeds."""
-    blown = f"wind, {seeds} seeds: mean, standard deviation" if seeds > 1 else "wind, one seed"
+    blown = f"wind, {seeds} seeds:\nmean, standard deviation" if seeds > 1 else "wind, one seed"
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
     for panel, (name, (run, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):

@@ -113,7 +113,7 @@ def drawn(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path:
             f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * white_caps_of(speed):.1f} %", fontsize=10
         )
         panel.set_axis_off()
-    keep(figure, path)
+    keep(figure, path, "A picture shows a piece of the sea whose white part its title names")
 
 
 def main() -> None:

@@ -97,7 +97,7 @@ def drawn(
     axes.plot(time, rows[:, 5] / 1e3, color=RED, lw=1.4, ls=":", label="what the hull has given to the water")
     axes.set(xlabel="time [s]", ylabel="momentum along the way [kN s]", xlim=(0.0, time[-1]))
     axes.grid(color=PALE, lw=0.7)
-    axes.legend(loc="center left", ncols=2)
+    axes.legend(loc="upper left", ncols=3)
     keep(figure, path, found)
 
 

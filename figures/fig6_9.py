@@ -27,6 +27,7 @@ PASSED = {
     ("surface", "ship"): "elevation",
     ("fluid", "ship"): "pressure, velocity",
     ("wind", "ship"): "force",
+    ("fluid", "wind"): "where its patch is",
     ("ship", "fluid"): "impulses",
 }
 
@@ -50,7 +51,7 @@ def methods(module: str, owner: str) -> dict[str, ast.FunctionDef]:
 def own(node: ast.AST) -> set[str]:
     """The slots that a piece of source reaches as `self.<slot>`, or by a name that begins with one."""
     names = {n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"}
-    return {slot for slot in SLOTS for name in names if name == slot or name.startswith(f"{slot}_on")}
+    return {slot for slot in SLOTS for name in names if name in (slot, f"{slot}s") or name.startswith(f"{slot}_on")}
 
 
 def stages() -> list[Stage]:
@@ -60,13 +61,18 @@ def stages() -> list[Stage]:
     for node in ast.walk(source["build"]):
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]).startswith("self."):
             built[ast.unparse(node.targets[0]).removeprefix("self.")] = own(node.value)
+    for node in ast.walk(source["build"]):
+        for slot in SLOTS:  # what it is handed, it reads
+            if isinstance(node, ast.Call) and ast.unparse(node.func).startswith(f"self.{slot}."):
+                built[slot] = built[slot].union(*(own(given) for given in node.args))
     found = []
     for node in ast.walk(source["step"]):
         if isinstance(node, ast.With) and ast.unparse(node.items[0].context_expr).startswith("self.stage("):
             name = ast.literal_eval(node.items[0].context_expr.args[0])
             calls = [ast.unparse(n.func).removeprefix("self.") for n in ast.walk(node) if isinstance(n, ast.Call)]
             used = [n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"]
-            reads = set().union(own(node), *(built.get(attribute, set()) for attribute in (name, *used)))
+            made = [name, *(attribute for attribute in used if attribute not in SLOTS)]
+            reads = set().union(own(node), *(built.get(attribute, set()) for attribute in made))
             calls = [call for call in calls if call.split(".")[0] in SLOTS]
             before = [slot for slot in SLOTS if slot in reads and slot != name]
             found.append(Stage(name, calls, before, kinds(name) if name in SLOTS else ()))
@@ -130,9 +136,10 @@ def drawn(found: list[Stage], path: Path) -> None:
             if apart == 1:
                 arrow(axes, (place[other] + wide, 5.6), (place[stage.name], 5.6), caption)
                 continue
-            level = 6.85 + 0.28 * apart if apart > 0 else 3.75
+            level = 6.85 + 0.28 * apart if apart > 0 else 4.05 + 0.2 * apart
             side = 6.75 if apart > 0 else 4.5
-            begin, end = place[other] + wide * 0.62, place[stage.name] + wide * (0.1 + 0.16 * abs(apart))
+            leaves, comes = (0.62, 0.1 + 0.16 * apart) if apart > 0 else (0.2, 0.8)
+            begin, end = place[other] + wide * leaves, place[stage.name] + wide * comes
             axes.plot([begin, begin, end], [side, level, level], color=INK, lw=1.3)
             arrow(axes, (end, level), (end, side + 0.01), "")
             axes.text((begin + end) / 2, level + 0.04, caption, ha="center", va="bottom", fontsize=8.5, color=INK)

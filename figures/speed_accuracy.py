@@ -10,6 +10,7 @@ from typing import Any
 from _options import options, progress
 from _paper import keep, paper
 
+from ocean_sim.machine import cores
 from ocean_sim.studies.shared import runs, table
 from ocean_sim.studies.shared.pareto import SPEEDS, panel
 from ocean_sim.studies.tradeoff import TRIALS, clock, points
@@ -22,7 +23,7 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
     plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
     rows = {}
-    for k, answer in runs.answers([point.order() for point in plan], folder, runs.cores()):
+    for k, answer in runs.answers([point.order() for point in plan], folder, cores()):
         rows[k] = plan[k].rows(answer)
         progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
     return [row for k in sorted(rows) for row in rows[k]]

@@ -1,4 +1,4 @@
-"""Where water breaks: every setting of `stability` taken to its extremes, next to the theoretical limits: CSV and PNGs.
+"""Where water breaks: time steps and one more setting taken to extremes, next to the theoretical limits: CSV and PNGs.
 
 python figures/stability.py [--fast] [--study runs/stability/stability.csv] [--out DIR]
 """
@@ -8,7 +8,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from _options import options, progress
+from _paper import keep
 
+from ocean_sim.machine import cores
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import maps, runs, table
 from ocean_sim.studies.stability import AXES, LIMIT, spots
@@ -24,21 +26,24 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
         if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
     ]
     rows, orders = {}, [spot.order() for spot in plan]
-    for k, answer in runs.answers(orders, folder, runs.cores(), limit=LIMIT[True]):
+    for k, answer in runs.answers(orders, folder, cores(), limit=LIMIT[True]):
         rows[k] = plan[k].row(answer, Result(folder / runs.address(orders[k])))
         progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
     return [rows[k] for k in sorted(rows)]
 
 
 def main() -> None:
-    asked = options(__doc__, "six points of one map", study="stability.csv of a study; without it the quick one is run")
+    study = "stability.csv of a study; without it the quick one is run"
+    asked = options(__doc__, "one row of one map, at two time steps", study=study)
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
         rows = table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
     table.write(asked.out / "stability.csv", rows)
     for axis in AXES:
         here = [row for row in rows if row["map"] == axis.name]
         if here:
-            maps.draw(asked.out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here)
+            name = f"{axis.name} [{axis.unit}]"
+            path = asked.out / f"stability_{axis.name.replace(' ', '_')}.png"
+            keep(maps.drawn(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
 
 
 if __name__ == "__main__":

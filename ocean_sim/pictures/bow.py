@@ -2,7 +2,9 @@
 too coarse for it, without effect on the run.
 
 Height and place of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid Mech.
-600); how it goes on aside, and the white, are ours.
+600); how it goes on aside, and the white, are ours. The height is that by which waves at a bow stand at V^2 / 2 g where
+V / sqrt(g D) = 4.4 tan / cos - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620, abstract); the
+number of the place was not checked against the paper.
 """
 
 from typing import NamedTuple

@@ -14,7 +14,7 @@ from ocean_sim.conventions import Lacking
 from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
 from ocean_sim.files.whole_file import whole
-from ocean_sim.pictures.export_wakes import Wakes
+from ocean_sim.pictures.export_wakes import Wakes, read
 from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import frame_files, ships_in
 from ocean_sim.pictures.ship_model import Model, modelled
@@ -51,20 +51,23 @@ class Shot(NamedTuple):
 
 
 def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
-    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with the wakes
-    of ships as pictures show them."""
+    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with wakes and
+    waves of ships and the white along their hulls as pictures show them."""
     data = arrays(frame)
+    raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
-        time, origin = float(data["time"]), data.get("origin", np.zeros(2)).astype(float)
-        behind = wakes.white(time, origin)
-        data["foam"] = np.maximum(data["foam"], finer(behind, data["foam"].shape))
-        data["elevation"] = data["elevation"] + wakes.raised(time, origin, data.get("answer"))
+        height, data["foam"] = wakes.shown(data)
+        raised, data["elevation"] = height - data["elevation"], height
     fields: dict[str, np.ndarray] = {}
-    if "vertices" in data:
+    if len(grid["z"]) < 2:  # a line
+        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
+    elif "vertices" in data:
         points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
         if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
-            at = (points[:, [0, 2]] - data.get("origin", np.zeros(2)) - grid["lower"][[0, 2]]).T
-            at /= (grid["upper"] - grid["lower"])[[0, 2], None]  # from side to side of the basin
+            at = wakes.places(points[:, [0, 2]], data.get("origin", np.zeros(2)))
+            if raised.any():
+                points = points + np.outer(read(raised, at), [0.0, 1.0, 0.0])
+                fields["Normals"] = upwards(points, faces)
             fields |= {
                 name: read(data[key], at).astype(np.float32)
                 for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
@@ -72,8 +75,6 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
             }
         elif "velocity" in data:
             fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
-    elif len(grid["z"]) < 2:
-        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
     else:
         x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
         dx, dz = data.get("origin", np.zeros(2))
@@ -89,21 +90,6 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
     particles = {str(name): data[name] for name in kept if name in data}
     gates = blocks(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
     return Shot(float(data["time"]), points, faces, fields, ships, particles, gates)
-
-
-def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(n, ...) of values (nx, nz, ...) in the middles of cells, linear between these, at places (2, n) from 0 to 1."""
-    from scipy.ndimage import map_coordinates
-
-    cells = at * np.array(values.shape[:2])[:, None] - 0.5
-    channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
-    found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
-    return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])
-
-
-def finer(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Values of cells (nx, nz) on cells that are smaller by a whole number."""
-    return np.repeat(np.repeat(values, shape[0] // values.shape[0], axis=0), shape[1] // values.shape[1], axis=1)
 
 
 def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:

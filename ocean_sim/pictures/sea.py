@@ -8,7 +8,6 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
-from ocean_sim.pictures.bow import Bow
 from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.mirror import SHARE, Mirror
@@ -20,16 +19,15 @@ from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Content, Stage
-from ocean_sim.pictures.wake import RESTING, Kelvin, Wake, standing
+from ocean_sim.pictures.wake import Kelvin, Wake, standing
 from ocean_sim.pictures.water_shading import EXPOSURE, Terms, slope_variance
+from ocean_sim.pictures.waterline import CONTACT_WIDTH, RESTING, Hull, Met
 
 TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
 NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
 SMOOTHED = 1.5  # pixels across which a final picture is smoothed
 RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
-HULL_PIXELS, HULL_REACH = (96, 96), 4.0  # of the map of distances to a hull and of its foam; [m] around it
-FADES = 1.5  # [m] from the edge of that map in which foam ends
-CONTACT_WIDTH = 0.55  # [m] in which the foam along a hull that lies still falls to a third
+HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
 
 
 class Dome:
@@ -46,15 +44,6 @@ class Dome:
         self.shaded.set(eyeW=eye)
 
 
-class Waterline:
-    """The hull of a ship that meets the water."""
-
-    def __init__(self, grid: Any, key: str) -> None:
-        """Of the ship that frames keep under a key."""
-        self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
-        self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
-
-
 class Sea(Content):
     """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
 
@@ -64,7 +53,7 @@ class Sea(Content):
         self.surface = SeaSurface(grid, state, NODES[order.quality])
         sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
         self.above = water_glsl.textures_of(sky)
-        self.hulls = {key: Waterline(grid, key) for key in ships_in(grid, "_vertices")}
+        self.hulls = {key: Hull(grid, key) for key in ships_in(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.vessels = vessels
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
@@ -146,7 +135,7 @@ class Sea(Content):
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
         self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
         self.dome.stand(eye)
-        levels = [self.meet(k, key, hull, *frame.ships[key]) for k, (key, hull) in enumerate(self.hulls.items())]
+        levels = [self.meet(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
         if levels:
             water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
         self.darken()
@@ -213,32 +202,17 @@ class Sea(Content):
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
-    def bow(self, key: str) -> Bow:
-        """Of a ship as she goes now."""
-        hull = self.hulls[key]
-        return Bow(hull.length, hull.beam, self.vessels[key].speed(self.frame.time))
+    def met(self, key: str, position: np.ndarray, turn: np.ndarray) -> Met:
+        """A ship in the water as it is drawn now."""
+        speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
+        return self.hulls[key].met(position, turn, speed, self.heights_at)
 
     def bow_waves(self, frame: Frame) -> np.ndarray:
         """(nx, nz) [m] the waves at the bows of all ships, on the water that is there without them."""
         places = self.surface.nodes + frame.origin
-        raised = np.zeros(len(places))
-        for key in self.vessels:
-            position, turn = frame.ships[key]
-            line = self.waterline(self.hulls[key], position, turn)
-            if len(line) <= 2:
-                continue
-            bow, ends = self.bow(key), line.reshape(-1, 2)
-            stem = foam.from_ship(ends[:, 0], ends[:, 1], position, turn)[0].max()
-            ahead, aside = foam.from_ship(places[:, 0], places[:, 1], position, turn)
-            abaft = stem - ahead
-            raised += bow.height(abaft, np.abs(aside) - bow.half_breadth(abaft))
+        ships = [self.met(key, *frame.ships[key]) for key in self.vessels]
+        raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
         return raised.reshape(self.height.shape)
-
-    def waterline(self, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        """(m, 2, 2) segments x, z [m] at which it meets the water."""
-        vertices = hull.vertices @ turn.T + position
-        above = vertices[:, 1] - self.heights_at(vertices[:, [0, 2]])
-        return foam.waterline(vertices, hull.triangles, above)
 
     def show_beyond(self, frame: Frame) -> None:
         """The sea outside the basin, on a fan around the eye."""
@@ -286,29 +260,24 @@ class Sea(Content):
             at[outside] = self.now.level + waves.elevation(self.now.waves, positions[outside], self.frame.time)
         return at
 
-    def meet(self, k: int, key: str, hull: "Waterline", position: np.ndarray, turn: np.ndarray) -> float:
+    def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
         """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
         image; returns the height of the water around it [m]."""
-        line = self.waterline(hull, position, turn)
-        wet = len(line) > 2
-        self.set(**{f"useHull{k}": float(wet)})
-        if wet:
-            low, high = line.min(axis=(0, 1)) - HULL_REACH, line.max(axis=(0, 1)) + HULL_REACH
+        hull, ship = self.hulls[key], self.met(key, position, turn)
+        self.set(**{f"useHull{k}": float(ship.wet)})
+        if ship.wet:
+            low, high = ship.around()
             rows, columns = HULL_PIXELS
             x = low[0] + (np.arange(columns) + 0.5) / columns * (high[0] - low[0])
             z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
             places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
-            gap = foam.distance(places, line)
+            gap = ship.gap(places)
             self.gap[k, ..., 0] = gap.astype(np.float32).reshape(rows, columns)
-            if key in self.vessels:
-                ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
-                abaft = (line @ ahead).max() - places @ ahead
-                share = self.bow(key).white(abaft, gap) * np.clip((HULL_REACH - gap) / FADES, 0.0, 1.0)
-                self.gap[k, ..., 1] = share.astype(np.float32).reshape(rows, columns)
+            self.gap[k, ..., 1] = ship.breaking(places, gap).astype(np.float32).reshape(rows, columns)
             self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
         mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
         self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
-        return float(self.heights_at(line.reshape(-1, 2) if wet else position[None, [0, 2]]).mean())
+        return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
 
     def close(self) -> None:
         if self.mirror is not None:

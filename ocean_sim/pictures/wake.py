@@ -27,7 +27,6 @@ FARTHEST = 2.0  # squared half widths from the track at which the white is gone
 SLICK = 0.6  # [half breadths] is left between two lines of foam
 LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
 AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
-RESTING = 0.30  # share of foam along a hull that lies still
 
 
 class Wake:

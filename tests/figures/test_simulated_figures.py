@@ -80,3 +80,21 @@ def test_figure_6_7_ship_and_water_keep_their_momentum(tmp_path):
     )
     assert ship[-1] < 0.97 * ship[0]  # it has given some away
     np.testing.assert_allclose(both - walls, both[0], rtol=0.03)  # 2.2 % with water this coarse
+
+
+@pytest.mark.slow
+def test_a_map_of_stability_in_haste_ends_with_a_verdict_at_each_of_its_points(tmp_path):
+    """The script runs its own study where it is given none."""
+    command = [sys.executable, str(library("figures") / "stability.py"), "--fast", "--out", str(tmp_path)]
+    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, env=here)
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader((tmp_path / "stability.csv").open()))
+    assert {float(row["dt_over_courant"]): row["verdict"] for row in rows} == {1.0: "stable", 4.0: "stopped"}
+    assert (tmp_path / "stability_compression.png").stat().st_size > 20_000
+
+
+@pytest.mark.slow
+def test_speed_against_accuracy_in_haste_has_an_error_of_each_scheme(tmp_path):
+    schemes = {row["scheme"] for row in drawn("speed_accuracy", tmp_path)}
+    assert schemes >= {"mueller", "dfsph", "delta_sph", "cloth", "marching_cubes"}

@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
+from scipy.ndimage import map_coordinates
 
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import in_words
@@ -11,11 +13,14 @@ from ocean_sim.files import whole_file
 from ocean_sim.files.vtkhdf import Series
 from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
-from ocean_sim.pictures import export_scene
+from ocean_sim.pictures import export_scene, opengl, water_mesh
 from ocean_sim.pictures.export import NothingToExport, export_run, saved
 from ocean_sim.pictures.export_wakes import Wakes
 from ocean_sim.pictures.foam import coarser
-from ocean_sim.pictures.frame_files import frame_files
+from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+from ocean_sim.pictures.order import Order
+from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures.waterline import CONTACT_WIDTH, RESTING
 from ocean_sim.verbs.shared.after import made
 
 
@@ -99,6 +104,16 @@ def test_a_slice_has_particles_but_no_mesh(tmp_path):
         with pytest.raises(NothingToExport, match="export its particles"):
             export_run(tmp_path, None, out=tmp_path / "export", **asked)
     assert not (tmp_path / "export").exists()
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_surface_of_a_slice_is_left_out_without_a_word(tmp_path):
+    """Its places from side to side of a basin without breadth were numbers over nothing, and NumPy said so."""
+    grid = {"x": np.arange(3.0), "z": np.zeros(1), "lower": np.zeros(3), "upper": np.array([3.0, 1.0, 0.0])}
+    line = {"vertices": np.zeros((3, 3)), "triangles": np.zeros((0, 3), int), "normals": np.zeros((3, 3))}
+    np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 1)), position=np.ones((5, 3)), **line)
+    kept = export_scene.shot(tmp_path / "frame.npz", grid, Wakes([], grid))
+    assert len(kept.points) == len(kept.faces) == 0 and len(kept.particles["position"]) == 5
 
 
 def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
@@ -206,11 +221,10 @@ def test_what_stands_in_the_water_is_in_the_scene(blocked):
     assert enclosed(np.array(mesh.GetPointsAttr().Get()), faces) == pytest.approx(volume, rel=1e-6)
 
 
-def white_of(folder, frame) -> np.ndarray:
-    """Foam of a frame and of the wake in it, at the points of its heights."""
-    wakes = Wakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz")))
-    behind = wakes.white(float(frame["time"]), np.zeros(2))
-    return coarser(np.maximum(frame["foam"], export_scene.finer(behind, frame["foam"].shape)), (12, 8)).ravel()
+def shown_of(folder, frame) -> tuple[np.ndarray, np.ndarray]:
+    """Heights of a frame, and its foam at their points, as pictures show them around ships."""
+    height, white = Wakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz"))).shown(frame)
+    return height, coarser(white, height.shape).ravel()
 
 
 def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
@@ -224,9 +238,10 @@ def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0 and UsdGeom.GetStageUpAxis(stage) == "Z"
     water = UsdGeom.Mesh.Get(stage, "/sea/water")
     points = np.array(water.GetPointsAttr().Get(code))
-    np.testing.assert_allclose(points[:, 1].reshape(12, 8), frame["elevation"], atol=1e-6)
+    height, white = shown_of(manned, frame)
+    np.testing.assert_allclose(points[:, 1].reshape(12, 8), height, atol=1e-6)
     foam = UsdGeom.PrimvarsAPI(water).GetPrimvar("foam").Get(code)
-    np.testing.assert_allclose(np.array(foam), white_of(manned, frame), atol=1e-6)
+    np.testing.assert_allclose(np.array(foam), white, atol=1e-6)
     velocity = np.array(water.GetVelocitiesAttr().Get(code))
     np.testing.assert_allclose(velocity, frame["surface_velocity"].reshape(-1, 3), atol=1e-6)
     world = UsdGeom.Xformable(stage.GetPrimAtPath("/sea/ship")).ComputeLocalToWorldTransform(code)
@@ -265,9 +280,9 @@ def test_gltf_opens_elsewhere_with_its_ship_on_her_way(manned):
     scene = trimesh.load(file)
     assert set(scene.geometry) == {"water", "ship"} and scene.geometry["water"].faces.shape[1] == 3
     water = next(points for points in found if len(points) == 12 * 8)
-    first = np.load(manned / "frames" / "frame_00000.npz")["elevation"]
+    first, _ = shown_of(manned, dict(np.load(manned / "frames" / "frame_00000.npz")))
     heights = water[:, 1].reshape(12, 8)
-    moved = np.abs(heights - frame["elevation"]).max() < 1e-4
+    moved = np.abs(heights - shown_of(manned, frame)[0]).max() < 1e-4
     assert moved or np.abs(heights - first).max() < 1e-4  # readers that know no time show the first moment
 
 
@@ -278,8 +293,9 @@ def test_a_surface_comes_with_foam_velocity_and_ships_and_particles_as_points(ma
     files = export_run(manned, "ply", "vtp", manned / "export", z_up=True)
     frame = dict(np.load(manned / "frames" / "frame_00004.npz"))
     surface = pyvista.read(manned / "export" / "surface_00004.vtp")
-    np.testing.assert_allclose(surface["foam"], white_of(manned, frame), atol=1e-6)
-    np.testing.assert_allclose(surface.points[:, 2].reshape(12, 8), frame["elevation"], atol=1e-6)
+    height, white = shown_of(manned, frame)
+    np.testing.assert_allclose(surface["foam"], white, atol=1e-6)
+    np.testing.assert_allclose(surface.points[:, 2].reshape(12, 8), height, atol=1e-6)
     ship = pyvista.read(manned / "export" / "ship_00004.vtp")
     np.testing.assert_allclose(np.mean(ship.bounds[:2]), frame["ship_position"][0], atol=0.02)
     cloud = trimesh.load(manned / "export" / "particles_00004.ply")
@@ -304,28 +320,116 @@ def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_p
     assert list(export_scene.shot(tmp_path / "folded.npz", grid, Wakes([], grid)).fields) == ["Normals"]
 
 
-@pytest.fixture
-def sailing(tmp_path):
-    """A run folder of a ship that goes at 5 m/s along z over still water that sinks under her."""
-    (tmp_path / "frames").mkdir()
+def voyage(folder, answers):
+    """A run folder of a ship that goes at 5 m/s along z: over a sea that `answers` to her, so that it sinks under her,
+    or over long waves that know nothing of her, whose surface is kept as triangles, too."""
+    (folder / "frames").mkdir()
     x, z = np.arange(-20.0, 20.5), np.arange(-40.0, 40.5)
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-7.5, 7.5)])
-    low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "spacing": 1.0, "every": 0.5}
-    ship = {"ship_vertices": box, "ship_triangles": export_scene.BOX}
-    np.savez(tmp_path / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
+    low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "depth": 9.0}
+    low |= {"spacing": 1.0, "every": 0.5, "has_surface": True} | ({"sea_answers": True} if answers else {})
+    ship = {"ship_vertices": box, "ship_triangles": export_scene.BOX, "ship_submerged": 1.0 / 3.0}
+    ship |= {"ship_look": "box", "ship_helm": np.zeros(0)}
+    np.savez(folder / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
     for k in range(7):
         at = 5.0 * 0.5 * k
-        answer = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
+        sunk = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
+        long = 0.2 * np.cos(0.15 * x[:, None] + 0.1 * z - 0.3 * k)
+        corners = np.insert(pairs(x, z), 1, long.ravel(), axis=1)
+        faces = water_mesh.triangles(len(x), len(z))
+        mesh = {"vertices": corners, "triangles": faces, "normals": export_scene.upwards(corners, faces)}
         np.savez(
-            tmp_path / "frames" / f"frame_{k:05d}.npz",
+            folder / "frames" / f"frame_{k:05d}.npz",
             time=0.5 * k,
-            elevation=answer,
-            answer=answer,
             foam=np.zeros((2 * len(x), 2 * len(z))),
             ship_position=np.array([0.0, 0.5, at]),
             ship_turn=np.eye(3),
+            **({"elevation": sunk, "answer": sunk} if answers else {"elevation": long} | mesh),
         )
-    return tmp_path
+    return folder
+
+
+@pytest.fixture
+def sailing(tmp_path):
+    return voyage(tmp_path, answers=True)
+
+
+@pytest.fixture
+def passing(tmp_path):
+    return voyage(tmp_path, answers=False)
+
+
+@pytest.fixture
+def pictured(passing):
+    """The last moment of it as a picture shows it: the sea that was drawn."""
+    files, grid = frame_files(passing), dict(np.load(passing / "frames" / "grid.npz"))
+    order = Order(str(passing), "", "third_person", (160, 90), False, "draft", 0.5, False, foam_cover=0.0)
+    picture = Picture(grid, order, Frame(files[0]), 1.0, Log(files))
+    picture.draw(Frame(files[-1]))
+    yield picture.content
+    picture.close()
+
+
+def foam_of(sea, places) -> np.ndarray:
+    """What the sea's programs take for white at places around its ship: along her hull, at her bow and in her wake."""
+    map_size = np.array(sea.gap.shape[2:0:-1])
+    low, high = sea.met("ship", *sea.frame.ships["ship"]).around()
+    at = ((places - low) / (high - low) * map_size - 0.5).T[::-1]
+    gap, breaking = (map_coordinates(sea.gap[0, ..., k].astype(float), at, order=1, mode="nearest") for k in range(2))
+    on = ((places > low) & (places < high)).all(axis=1)
+    along = np.where(on, np.maximum(breaking, RESTING * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH)), 0.0)
+    traits = np.asarray(sea.near.mesh.point_data["att"])[:, 0].reshape(len(sea.surface.x), len(sea.surface.z))
+    nodes = (sea.surface.x, sea.surface.z)
+    return np.maximum(along, RegularGridInterpolator(nodes, traits.astype(float))(places))
+
+
+@pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
+def test_files_have_the_wave_and_the_white_that_pictures_draw_at_a_ship(passing, pictured):
+    """As VTK reads them, heights are a picture's but for what a spline differs from lines between cells, and foam the
+    mean of a picture's over cells of a metre, of which a file knows four points: in the mean within 4 % of it."""
+    import pyvista
+
+    x, z = np.arange(-20.0, 20.5), np.arange(-40.0, 40.5)
+    inside = (np.abs(pairs(x, z)) < [12.0, 32.0]).all(axis=1)  # where nothing of the far sea is mixed in
+    places = pairs(x, z)[inside]
+    export_run(passing, None, "vtp", passing / "export")
+    mesh = pyvista.read(passing / "export" / "surface_00006.vtp")
+    np.testing.assert_allclose(mesh.points[inside, 1], pictured.heights_at(places), atol=2e-3)
+    kept = np.load(passing / "frames" / "frame_00006.npz")["elevation"].ravel()
+    assert (mesh.points[:, 1] - kept).max() > 0.3
+    within = (np.arange(4) - 1.5) / 4.0
+    drawn = foam_of(pictured, (places[:, None] + pairs(within, within)).reshape(-1, 2)).reshape(-1, 16).mean(axis=1)
+    found = np.asarray(mesh["foam"])[inside]
+    assert drawn.max() > 0.6 and found.mean() == pytest.approx(drawn.mean(), rel=0.04)
+    assert np.abs(found - drawn).max() < 0.15
+
+
+def test_files_of_all_kinds_have_the_same_wave_and_white_at_a_ship(passing):
+    """As VTK, trimesh and USD read the first moment."""
+    import pyvista
+    import trimesh
+
+    export_run(passing, None, "vtp", passing / "export", scene="glb")
+    export_run(passing, None, "ply", passing / "export")
+    first = pyvista.read(passing / "export" / "surface_00000.vtp")
+    points, foam = np.array(first.points), np.asarray(first["foam"])
+    assert foam.max() > 0.6
+    np.testing.assert_allclose(first["Normals"], export_scene.upwards(points, first.regular_faces), atol=1e-5)
+    file = vertices_of(passing / "export" / "surface_00000.ply")
+    np.testing.assert_allclose(np.stack([file[axis] for axis in "xyz"], axis=1), points, atol=1e-5)
+    np.testing.assert_allclose(file["foam"], foam, atol=1e-6)
+    water = trimesh.load(passing / "export" / "run.glb", process=False).geometry["water"]
+    np.testing.assert_allclose(water.vertices, points, atol=1e-5)
+    painted = export_scene.SEA + foam[:, None] * (export_scene.WHITE - export_scene.SEA)
+    np.testing.assert_allclose(water.visual.vertex_attributes["color"][:, :3], painted, atol=1e-5)
+    Usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom
+
+    [made] = export_run(passing, None, None, passing / "export", scene="usd")
+    stage = Usd.Stage.Open(str(made))
+    mesh = UsdGeom.Mesh.Get(stage, "/sea/water")
+    np.testing.assert_allclose(np.array(mesh.GetPointsAttr().Get(0.0)), points, atol=1e-5)
+    np.testing.assert_allclose(np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("foam").Get(0.0)), foam, atol=1e-6)
 
 
 def test_files_show_the_wake_of_a_ship_and_her_water_no_deeper_than_pictures(sailing):
@@ -335,7 +439,7 @@ def test_files_show_the_wake_of_a_ship_and_her_water_no_deeper_than_pictures(sai
     kept = export_scene.shot(sailing / "frames" / "frame_00006.npz", grid, wakes)
     white = kept.fields["foam"].reshape(len(grid["x"]), len(grid["z"]))
     middle = white[np.abs(grid["x"]) <= 1.5]
-    assert middle[:, (grid["z"] > -5.0) & (grid["z"] < 5.0)].max() > 0.3 and middle[:, grid["z"] > 12.0].max() == 0.0
+    assert middle[:, (grid["z"] > -5.0) & (grid["z"] < 5.0)].max() > 0.3 and middle[:, grid["z"] > 27.0].max() == 0.0
     assert -(5.0**2) / (2.0 * 9.81) <= kept.points[:, 1].min() < -1.0
 
 

@@ -15,6 +15,7 @@ from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
 from ocean_sim.pictures import far_sea, foam, frame_files, marks, opengl, sea_state, sea_surface, spray, water
 from ocean_sim.pictures import ripples as ripples_module
+from ocean_sim.pictures.picture import Picture
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 LOWER, UPPER = np.array([-20.0, -7.5, -15.0]), np.array([20.0, 0.0, 15.0])
@@ -36,6 +37,11 @@ def standing(time: float) -> SimpleNamespace:
 def spectrum(seed: int = 1) -> waves.Components:
     wanted = waves.Spectrum(significant_wave_height=1.0, peak_period=4.0, heading_deg=60.0, seed=seed)
     return wanted.components(waves.direction(60.0, 3), 7.5)
+
+
+def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
+    """As frames keep them."""
+    return frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=False))
 
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
@@ -347,6 +353,40 @@ def test_a_film_shows_what_a_final_picture_shows(picture):
 
 
 @with_opengl
+@pytest.mark.parametrize("eye", [1.7, 40.0])
+def test_water_far_away_changes_no_more_than_in_pictures_of_finer_pixels(tmp_path, eye):
+    """What shimmers, or stands in stripes that are not there, changes more from one picture to the next than the means
+    of pixels a third as wide; slopes that a pixel is too wide for are told by the width of the glint, and still."""
+    (tmp_path / "frames").mkdir()
+    sea, moments = spectrum(), (0.0, 0.08, 0.16)
+    np.savez(tmp_path / "frames" / "grid.npz", **GRID, **kept_waves(sea), every=0.08, has_surface=True)
+    for k, t in enumerate(moments):
+        height = waves.elevation(sea, points_module.pairs(X, Z), t).reshape(len(X), len(Z))
+        np.savez(tmp_path / "frames" / f"frame_{k:05d}.npz", time=t, elevation=height)
+    files, grid = frame_files.frame_files(tmp_path), dict(np.load(tmp_path / "frames" / "grid.npz"))
+
+    def changes(finer):
+        """(rows,) mean change of pixels from one picture to the next, from the horizon down."""
+        order = render.order_of(
+            tmp_path,
+            camera="fixed",
+            eye=(0.0, eye, 60.0),
+            target=(0.0, eye, -200.0),
+            size=(320 * finer, 180 * finer),
+            foam=False,
+            caption=False,
+        )
+        drawn = Picture(grid, order, frame_files.Frame(files[0]), 1.0, frame_files.Log(files))
+        film = np.array([drawn.draw(frame_files.Frame(file)) for file in files], float)
+        drawn.close()
+        film = film.reshape(len(files), 180, finer, 320, finer, 3).mean(axis=(2, 4))
+        return np.abs(np.diff(film, axis=0)).mean(axis=(0, 2, 3))[91:]
+
+    coarse, fine = changes(1), changes(3)
+    assert coarse[:8].mean() < 1.2 * fine[:8].mean() + 0.1 and coarse[8:40].mean() < fine[8:40].mean()
+
+
+@with_opengl
 @pytest.mark.parametrize("quality", QUALITIES)
 def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality):
     marked, bare = picture(quality=quality, **MARKED), picture(quality=quality, **BARE)
@@ -375,7 +415,7 @@ def test_heights_of_a_map_end_at_round_numbers_that_hold_them():
 
 def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles():
     sea = spectrum()
-    assert set(frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=False))) == {
+    assert set(kept_waves(sea)) == {
         "sea_amplitude",
         "sea_wavevector",
         "sea_phase",

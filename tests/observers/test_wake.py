@@ -50,6 +50,14 @@ def test_a_bow_wave_has_the_height_and_place_of_a_wedge_s():
     assert height[0] < 1e-3 and height[-1] < 0.1 * height.max()
 
 
+def test_a_bow_wave_stands_as_high_as_water_can_rise_where_published_theory_has_it():
+    """At V / sqrt(g D) = 4.4 tan / cos - 1, above which waves at wedges overturn and below which they are unsteady
+    (Delhommeau et al. 2009), the crest is V^2 / 2 g high."""
+    wedge = Bow(14.0, 4.0, 1.0).wedge
+    speed = (4.4 * wedge * np.hypot(1.0, wedge) - 1.0) * np.sqrt(GRAVITY * bow.DRAUGHT * 4.0)
+    assert Bow(14.0, 4.0, speed).crest[0] == pytest.approx(speed**2 / (2.0 * GRAVITY))
+
+
 def test_the_bow_wave_leaves_the_hull_at_an_angle_and_is_steeper_outside():
     going, aside = Bow(14.0, 4.0, 4.0), np.linspace(-1.0, 9.0, 2001)
     near, far = (going.height(np.full_like(aside, at), aside) for at in (3.0, 7.0))

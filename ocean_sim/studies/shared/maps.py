@@ -17,7 +17,13 @@ LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("s
 
 
 def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
-    """One map, a panel a scheme."""
+    """One map, as a file."""
+    with whole(path) as draft:
+        drawn(name, rows).savefig(draft, dpi=110)
+
+
+def drawn(name: str, rows: list[dict[str, Any]]) -> Any:
+    """One map, a panel a scheme, as a matplotlib figure."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -50,6 +56,5 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
         if k == 0:
             axes.set_ylabel(name)
     handles, labels = axes.get_legend_handles_labels() if axes is not None else ([], [])
-    figure.legend(handles, labels, loc="outside lower center", ncols=7, fontsize="small")
-    with whole(path) as draft:
-        figure.savefig(draft, dpi=110)
+    figure.legend(handles, labels, loc="outside upper center", ncols=7, fontsize="small")
+    return figure

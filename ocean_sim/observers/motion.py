@@ -77,7 +77,8 @@ class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
     takes: ClassVar[tuple[float, float]] = (2.5e-5, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
-    """Simulated time between rows."""
+    """Simulated time between rows. Those within the last step of a run take what acted on the ship a step before; a run
+    that goes on has others there."""
     point: str | None = None
     """The name in `points` of every ship where the specific force is felt; null: the centre of mass."""
     frame: Frame = "ship"

@@ -6,6 +6,7 @@ from ocean_sim.sea.shared.written import Written
 
 
 class Config(Written):
-    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top."""
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Of
+    random waves those of fewer than ten particles are left out with their part of the height; `check` says how much."""
 
     kind: Literal["linear_waves"] = "linear_waves"

@@ -169,6 +169,11 @@ class Components:
         """Whether they have more than one frequency."""
         return bool(np.ptp(self.omega) > 0.0)
 
+    def only(self, there: np.ndarray) -> "Components":
+        """Those of (n,), and the longest in any case."""
+        kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
+        return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
+
     def grown(self, time: float) -> float:
         """Share of their height at a time [s]."""
         return grown(time, self.ramp)

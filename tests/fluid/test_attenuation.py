@@ -1,8 +1,10 @@
 """What `check` says that a scheme takes of the waves of a scene."""
 
+import numpy as np
 import pytest
 
 import ocean_sim
+from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.validation import problems
 
 QUIET = {"accuracy": None, "health": None, "timings": None}
@@ -75,19 +77,29 @@ def test_standing_waves_travel_nowhere():
     assert "over a wavelength travelled" not in one and "waves 2 m long and 0.02 m high" in one
 
 
-def test_a_sea_whose_shortest_waves_are_noise_is_warned_of():
+@pytest.mark.parametrize(
+    ("cut_off", "spacing", "warned", "stated"),
+    [(4.0, 0.8, True, False), (2.0, 0.8, False, False), (4.0, 0.4, False, True), (4.0, 0.2, False, False)],
+)
+def test_waves_too_short_to_be_carried_are_left_out_and_told(cut_off, spacing, warned, stated):
     """A JONSWAP sea with 37 spacings to the highest waves; of its variance 4 % lies in waves of fewer than ten."""
-    spectrum = {"significant_wave_height": 0.8, "peak_period": 4.5, "heading_deg": 90.0}
-    for cut_off, spacing, warned in ((4.0, 0.8, True), (2.0, 0.8, False), (4.0, 0.4, False)):
-        scene = {
-            "duration": 60.0,
-            "basin": {"length": 120.0, "depth": 10.0, "walls": "periodic"},
-            "sea": {"kind": "linear_waves", "spectrum": spectrum | {"cut_off": cut_off}},
-            "fluid": {"kind": "delta_sph", "spacing": spacing},
-        }
-        config = ocean_sim.load(scene, QUIET)
-        found = [one for one in config.fluid.warnings(config.preflight) if "as noise" in one]
-        assert bool(found) == warned
+    spectrum = {"significant_wave_height": 0.8, "peak_period": 4.5, "heading_deg": 90.0, "cut_off": cut_off}
+    scene = {
+        "duration": 60.0,
+        "basin": {"length": 120.0, "depth": 10.0, "walls": "periodic"},
+        "sea": {"kind": "linear_waves", "spectrum": spectrum},
+        "fluid": {"kind": "delta_sph", "spacing": spacing},
+    }
+    config = ocean_sim.load(scene, QUIET)
+    sea = of_patch(config.preflight.tank, spacing)
+    assert (2.0 * np.pi / sea.wavenumber).min() > 0.999 * 10.0 * spacing
+    part = (sea.significant_height / 0.8) ** 2
+    for said, expected in ((config.fluid.warnings, warned), (config.fluid.statements, stated)):
+        found = [one for one in said(config.preflight) if "fewer than 10 particles" in one]
+        assert len(found) == expected
+        assert all(f"{1.0 - part:.2g} of the variance" in one for one in found)
+        assert all(f"{sea.significant_height:.4g} m on the patch (asked for: 0.8 m)" in one for one in found)
+    assert part == pytest.approx(1.0, abs=1e-9) or warned or stated
 
 
 @pytest.mark.parametrize(

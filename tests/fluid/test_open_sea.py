@@ -12,13 +12,14 @@ from ocean_sim.basin import shifts
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.fluid.shared import initial
 from ocean_sim.fluid.shared.band import Band, band, stokes
 from ocean_sim.fluid.shared.initial import of_patch
 from ocean_sim.fluid.shared.sea_rim import nodes
 from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
 from ocean_sim.fluid.shared.steep_source import SteepSource
 from ocean_sim.kernel_library import ti
-from ocean_sim.observers.shared.energy import total
+from ocean_sim.observers.shared.energy import kinetic, total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state
@@ -176,6 +177,34 @@ def test_a_feed_of_twice_the_loss_holds_the_sea_up_at_any_speed():
         assert found.at_ship(speed) == pytest.approx(1.0, abs=1e-9)
     unfed = band_of(patch(REGULAR | {"feed": 0.0}))
     assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
+
+
+def moving(until: float) -> float:
+    """Kinetic energy over that of linear theory, in the mean of the last third, of a JONSWAP sea on a slice: 20
+    particles to the highest waves, a tenth of the variance in waves of fewer than ten."""
+    spectrum = {"significant_wave_height": 1.2, "peak_period": 5.07, "cut_off": 2.0, "seed": 7}
+    basin = {"length": 120.0, "depth": 20.0, "walls": "periodic", "gravity": [0.0, -G, 0.0]}
+    with Simulation(patch({"kind": "linear_waves", "spectrum": spectrum}, basin, 2.0, duration=until)) as simulation:
+        sea, water = simulation.fluid.sea, simulation.fluid
+        linear, found = 0.25 * 1000.0 * G * float((sea.amplitude**2).sum()) * 120.0, []
+        while simulation.time < until:
+            simulation.run(simulation.time + 0.5)
+            if simulation.time > until / 1.5:
+                found.append(kinetic(water.particles.mass, water.totals()))
+    return float(np.mean(found)) / linear
+
+
+def test_waves_too_short_for_particles_hold_no_energy_up(monkeypatch):
+    """They are left out (1.16); fed, they grow too high (1.56)."""
+    assert moving(20.0) < 1.25
+    monkeypatch.setattr(initial, "CARRIED", 4.0)
+    assert moving(20.0) > 1.45
+
+
+@pytest.mark.slow
+def test_a_coarse_random_sea_keeps_its_energy_for_a_minute():
+    """1.16; with short waves 1.36, and 1.68 at the end."""
+    assert 0.9 < moving(60.0) < 1.25
 
 
 def test_waves_are_fitted_to_the_patch_and_statements_say_so():

@@ -369,6 +369,25 @@ def test_a_spring_swings_as_its_closed_form_from_the_first_row_on(barge, tmp_pat
     np.testing.assert_allclose(error[1] / error[0], 4.0, rtol=0.2)
 
 
+def test_a_run_that_stops_has_the_rows_of_one_that_goes_on_but_for_its_last_step(tmp_path):
+    """What acts on a ship at the end of a step is known a step later; nothing else waits for it."""
+    names = ("motion", "gauges")
+    over = {name: value for name, value in QUIET.items() if name not in names}
+    waves = {"kind": "linear_waves", "height": 1.0, "period": 5.0, "ramp": 0.0}
+    keys = {"fluid": waves, "motion": {"every": 0.01}, "gauges": {"elevation": {"here": [0.0, 9.0]}, "every": 0.01}}
+    step = {"kind": "fixed", "dt": 0.037}
+    found = []
+    for until in (0.7, 1.0):
+        folder = tmp_path / f"{until}"
+        run(load(calm({"kind": "hydrostatic", **BARGE}, **keys, time_step=step, duration=until), over), folder)
+        found.append({name: (folder / f"{name}.csv").read_text().splitlines() for name in ("motion", "gauges")})
+    short, long = ({name: [row for row in rows if row[0] != "#"] for name, rows in of.items()} for of in found)
+    assert len(short["gauges"]) == 72 and short["gauges"] == long["gauges"][:72]
+    time = [float(row.split(",")[0]) for row in short["motion"][1:]]
+    same = [ours == theirs for ours, theirs in zip(short["motion"][1:], long["motion"][1:])]
+    assert time[-1] == 0.7 and same == [t <= 18 * 0.037 for t in time]
+
+
 @pytest.mark.parametrize("attitude", [(0.0, 179.0, 0.0), (88.0, 20.0, 5.0)])
 def test_angles_between_two_steps_turn_the_short_way_around(attitude, tmp_path):
     """Five rows a step, through south and with the bow straight down: both leapt, by 72 degrees and more."""

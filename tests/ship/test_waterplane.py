@@ -53,6 +53,9 @@ def test_check_states_both_and_warns_where_the_cubes_differ(capsys):
     )
     assert answered(["check", "showcase"]) == 0
     assert "GM 0.895 m (by the faces of her hull 0.811 m)" in capsys.readouterr().out
+    assert any("6.25 rows of cubes are under water" in warning for warning in found["warnings"])
+    half = load("showcase", {"ship.cells_per_draught": 7.5})
+    assert not any("cubes is" in warning for warning in half.ships[ALONE].warnings(half.preflight))
     barge = load("showcase", {"ship": "barge20", "basin.length": 80.0, "basin.width": 80.0})
     assert not any("cubes is" in warning for warning in barge.ships[ALONE].warnings(barge.preflight))
 

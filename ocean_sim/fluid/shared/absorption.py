@@ -15,6 +15,7 @@ from ocean_sim.waves.absorption import damping_rate, reflected
 REGULAR, RANDOM = 1.0, 2.0  # [wavelengths] of a zone
 MOST = 0.5  # of the basin that the zones along an axis take
 SHORT = 0.5  # [wavelengths] a zone that is shorter sends most back
+FEWEST = 4.0  # spacings that a wave of a target must be long to be there
 UNKNOWN_PART, UNKNOWN_RATE = 0.25, 2.5  # of the basin, [sqrt(|g| / depth)]: zones for waves that nobody named
 
 
@@ -102,7 +103,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
     if target is not None and target.waves is not None:
         given = target.waves.sea(basin)
         if target.waves.spectrum is not None:
-            given = borne(given, target.waves.spectrum.significant_wave_height, spacing)
+            given = borne(given, target.waves.spectrum.significant_wave_height, FEWEST * spacing)
         given = fitted(given, basin)
     sea, size = given or of_scene, basin.upper[axis] - basin.lower[axis]
     length, rate = UNKNOWN_PART * size, UNKNOWN_RATE * free_fall_speed(basin) / basin.depth

@@ -20,7 +20,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
-from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.fluid.shared.initial import CARRIED, of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.waves.absorption import PROFILE
 
@@ -30,8 +30,10 @@ PASSED = 0.05  # of the height of a ship's waves that may go through the band
 NARROW = 0.7  # [wavelengths] a band that is narrower gives back more than a twentieth of the waves that a ship makes
 WEAK = 0.07  # of the height of the sea that may be lacking at the ship
 PIECES = 400  # of the way round a patch
+ROUNDING = 1e-6  # of the variance
 NO_SPEED = 1e-3  # [group speeds] a ship that is nearer to it keeps up with the waves
 CHANGED = 0.1  # of its wavenumber by which fitting may change a wave without a warning
+NOTABLE = 0.02  # of the variance that is not carried: worth a warning
 FEW = 3  # wavelengths that a patch is long at least: one and a half for the rims, as much between them
 
 
@@ -126,6 +128,24 @@ class Band:
             f"{' and '.join(better)} would keep them"
         )
 
+    @property
+    def left_out(self) -> float:
+        """Share of the variance that was asked for and is in waves too short to be carried."""
+        if self.sea is None or self.asked is None:
+            return 0.0
+        return max(0.0, 1.0 - (self.sea.significant_height / self.asked.significant_height) ** 2)
+
+    def short(self) -> str | None:
+        """What the patch has of a sea with waves too short to be carried."""
+        share = self.left_out
+        if self.sea is None or self.asked is None or share < ROUNDING:
+            return None
+        left, asked = self.sea.significant_height, self.asked.significant_height
+        return (
+            f"{share:.2g} of the variance of the sea is in waves of fewer than {CARRIED:g} particles, which are left "
+            f"out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
+        )
+
     def statements(self) -> list[str]:
         """What it is, in numbers."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
@@ -142,6 +162,8 @@ class Band:
                 f"the sea is nonlinear to third order on {cells} cells, "
                 f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
+        short = self.short()
+        found += [short] if short is not None and self.left_out <= NOTABLE else []
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
@@ -159,6 +181,8 @@ class Band:
         found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
         changed = self.changed()
         found += [changed] if changed is not None else []
+        short = self.short()
+        found += [f"{short}; take a smaller spacing"] if short is not None and self.left_out > NOTABLE else []
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "

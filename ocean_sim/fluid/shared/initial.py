@@ -27,7 +27,7 @@ Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, 
 DISORDER = 0x4_0000  # stream of random numbers
 LEAPS = 4  # Runge-Kutta steps along a displacement
 FITTING = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
-FEWEST = 4.0  # spacings that a wave must be long to be there
+CARRIED = 10.0  # spacings that a wave of a random sea must be long: fed, shorter ones become up to 3 times too high
 STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 
 
@@ -274,16 +274,14 @@ def carried(sea: waves.Components, positions: np.ndarray, basin: Basin, density:
     return wrapped(placed, basin), waves.linear_velocity(sea, placed), density * sea.gravity * head
 
 
-def borne(sea: waves.Components, height: float, spacing: float) -> waves.Components:
-    """What particles so far apart [m] bear of random waves of a significant height [m]. Waves shorter than a few
-    spacings cannot be there; those beyond k = 2 / Hs ride on the others and are no linear waves of their own (Stansberg
-    et al. 2008, Marine Structures 21). The rest carry their variance."""
-    there = sea.wavenumber < min(2.0 / height, 2.0 * pi / (FEWEST * spacing))
-    there[np.argmin(sea.wavenumber)] = True
-    share = np.linalg.norm(sea.amplitude) / np.linalg.norm(sea.amplitude[there])
-    return replace(
-        sea, amplitude=share * sea.amplitude[there], wavevector=sea.wavevector[there], phase=sea.phase[there]
-    )
+def borne(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
+    """What water bears of random waves of a significant height [m], none as short as `shortest` [m]: those beyond k =
+    2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
+    rest carry their variance."""
+    k = sea.wavenumber
+    found = sea.only((k < 2.0 / height) & (shortest * k < 2.0 * pi))
+    share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
+    return replace(found, amplitude=share * found.amplitude)
 
 
 def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
@@ -301,11 +299,14 @@ def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
-    """The sea as a patch of particles so far apart [m] bears it; None in calm water."""
+    """The sea as a patch of particles so far apart [m] carries it: of random waves those that are long enough, without
+    the variance of the others; None in calm water."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
-    there = fitted(borne(sea, basin.sea.significant_height, spacing) if sea.random else sea, basin)
+    there = fitted(borne(sea, basin.sea.significant_height) if sea.random else sea, basin)
+    if sea.random:
+        there = there.only((1.0 - 1e-9) * CARRIED * spacing * there.wavenumber <= 2.0 * pi)
     ramp = basin.sea.ramp
     if ramp is None:
         ramp = waves.RAMP * there.period if basin.afloat else 0.0

@@ -15,6 +15,7 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
+from ocean_sim.fluid.shared.initial import CARRIED
 from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
@@ -37,7 +38,7 @@ SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
-FINEST, UNRESOLVED = 10.0, 0.02  # spacings to a wave; share of the variance in shorter ones that is worth saying
+UNRESOLVED = 0.02  # share of the variance in waves too short to be carried that is worth saying
 STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
@@ -147,12 +148,11 @@ class SphConfig(WaterConfig):
                     f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
                 )
-            short = train.shorter_than(FINEST * spacing)
+            short = train.shorter_than(CARRIED * spacing)
             if short > UNRESOLVED:
                 yield (
-                    f"{short:.2g} of the variance of the sea is in waves of fewer than {FINEST:g} particles, which the "
-                    "feed holds up as noise: the water moves more than its waves; take a smaller spacing or a lower "
-                    "cut_off"
+                    f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
+                    "water hardly carries; take a smaller spacing or a lower cut_off"
                 )
             steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
             if steepness > most:

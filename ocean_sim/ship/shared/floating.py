@@ -256,11 +256,13 @@ class FloatingConfig(VesselConfig):
         if self.carried_as_body or own is None or abs(gm - own) <= STIFFER * abs(own):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
+        rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
+        cure = f"{rows}: cells_per_draught that leave half a row dry may bring them together"
         if min(gm, own) <= 0.0:
-            return [f"{than}; other cells_per_draught may bring them together"]
+            return [f"{than}; {cure}"]
         slower = sqrt(gm / own) - 1.0
         rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than it would"
-        return [f"{than}: {rolls}; other cells_per_draught may bring them together"]
+        return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ocean_sim.kernel_library import ast_transformer, expr, impl, kernel_impl, ti
 
+core, ScalarField, MatrixField = impl._ti_core, impl.ScalarField, impl.MatrixField
 Context, Transformer = kernel_impl.ASTTransformerContext, ast_transformer.ASTTransformer
 CLOSING = (")", "]", "}")  # with which a line goes on that begins no further to the right than its statement
 
@@ -212,11 +213,44 @@ def _pointers(value: Any) -> list[Any]:
     return [value.ptr] if type(value) is expr.Expr else _flattened(value)
 
 
+def _covered(self: Any, *given: Any, dbg_info: Any = None, dtype: Any = None) -> None:
+    """Python's cover of an expression of the compiler, of which nearly all are made."""
+    if len(given) != 1 or type(given[0]) is not core.Expr:
+        _any_covered(self, *given, dbg_info=dbg_info, dtype=dtype)
+        return
+    self.ptr, self.dbg_info, self.ptr_type_checked = given[0], dbg_info, True
+    if dbg_info:
+        self.ptr.set_dbg_info(dbg_info)
+    self.ptr.type_check(impl.pytaichi.prog.config())
+
+
+def _variable(value: Any) -> Any:
+    """A variable of a kernel that begins with a value."""
+    if type(value) is not expr.Expr:
+        return _any_variable(value)
+    builder, place = impl.pytaichi.compiling_callable.ast_builder(), impl.pytaichi.src_info_stack[-1]
+    return expr.Expr(builder.expr_var(value.ptr, core.DebugInfo(place)))
+
+
+def _element(builder: Any, value: Any, *indices: Any, skip_reordered: bool = False) -> Any:
+    """An element of a field of numbers or of vectors."""
+    plain = type(value) in (ScalarField, MatrixField) and all(type(index) is expr.Expr for index in indices)
+    first = value._get_field_members()[0].ptr if plain else None
+    if first is None or first.snode() is None:
+        return _any_element(builder, value, *indices, skip_reordered=skip_reordered)
+    group = core.ExprGroup()
+    for index in indices:
+        group.push_back(index.ptr)
+    field = value.ptr if type(value) is MatrixField else first
+    return expr.Expr(builder.expr_subscript(field, group, core.DebugInfo(impl.pytaichi.src_info_stack[-1])))
+
+
 def _within_range(kind: Any, value: int) -> int:
     return value if _fits(kind, value) else _clamped(kind, value)
 
 
 _tell, _builtin = ast_transformer.Builder.__call__, Transformer.build_call_if_is_builtin
+_any_covered, _any_variable, _any_element = expr.Expr.__init__, impl.expr_init, impl.subscript
 _flattened, _clamped = expr._get_flattened_ptrs, expr._clamp_unsigned_to_range
 _decorators = {id(getattr(ti, name)): name for name in ("static", "static_assert", "grouped", "ndrange")}
 
@@ -227,5 +261,6 @@ def quicken() -> None:
     ast_transformer.Builder.__call__, Context.get_pos_info = _build, _place
     Transformer.get_decorator, Transformer.build_call_if_is_builtin = _decorator, _calls_builtin
     ast_transformer.ChainMap = _merged
+    expr.Expr.__init__, impl.expr_init, impl.subscript = _covered, _variable, _element
     expr._get_flattened_ptrs, expr._check_in_range = _pointers, _fits
     expr._clamp_unsigned_to_range = _within_range

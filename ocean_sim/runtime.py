@@ -323,6 +323,10 @@ def start(config: RuntimeConfig) -> Backend:
             f"{kernel_library.NAME}; set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key "
             "out"
         )
+    if kernel_library.NAME == kernel_library.TAICHI:
+        from ocean_sim.kernel_library import reading
+
+        reading.quicken()
     _numbered = False
     threads = config.threads or cores()
     before = _thread_ids()

@@ -8,6 +8,7 @@ of the last run, nothing where none is known.
 """
 
 import csv
+import gc
 import os
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,6 +24,8 @@ _slow: dict[str, list[pytest.TestReport]] = {}
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
+    gc.freeze()  # what is collected stays to the end, and need not be looked through for garbage
+    gc.set_threshold(20_000)  # as the command line does
     _slow.update({item.nodeid.split("[")[0]: [] for item in session.items if item.get_closest_marker("slow")})
 
 

@@ -98,6 +98,7 @@ FOREIGN = {  # what is asked there is no part of ours
     "hasattr": {"ocean_sim.machine", "ocean_sim.runtime", "ocean_sim.state.walk"},
     "getattr": {
         "ocean_sim.runtime",
+        "ocean_sim.kernel_library.reading",
         "ocean_sim.files.input_file",
         "ocean_sim.ship.shared.mesh",
         "ocean_sim.state.fields",

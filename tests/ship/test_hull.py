@@ -9,8 +9,9 @@ from ocean_sim.__main__ import answered
 from ocean_sim.parts import named
 from ocean_sim.ship.shared.added_mass import by_rule, slenderness
 from ocean_sim.ship.shared.hull import Hull, hull_of
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.mesh import BadMesh
-from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.rigid_body import RigidBody, about
 from ocean_sim.ship.shared.voxels import voxels
 
 WATER = (1000.0, 9.81)
@@ -52,6 +53,30 @@ def test_cubes_are_the_same_from_the_cache_and_other_shapes_are_others():
     for a, b in ((first.centre, again.centre), (first.share, again.share), (first.area, again.area)):
         np.testing.assert_array_equal(a, b)
     assert len(voxels(hull({**BOX, "height": 5.0}).shape, 0.5).share) > len(first.share)
+
+
+def bisected(still: Hydrostatics, up: np.ndarray) -> float:
+    """The level at which a hull's cubes displace its mass, by all of them every time."""
+    height, spread = still.voxels.heights(up), still.voxels.spread(up)
+    low, high = float(height.min()) - spread, float(height.max()) + spread
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        volume = float((still.whole * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
+        low, high = (middle, high) if volume < still.wanted else (low, middle)
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+@pytest.mark.parametrize("share", [1e-6, 0.25, 0.5, 0.97])
+def test_the_water_stands_where_all_cubes_together_have_it_to_the_last_bit(name, share):
+    """Most cubes are left out while it is sought; of a box at a quarter or half of its height, rows of cubes begin
+    to be wet right there."""
+    solid = hull(VOLUMES[name][0]).shape
+    cubes = voxels(solid, solid.bounds()[1][1] / 16.0)
+    still = Hydrostatics(cubes, Matter(share * 1000.0 * cubes.volume, np.zeros(3), np.eye(3)), *WATER)
+    for axis, degrees in ((0, 0.0), (2, 0.5), (2, -20.0), (0, 3.0), (2, 45.0), (0, 77.0), (2, 90.0)):
+        up = about(axis, np.radians(degrees))[1]
+        assert still.level(up) == bisected(still, up)
 
 
 def test_inertia_of_cubes_is_that_of_a_box():

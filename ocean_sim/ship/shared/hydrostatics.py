@@ -16,6 +16,7 @@ from ocean_sim.ship.shared.voxels import Voxels
 UP = np.array([0.0, 1.0, 0.0])
 SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
 HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
+ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,17 @@ class Hydrostatics:
             return inf
         height, spread = self.voxels.heights(up), self.voxels.spread(up)
         low, high = float(height.min()) - spread, float(height.max()) + spread
+        near, whole, sunk = height, self.whole, 0.0  # cubes that the surface may cut, and the volume of those under it
         for _ in range(40):
             middle = 0.5 * (low + high)
-            volume = float((self.whole * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
+            volume = sunk + _under(middle, near, spread, whole)
+            if abs(volume - self.wanted) < ROUNDING * self.voxels.volume:  # where the order of a sum may decide
+                volume = _under(middle, height, spread, self.whole)
             low, high = (middle, high) if volume < self.wanted else (low, middle)
+            if high - low > 0.25 * spread:
+                under = near <= low - 0.5 * spread
+                cut = (near < high + 0.5 * spread) & ~under
+                near, whole, sunk = near[cut], whole[cut], sunk + float(whole[under].sum())
         return 0.5 * (low + high)
 
     @cached_property
@@ -193,3 +201,8 @@ class Hydrostatics:
         """In which slice along z each cube lies, and how many there are."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
+
+
+def _under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
+    """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
+    return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())

@@ -10,13 +10,10 @@ import inspect
 import linecache
 import os
 import sys
-import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
-from types import FrameType, ModuleType, SimpleNamespace
-from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
+from types import FrameType, ModuleType
+from typing import TYPE_CHECKING
 
 from ocean_sim.conventions import Lacking
 from ocean_sim.machine import left_for_later
@@ -29,7 +26,10 @@ __all__ = [
     "FieldsBuilder",
     "SNodeTree",
     "ScalarField",
+    "ast_transformer",
+    "expr",
     "impl",
+    "kernel_impl",
     "ti",
     "tm",
     "to_numpy_type",
@@ -75,8 +75,8 @@ try:
         import taichi.math as tm
         from taichi._snode.fields_builder import FieldsBuilder
         from taichi._snode.snode_tree import SNodeTree
-        from taichi.lang import impl, kernel_impl, snode
-        from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+        from taichi.lang import expr, impl, kernel_impl, snode
+        from taichi.lang.ast import ast_transformer
         from taichi.lang.field import ScalarField
         from taichi.lang.util import to_numpy_type
     else:
@@ -91,12 +91,6 @@ except ModuleNotFoundError as missing:
     if missing.name != QUADRANTS:
         raise
     raise Lacking(f"{VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it") from missing
-
-
-def _place(context: Any, node: Any) -> str:
-    """Where a node of a kernel's source stands, for messages of the compiler: file, line, function, and the line."""
-    line = node.lineno + context.lineno_offset
-    return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n{context.src[node.lineno - 1]}\n'
 
 
 def _untraced(stacklevel: int = 1) -> str:
@@ -114,26 +108,8 @@ def _in_oriented_class(level_of_class_stackframe: int) -> bool:
     return any(pattern.match(line) for pattern in kernel_impl._KERNEL_CLASS_STACKFRAME_STMT_RES)
 
 
-def _once(look: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """What is looked up about a function, looked up once for each."""
-    found: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
-
-    def known(function: Any) -> Any:
-        if function not in found:
-            found[function] = look(function)
-        return found[function]
-
-    return known
-
-
 if not TYPE_CHECKING and NAME == TAICHI:
-    # Before Taichi 1.7 finds a compiled kernel in its cache it reads the kernel's source through. Half of that time
-    # went into wrapped and underlined lines for every node, for messages that are hardly ever written, and into looking
-    # up the source of a function anew wherever one is called, and through each of its lines for tabs; each field took a
-    # millisecond for the stack of calls that declared it, and each decorated function one for the module it is in.
-    ASTTransformerContext.get_pos_info = _place
-    kernel_impl.getsourcelines = _once(kernel_impl.getsourcelines)
-    kernel_impl.getsourcefile = _once(kernel_impl.getsourcefile)
-    kernel_impl.textwrap = SimpleNamespace(fill=lru_cache(None)(textwrap.fill), dedent=lru_cache(None)(textwrap.dedent))
+    # Each field took Taichi 1.7 a millisecond for the stack of calls that declared it, and each decorated function one
+    # for the module it is in.
     kernel_impl._inside_class = _in_oriented_class
     impl.get_traceback = snode.get_traceback = _untraced

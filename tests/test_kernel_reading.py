@@ -1,0 +1,123 @@
+"""Kernels are read as Taichi reads them, and nothing is left of that."""
+
+import ast
+import inspect
+import textwrap
+
+import pytest
+
+from ocean_sim.fluid.shared import pair_sph, stencil
+from ocean_sim.kernel_library import reading, ti, tm
+from ocean_sim.ship.shared import wave_contact
+
+
+@pytest.fixture(autouse=True)
+def started(taichi_cpu):
+    """Taichi, started."""
+
+
+@ti.func
+def power(x, n: ti.template()):
+    result = 1.0
+    if ti.static(n > 0):
+        result = x * power(x, n - 1)
+    return result
+
+
+@ti.func
+def oddly(
+    x,
+    y,
+):
+    """Lies
+    as nothing else does."""
+    # and this does, too
+    z = x + y
+    return z - 1.0
+
+
+@ti.func
+def lost(x):
+    y = 2.0 * x
+    return y + nowhere  # noqa: F821
+
+
+@ti.func
+def length(v: ti.template()):
+    return v.norm()
+
+
+@ti.data_oriented
+class Stick:
+    @ti.func
+    def norm(self):
+        return 7.0
+
+
+def test_a_function_may_call_itself():
+    @ti.kernel
+    def cubed(x: float) -> float:
+        return power(x, 3) + power(power(x, 2), 1)
+
+    assert cubed(3.0) == 36.0
+    assert cubed(2.0) == 12.0
+
+
+def test_a_function_ends_where_its_statement_does():
+    @ti.kernel
+    def asked(x: float) -> float:
+        return oddly(x, 2.0)
+
+    assert asked(3.0) == 4.0
+
+
+def functions(module) -> list:
+    """All that Taichi compiles in a module, as Python knows it."""
+    owners = [module, *(owner for owner in vars(module).values() if inspect.isclass(owner))]
+    found = [value for owner in owners for value in vars(owner).values()]
+    return [inspect.unwrap(one) for one in found if hasattr(one, "_is_taichi_function") or hasattr(one, "_primal")]
+
+
+@pytest.mark.parametrize("module", [pair_sph, stencil, wave_contact])
+def test_what_is_read_is_what_python_says_the_source_is(module):
+    assert functions(module)
+    for function in functions(module):
+        expected = ast.parse(textwrap.dedent(inspect.getsource(function)))
+        expected.body[0].decorator_list = []
+        assert ast.dump(reading.Source(function).parsed()) == ast.dump(expected)
+
+
+def test_a_mistake_in_a_called_function_has_its_place():
+    @ti.kernel
+    def wrong() -> float:
+        return lost(1.0)
+
+    with pytest.raises(ti.TaichiCompilationError) as error:
+        wrong()
+    line = lost.__wrapped__.__code__.co_firstlineno + 3
+    assert f'test_kernel_reading.py", line {line}, in lost:\n' in str(error.value)
+    assert "in wrong:\n        return lost(1.0)" in str(error.value)
+
+
+def test_a_method_is_that_of_what_is_handed_over_now():
+    """A vector finds its methods among Taichi's functions, an object has its own."""
+    stick = Stick()
+
+    @ti.kernel
+    def three(x: float) -> float:
+        return length(tm.vec2(3.0 * x, 4.0)) + length(stick) + length(tm.vec2(0.0, x))
+
+    assert three(1.0) == 13.0
+
+
+def test_reading_leaves_nothing_of_what_a_kernel_belongs_to():
+    stick = Stick()
+
+    @ti.kernel
+    def seven() -> float:
+        return length(stick)
+
+    assert seven() == 7.0
+    trees = [tree for source in reading._sources.values() for tree in source.trees]
+    assert trees
+    assert [node for tree in trees for node in tree.nodes if getattr(node, "ptr", None) is not None] == []

@@ -181,6 +181,12 @@ class Fan:
         """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
+    def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
+        """Standard deviation of the convergence of waves of these amplitudes (n,) [m], and of those that are drawn on
+        each ring (rings,)."""
+        each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
+        return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
+
     def at(self, turning: np.ndarray) -> np.ndarray:
         """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at
         the eye (see `turning`)."""

@@ -15,7 +15,6 @@ from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
-from ocean_sim.pictures.sea_surface import grain as grain_of
 from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
@@ -118,7 +117,7 @@ class Sea(Content):
     ) -> None:
         """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
         part.mesh.points = points.astype(np.float32)
-        values = normals, traits, np.insert(grain, 1, 0.0, axis=1)
+        values = normals, traits, np.insert(foam.drawn_out(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
@@ -192,7 +191,8 @@ class Sea(Content):
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
-        cover = self.order.foam_cover
+        asked = self.order.foam_cover
+        cover = frame.cover if asked is None else asked
         called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
         fresh = surface.foam(now.convergence, called)
         nodes = surface.nodes + self.origin
@@ -202,10 +202,9 @@ class Sea(Content):
             moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
-            kept = surface.laced(frame.foam, grain)
-            if self.order.foam_cover is not None:
-                kept = foam.shares(kept + 1e-3 * fresh, self.order.foam_cover)
-            white = np.maximum(kept, (1.0 - surface.share) * fresh)
+            white = surface.whole(fresh, frame.foam, grain)
+            if asked is not None:
+                white = foam.shares(white + 1e-3 * fresh, asked)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         white = np.where(white < foam.FAINT, 0.0, np.minimum(white, 1.0))
@@ -258,9 +257,8 @@ class Sea(Content):
             self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
-        if self.order.foam and surface.wanted > 0.0:
-            gathered = drawn_together * grain_of(*nodes.T).reshape(rings.shape)
-            white = foam.shares(gathered, surface.wanted, surface.known)
+        if self.order.foam:
+            white = surface.beyond(drawn_together, nodes, rings, amplitude)
         traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -37,7 +37,7 @@ def spectrum(seed: int = 1) -> waves.Components:
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
     """Of a sea in closed form, or of the standing one."""
-    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact))
+    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact), angle=0.6)
 
 
 def modes() -> far_sea.Modes:

@@ -16,6 +16,7 @@ class Stage:
 
         self.pyvista: ModuleType = pyvista
         self.size, self.camera, self.samples = size, camera, samples
+        self.over: list[Any] = []  # actors that lie on the water, of which it shows none within it
         self.plotter = self.empty((samples * size[0], samples * size[1]))
 
     def empty(self, size: tuple[int, int]) -> Any:

@@ -251,14 +251,14 @@ class Sea(Content):
         new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
         found = surface.around(frame, eye, self.now)
         rings = fan.seen(found[..., 0], float(eye[1]))
-        height, slope_x, slope_z, drawn_together = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
+        height, slope_x, slope_z, _ = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
         nodes = np.take_along_axis(fan.nodes.reshape(*fan.shape, 2), rings[..., None], 0).reshape(-1, 2) + eye[[0, 2]]
         if new:
             self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
         if self.order.foam:
-            white = surface.beyond(drawn_together, nodes, rings, amplitude)
+            white = surface.beyond(found, rings, eye, amplitude)
         traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -35,7 +35,6 @@ class SeaSurface:
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
         self.grain = self.grain_at(np.zeros(2))
-        self.known = np.zeros(1)  # of convergence, over its deviation, times grain in the basin, in order
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
@@ -96,23 +95,24 @@ class SeaSurface:
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
         """(nx, nz) share of white water: its mean over the basin is the cover; None: what crests call for."""
-        gathered = drawn_together / max(float(drawn_together.std()), 1e-12) * self.grain
         self.wanted = foam.cover(drawn_together) if cover is None else cover
-        self.known = np.sort(gathered, axis=None)
-        return foam.shares(gathered, self.wanted, self.known)
+        return foam.shares(drawn_together * self.grain, self.wanted)
 
-    def beyond(
-        self, drawn_together: np.ndarray, places: np.ndarray, rings: np.ndarray, amplitude: np.ndarray
-    ) -> np.ndarray:
-        """(bands, rays) share of white water at places (n, 2) [m] of the fan, on `rings` (bands, rays) of it, of waves
-        of these amplitudes (m,) [m]: as much on each ring as in the basin, the more evenly the fewer waves are drawn
-        there that would tell where."""
+    def beyond(self, found: np.ndarray, rings: np.ndarray, eye: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
+        """(bands, rays) share of white water on `rings` (bands, rays) of the fan around an eye [m], of what is `around`
+        it, waves of these amplitudes (m,) [m]: as much near the eye as in the basin, and as much on each ring, the more
+        evenly the fewer waves are drawn there that would tell where."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
-        whole, drawn = self.fan.gathering(amplitude)
-        told = np.clip(drawn / whole, 1e-3, 1.0)[rings]
-        gathered = drawn_together / (told * whole) * grain(*places.T).reshape(rings.shape)
-        return self.wanted + told * (foam.shares(gathered, self.wanted, self.known) - self.wanted)
+        fan, place = self.fan, eye[[0, 2]]
+        whole, drawn = fan.gathering(amplitude)
+        told = np.clip(drawn / whole, 1e-3, 1.0)[:, None]
+        gathered = found[..., 3] / (told * whole)
+        known = np.sort(gathered.flat[fan.evenly] * grain(*(fan.nodes[fan.evenly] + place).T))
+        rays = np.broadcast_to(np.arange(rings.shape[1]), rings.shape)
+        nodes = fan.nodes[(rings * rings.shape[1] + rays).ravel()] + place
+        white = foam.shares(gathered[rings, rays] * grain(*nodes.T).reshape(rings.shape), self.wanted, known)
+        return self.wanted + told[rings, 0] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
         """(nx, nz) share of white water: what frames keep (see `laced`), and where that ends what has just turned white

@@ -483,6 +483,19 @@ def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
     assert after == pytest.approx(before, rel=0.15)
 
 
+def test_foam_is_drawn_out_along_the_wind_and_its_cover_stays():
+    """Edges are bent farther along it, so that patches become streaks, and its grain is longer."""
+    x, z = (part.ravel() for part in np.meshgrid(np.arange(0.0, 120.0, 0.5), np.arange(0.0, 120.0, 0.5), indexing="ij"))
+    for angle in (0.0, 0.7, -2.0):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        bent = foam.bent(x, z, angle)
+        along, across = way @ bent, np.array([-way[1], way[0]]) @ bent
+        assert along.std() == pytest.approx(foam.STREAKS * across.std(), rel=0.1)
+        gone = foam.drawn_out(np.stack([x, z], axis=1), angle)
+        np.testing.assert_allclose(gone @ way, (way[0] * x + way[1] * z) / foam.THREADS, atol=1e-9)
+        np.testing.assert_allclose(gone @ [-way[1], way[0]], way[0] * z - way[1] * x, atol=1e-9)
+
+
 def test_foam_between_the_middles_of_cells_is_scipy_s_byte_for_byte():
     cells = np.random.default_rng(2).normal(size=(20, 31))
     cells[3:6] = 0.0

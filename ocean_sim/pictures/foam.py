@@ -17,9 +17,7 @@ THICKEST = 1.3  # foam just born, over what is wholly white: ours, so that as mu
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
 APART = 2.2  # times its own cell that a fleck of foam covers before it thins out
 SPREADS = 0.3  # of the cover that is born where there is none: what the first patches gain as they begin to move
-BESIDE = (
-    0.6  # power of the share of a mean that lies within the sides, by which it is divided: ours, so that all vary alike
-)
+BESIDE = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
 RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
 TICK = 0.2  # [s] after which crests are looked for that break
@@ -38,10 +36,7 @@ FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
 HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
 TOGETHER = 512  # points whose distances to a line are found together: they stay in the processor's cache
-STREAKS, THREADS = (
-    3.0,
-    1.5,
-)  # along the wind over across it: how far edges of foam are bent, and the length of its grain
+STREAKS, THREADS = 3.0, 1.5  # along the wind over across it: how far edges are bent, and how long the grain is
 BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
 
@@ -86,9 +81,8 @@ def smoothed(drawn_together: np.ndarray) -> np.ndarray:
     """
     from scipy.ndimage import gaussian_filter
 
-    held, within = (
-        gaussian_filter(of, PATCH, mode="constant") for of in (drawn_together, np.ones_like(drawn_together))
-    )
+    whole = np.ones_like(drawn_together)
+    held, within = (gaussian_filter(of, PATCH, mode="constant") for of in (drawn_together, whole))
     return np.asarray(held / within**BESIDE)
 
 

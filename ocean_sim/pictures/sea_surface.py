@@ -137,7 +137,8 @@ class SeaSurface:
         )
         some = near[np.ix_(rows, columns)]
         at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5
-        at += foam.bent(*(grain[some.ravel()] / cell).T, self.state.angle)
+        of_x, of_z = (grain[some.ravel()] / cell).T
+        at += foam.bent(of_x, of_z, self.state.angle)
         white[some] = map_coordinates(kept, at, order=3, mode="nearest")
         return self.share * np.clip(white, 0.0, 1.0)
 

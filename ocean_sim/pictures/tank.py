@@ -27,7 +27,7 @@ class Shell(Content):
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
         self.sides = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.boxes = grid.get("obstacles", np.zeros((0, 2, 3)))
-        vessel.build(stage, grid["lower"], grid["upper"], upper, depth)
+        vessel.build(stage, grid["lower"], upper, depth)
         over = sky.clear()
         ball = stage.pyvista.Icosphere(radius=1.0, nsub=1)
         directions = np.asarray(ball.points, dtype=float)

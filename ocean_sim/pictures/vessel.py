@@ -15,10 +15,7 @@ BELOW = 0.004  # of a tank's height by which bed and walls are drawn outside the
 BED = np.array([0.68, 0.74, 0.76])  # of bed and walls: on dark ground clear water would not tell how thick it is
 APART, BROAD, LINE = 0.2, 0.03, 0.86  # lines on it: [tank's depths] apart, breadth over that, and their light over its
 CELLS = 24  # along each side of a panel
-NOOK, REACH = (
-    0.25,
-    0.12,
-)  # light that a panel lacks where another meets it, and [tank heights] in which a third of that is left
+NOOK, REACH = 0.25, 0.12  # light that a panel lacks where another meets it, a third of it so many heights away
 SHADED, SUNNY = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
 
 
@@ -65,10 +62,10 @@ def marked(low: float, up: float, step: float) -> Iterator[np.ndarray]:
         yield np.clip(at + 0.5 * BROAD * step * np.array([-1.0, 1.0]), low, up)
 
 
-def build(stage: Stage, low: np.ndarray, up: np.ndarray, top: np.ndarray, depth: float) -> None:
-    """Add the vessel from `low` to `up` [m], whose glass is drawn up to `top` [m]: its panels, lines at round numbers
-    of metres in a tank of this depth [m], and its edges."""
-    pyvista, below, step = stage.pyvista, BELOW * (up[1] - low[1]), round_above(APART * depth)
+def build(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
+    """Add the vessel from `low` to `top` [m]: its panels, the lines on them, a round number of metres apart that befits
+    a tank of this depth [m], and its edges."""
+    pyvista, below, step = stage.pyvista, BELOW * (top[1] - low[1]), round_above(APART * depth)
     box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
     whole = panels(low, top)

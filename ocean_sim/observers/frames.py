@@ -196,7 +196,8 @@ class Frames(Observer):
             self.whiten(simulation.time, crests, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape))
-        return {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
+        shown = {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
+        return shown | ({} if self.white.called == 0.0 else {"cover": np.array(self.white.cover)})
 
     def crests(
         self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray

@@ -23,7 +23,7 @@ TOWARDS = {  # direction of view, and what is up in the picture
 
 FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
 SHIPS = 0.62  # lengths of a ship that it sees each way then, from the still water up
-HEAVING = 0.1  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
+HEAVING = 0.16  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
 BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
 LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
 ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
@@ -216,9 +216,9 @@ def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> C
     top = upper + [0.0, headroom, 0.0]
     corners = np.array([[(lower, top)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
     x, y, away = corners @ right, corners @ up, corners @ forward
-    if name == "side":
+    if name in ("side", "top"):  # plans: nothing is larger for being nearer
         middle = 0.5 * (x.min() + x.max()) * right + 0.5 * (y.min() + y.max()) * up
-        half = 0.5 * max(BAND * np.ptp(y), MARGIN * np.ptp(x) / aspect)
+        half = 0.5 * max((BAND if name == "side" else MARGIN) * np.ptp(y), MARGIN * np.ptp(x) / aspect)
         return Camera(middle + (away.min() - 4.0 * np.linalg.norm(upper - lower)) * forward, forward, up, half)
     tangent = np.tan(np.radians(VIEW_ANGLE / 2)) / MARGIN
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.

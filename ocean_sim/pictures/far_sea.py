@@ -22,6 +22,8 @@ NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lie
 WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
 REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
+NEAR, SAMPLES = 400.0, 4096  # [m] around the eye within which nodes are looked at that lie evenly, and how many
+GOLDEN = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
 BELT = 8  # rings of which the same waves are drawn
 TURN = np.radians(8.0)  # by which the eye turns before the fan does
 ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
@@ -117,6 +119,7 @@ class Fan:
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
         self.triangles = np.zeros((0, 3), dtype=int)  # of those that are seen
+        self.evenly = np.zeros(0, int)  # numbers of nodes near the eye, as many to each square metre
         self.belts: list[tuple[slice, np.ndarray, np.ndarray]] = []  # rings, their waves, and cosine and sine of these
 
     def look(
@@ -147,6 +150,10 @@ class Fan:
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
         self.distance = distance
+        area = np.cumsum(np.gradient(distance) * distance * (distance < NEAR))
+        n = np.arange(SAMPLES)
+        ring = np.searchsorted(area, (n + 0.5) / SAMPLES * area[-1])
+        self.evenly = ring * len(angle) + (np.modf(GOLDEN * n)[0] * len(angle)).astype(int)
         band = np.floor(np.arctan2(step, distance) / row)
         starts = np.flatnonzero(np.diff(band, prepend=np.inf))
         ends = np.append(starts[1:], len(distance))
@@ -180,6 +187,12 @@ class Fan:
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
         """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
+
+    def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
+        """Standard deviation of the convergence of waves of these amplitudes (n,) [m], and of those that are drawn on
+        each ring (rings,)."""
+        each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
+        return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
         """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at

@@ -15,7 +15,9 @@ LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Ge
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
 THICKEST = 1.3  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
-APART = 2.0  # times its own cell that a fleck of foam covers before it thins out
+APART = 2.2  # times its own cell that a fleck of foam covers before it thins out
+SPREADS = 0.3  # of the cover that is born where there is none: what the first patches gain as they begin to move
+BESIDE = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
 RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
 TICK = 0.2  # [s] after which crests are looked for that break
@@ -34,6 +36,7 @@ FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
 HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
 TOGETHER = 512  # points whose distances to a line are found together: they stay in the processor's cache
+STREAKS, THREADS = 3.0, 1.5  # along the wind over across it: how far edges are bent, and how long the grain is
 BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
 
@@ -72,9 +75,21 @@ def monahan(speed: float) -> float:
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
+def smoothed(drawn_together: np.ndarray) -> np.ndarray:
+    """(n, m) convergence as a mean over the width of a patch of foam, by which its crests are told. Beside the sides of
+    the grid, where that is a mean of fewer cells, it is made smaller: it would vary more, and most foam be born there.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    whole = np.ones_like(drawn_together)
+    held, within = (gaussian_filter(of, PATCH, mode="constant") for of in (drawn_together, whole))
+    return np.asarray(held / within**BESIDE)
+
+
 def called_for(drawn_together: np.ndarray, wind: float) -> float:
-    """The share of the sea that is white where none is asked for: what its crests or a wind [m/s] call for."""
-    return min(max(monahan(wind), cover(drawn_together)), MOST)
+    """The share of the sea that is white where none is asked for: what a wind [m/s] calls for; without one, 0, what its
+    crests do."""
+    return min(monahan(wind), MOST) if wind > 0.0 else cover(drawn_together)
 
 
 class Field:
@@ -141,15 +156,14 @@ class Field:
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
         where it is, and never age.
         """
-        from scipy.ndimage import gaussian_filter
-
         white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH**2 / self.white.size
         lacks = self.cover - white.mean()
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
-        fresh = gaussian_filter(drawn_together, PATCH) * (1.0 - SPENT * white)
-        born = born_to(white, fresh, max(self.cover, white.mean() + least))
+        fresh = smoothed(drawn_together) * (1.0 - SPENT * white)
+        spreads = SPREADS * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
+        born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
@@ -327,14 +341,23 @@ def heaps(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarr
     return slope_x, slope_z, bright
 
 
-def bent(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def bent(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
-    a few values apart a cell would make round blobs of it."""
-    way = np.zeros((2, len(x)))
+    a few values apart a cell would make round blobs of it. Most along the wind, which goes to an `angle` [rad] from +x
+    to +z and whose drift at the surface leaves streaks of it."""
+    c, s = np.cos(angle), np.sin(angle)
+    along, across, way = (c * x + s * z) / STREAKS, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in BENDS:
-        u, v = x / wave, z / wave
+        u, v = along / wave, across / wave
         way += far * (np.stack([noise(u + 3.0, v + 17.0)[0], noise(u + 29.0, v + 5.0)[0]]) - 0.5)
-    return way
+    return np.stack([STREAKS * c * way[0] - s * way[1], STREAKS * s * way[0] + c * way[1]])
+
+
+def drawn_out(places: np.ndarray, angle: float) -> np.ndarray:
+    """Places (n, 2) [m] by which foam finds its grain, nearer to each other along the wind, which goes to an `angle`
+    [rad] from +x to +z: threads are the longer there."""
+    way = np.array([np.cos(angle), np.sin(angle)])
+    return places - (1.0 - 1.0 / THREADS) * (places @ way)[:, None] * way
 
 
 def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:

@@ -48,6 +48,7 @@ class Frame:
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
             self.foam = file["foam"].astype(np.float64) if "foam" in file else None  # share that is white, finer
             self.carried = file["carried"].astype(np.float64) if "carried" in file else None  # its grain, x, z [m]
+            self.cover = float(file["cover"]) if "cover" in file else None  # share of the sea that is to be white
             self.origin = file["origin"].astype(np.float64) if "origin" in file else np.zeros(2)  # of all these [m]
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None

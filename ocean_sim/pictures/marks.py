@@ -136,7 +136,8 @@ class Outline:
         self.raised = RAISED * float((upper - lower)[[0, 2]].max())  # [m]
         self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
         width = 2.0 * stage.samples  # [pixels of the plotter]
-        stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
+        drawn = stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
+        stage.over.append(drawn)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
         """Around an origin x, z [m], at heights (points,) [m]."""

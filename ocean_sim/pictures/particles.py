@@ -6,6 +6,15 @@ from ocean_sim.pictures import sky
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import Content, Stage
 
+RIM = 0.5  # light of the rim of a ball over that of its middle
+ROUND = f"""//VTK::Color::Impl
+  float away = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);
+  if (away > 1.0) discard;
+  float bright = {RIM} + {1.0 - RIM:g} * sqrt(1.0 - away);
+  ambientColor *= bright;
+  diffuseColor *= bright;
+"""  # VTK's own balls end in black
+
 
 class Particles(Content):
     """Every particle as a small ball, coloured by its speed."""
@@ -36,6 +45,7 @@ class Particles(Content):
                 "color": "#10222c",
             },
         )
+        balls.mapper.SetSplatShaderCode(ROUND)
         balls.mapper.scale_factor = 0.5 * spacing  # [m] radius
         self.cloud, self.fastest = balls.mapper.dataset, fastest
         self.colours = balls.mapper.lookup_table.values  # (256, 4), 8-bit

@@ -140,8 +140,12 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it."""
+        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it; from
+        above one colour of the ground."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
+        if camera.from_above and camera.parallel_height is not None:
+            self.plotter.set_background(water_shading.display(sky.around(camera.forward[None]))[0] / 255.0)
+            return
         if camera.parallel_height is not None:
             low, high = water_shading.display(sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
             self.plotter.set_background(low, top=high)

@@ -14,7 +14,6 @@ from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
-from ocean_sim.pictures.sea_surface import grain as grain_of
 from ocean_sim.pictures.ship import ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
@@ -107,7 +106,7 @@ class Sea(Content):
     ) -> None:
         """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
         part.mesh.points = points.astype(np.float32)
-        values = normals, traits, np.insert(grain, 1, 0.0, axis=1)
+        values = normals, traits, np.insert(foam.drawn_out(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
@@ -181,7 +180,8 @@ class Sea(Content):
         if not np.array_equal(frame.origin, self.origin):
             self.origin = frame.origin
             surface.grain = surface.grain_at(frame.origin)
-        cover = self.order.foam_cover
+        asked = self.order.foam_cover
+        cover = frame.cover if asked is None else asked
         called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
         fresh = surface.foam(now.convergence, called)
         nodes = surface.nodes + self.origin
@@ -191,10 +191,9 @@ class Sea(Content):
             moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
-            kept = surface.laced(frame.foam, grain)
-            if self.order.foam_cover is not None:
-                kept = foam.shares(kept + 1e-3 * fresh, self.order.foam_cover)
-            white = np.maximum(kept, (1.0 - surface.share) * fresh)
+            white = surface.whole(fresh, frame.foam, grain)
+            if asked is not None:
+                white = foam.shares(white + 1e-3 * fresh, asked)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         white = np.where(white < foam.FAINT, 0.0, np.minimum(white, 1.0))
@@ -226,15 +225,14 @@ class Sea(Content):
         new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
         found = surface.around(frame, eye, self.now)
         rings = fan.seen(found[..., 0], float(eye[1]))
-        height, slope_x, slope_z, drawn_together = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
+        height, slope_x, slope_z, _ = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
         nodes = np.take_along_axis(fan.nodes.reshape(*fan.shape, 2), rings[..., None], 0).reshape(-1, 2) + eye[[0, 2]]
         if new:
             self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
-        if self.order.foam and surface.wanted > 0.0:
-            gathered = drawn_together * grain_of(*nodes.T).reshape(rings.shape)
-            white = foam.shares(gathered, surface.wanted, surface.known)
+        if self.order.foam:
+            white = surface.beyond(found, rings, eye, amplitude)
         traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -11,7 +11,7 @@ from ocean_sim.pictures.ripples import noise
 from ocean_sim.pictures.sea_state import Now, SeaState
 from ocean_sim.pictures.water_mesh import spline, triangles
 
-FARTHEST = 3  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
+FARTHEST = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
 GRAIN = 7.0  # [m] apart at which white water gathers along a crest
 
 
@@ -35,7 +35,6 @@ class SeaSurface:
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
         self.triangles = triangles(len(self.x), len(self.z))
         self.grain = self.grain_at(np.zeros(2))
-        self.known = np.zeros(1)  # of convergence times grain in the basin, in order
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
@@ -67,7 +66,7 @@ class SeaSurface:
                 near = replace(near, height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(
                 far.height + mine * (near.height - far.height),
-                far.convergence + mine * (near.convergence - far.convergence),
+                near.convergence,
                 far.variance,
             )
         step = (self.upper - self.lower) / frame.elevation.shape
@@ -96,10 +95,29 @@ class SeaSurface:
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
         """(nx, nz) share of white water: its mean over the basin is the cover; None: what crests call for."""
-        gathered = drawn_together * self.grain
         self.wanted = foam.cover(drawn_together) if cover is None else cover
-        self.known = np.sort(gathered, axis=None)
-        return foam.shares(gathered, self.wanted, self.known)
+        return foam.shares(drawn_together * self.grain, self.wanted)
+
+    def beyond(self, found: np.ndarray, rings: np.ndarray, eye: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
+        """(bands, rays) share of white water on `rings` (bands, rays) of the fan around an eye [m], of what is `around`
+        it, waves of these amplitudes (m,) [m]: as much near the eye as in the basin, and as much on each ring, the more
+        evenly the fewer waves are drawn there that would tell where."""
+        if self.wanted <= 0.0:
+            return np.zeros(rings.shape)
+        fan, place = self.fan, eye[[0, 2]]
+        whole, drawn = fan.gathering(amplitude)
+        told = np.clip(drawn / whole, 1e-3, 1.0)[:, None]
+        gathered = found[..., 3] / (told * whole)
+        known = np.sort(gathered.flat[fan.evenly] * grain(*(fan.nodes[fan.evenly] + place).T))
+        rays = np.broadcast_to(np.arange(rings.shape[1]), rings.shape)
+        nodes = fan.nodes[(rings * rings.shape[1] + rays).ravel()] + place
+        white = foam.shares(gathered[rings, rays] * grain(*nodes.T).reshape(rings.shape), self.wanted, known)
+        return self.wanted + told[rings, 0] * (white - self.wanted)
+
+    def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """(nx, nz) share of white water: what frames keep (see `laced`), and where that ends what has just turned white
+        on the far sea's crests (nx, nz); as white in the mean as either."""
+        return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
         """(nx, nz) what frames keep at the points of the basin, at the nodes; it ends with the basin's own waves."""
@@ -118,7 +136,9 @@ class SeaSurface:
             for k, nodes in enumerate((self.x, self.z))
         )
         some = near[np.ix_(rows, columns)]
-        at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5 + foam.bent(*(grain[some.ravel()] / cell).T)
+        at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5
+        of_x, of_z = (grain[some.ravel()] / cell).T
+        at += foam.bent(of_x, of_z, self.state.angle)
         white[some] = map_coordinates(kept, at, order=3, mode="nearest")
         return self.share * np.clip(white, 0.0, 1.0)
 

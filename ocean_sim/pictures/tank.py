@@ -4,37 +4,17 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures import sky, tank_glsl, water_glsl, water_shading
+from ocean_sim.pictures import sky, tank_glsl, vessel, water_glsl, water_shading
 from ocean_sim.pictures import splash as splashing
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.smoothed_mesh import sides_at, smoothed
 from ocean_sim.pictures.stage import Content, Stage
-from ocean_sim.pictures.water import round_above
 from ocean_sim.surface import Mesh
 
-EDGE = "#eef3f6"
 EXPOSURE = 1.15  # of water in a tank, as of what is drawn with plain colours
-BELOW = 0.004  # of a tank's height by which its bed is drawn below the water
 MOST = 0.4  # [spacings] by which a folded surface is smoothed
-BED = (0.62, 0.66, 0.67)  # of a tank: on dark ground clear water would not tell how thick it is
 BEHIND_GLASS = np.array([0.0, 0.0, 0.0])  # air that is seen of it, holes, wrinkles: glass is smooth
 TRAITS = "nrm", "air", "was"  # normal; air, how torn, how rough; where its water was born
-
-APART, BROAD, LINE = 0.2, 0.04, (0.52, 0.57, 0.59)  # lines on it: [tank's depths] apart, breadth over that, colour
-
-
-def lines(low: np.ndarray, up: np.ndarray, step: float, below: float) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (4 n, 3) [m] and rectangles (n, 4) of lines across the bed of a tank from `low` to `up` [m], at multiples
-    of a step [m], so far below it [m]."""
-    corners = []
-    for axis, other in ((0, 2), (2, 0)):
-        for at in step * np.arange(np.ceil(low[axis] / step), np.floor(up[axis] / step) + 1.0):
-            line = np.full((4, 3), low[1] - below)
-            line[:, axis] = np.clip(at + 0.5 * BROAD * step * np.array([-1.0, 1.0, 1.0, -1.0]), low[axis], up[axis])
-            line[:, other] = low[other], low[other], up[other], up[other]
-            corners.append(line)
-    points = np.concatenate(corners) if corners else np.zeros((0, 3))
-    return points.astype(np.float32), np.arange(len(points)).reshape(-1, 4)
 
 
 class Shell(Content):
@@ -47,7 +27,7 @@ class Shell(Content):
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
         self.sides = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.boxes = grid.get("obstacles", np.zeros((0, 2, 3)))
-        self.vessel(grid)
+        vessel.build(stage, grid["lower"], upper, depth)
         over = sky.clear()
         ball = stage.pyvista.Icosphere(radius=1.0, nsub=1)
         directions = np.asarray(ball.points, dtype=float)
@@ -56,7 +36,7 @@ class Shell(Content):
         self.far, self.farther = (water_glsl.texture(np.zeros((2, 2, 4), np.uint8)) for _ in range(2))
         textures = water_glsl.textures_of(over)
         seen = textures | {"scene": self.behind, "back": self.farther, "before": self.far}
-        functions = water_glsl.WATER_FUNCTIONS + tank_glsl.GRAINS
+        functions = water_glsl.WATER_FUNCTIONS + tank_glsl.SEEN + tank_glsl.GRAINS
         plain = water_glsl.plain(0) | water_glsl.switched(water_shading.Terms()) | water_glsl.lit_by(over)
         self.water = water_glsl.Shaded(stage.pyvista.PolyData(), tank_glsl.WATER, functions, seen, TRAITS)
         measured = {
@@ -65,7 +45,8 @@ class Shell(Content):
         }  # of a window of its own
         self.backs = water_glsl.Shaded(self.water.mesh, tank_glsl.DISTANCE, functions, measured, TRAITS)
         self.backs.actor.GetProperty().FrontfaceCullingOn()
-        pixel = 2.0 * float(np.tan(np.radians(stage.camera.angle) / 2.0)) / (stage.samples * stage.size[1])
+        half, parallel = stage.camera.parallel_height, stage.camera.parallel_height is not None
+        pixel = 2.0 * (half or float(np.tan(np.radians(stage.camera.angle) / 2.0))) / (stage.samples * stage.size[1])
         for part in (self.water, self.backs):
             shown: dict[str, Any] = {
                 "exposure": EXPOSURE,
@@ -73,26 +54,14 @@ class Shell(Content):
                 "reach": 1.0,
                 "onMap": float(stage.camera.from_above),
             }
-            shown |= {"spacing": self.spacing, "pixel": pixel, "behindOthers": 0.0}
+            shown |= {"spacing": self.spacing, "pixel": pixel, "behindOthers": 0.0, "parallel": float(parallel)}
+            shown |= {"ahead": stage.camera.forward}
             shown |= {"boxLow": np.array(self.lower), "boxHigh": np.array(self.upper)}
             part.set(**plain | shown | {"view": np.eye(4), "screen": np.ones(3)})
         stage.plotter.add_actor(self.water.actor, reset_camera=False, render=False)
         self.measure = stage.empty(stage.plotter.window_size)  # the picture of distances
         self.measure.set_background("black")
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
-
-    def vessel(self, grid: Any) -> None:
-        """The tank, of glass, on a bed with lines as far apart as a round number of metres."""
-        stage, pyvista = self.stage, self.stage.pyvista
-        box = pyvista.Box(np.stack([self.lower, self.upper], axis=1).ravel()).extract_feature_edges(30.0)
-        stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
-        low, up = grid["lower"], grid["upper"]
-        middle, size, below = 0.5 * (low + up), up - low, BELOW * (up[1] - low[1])
-        at = (middle[0], self.lower[1] - below, middle[2])
-        bed = pyvista.Plane(center=at, direction=(0.0, 1.0, 0.0), i_size=size[2], j_size=size[0])
-        stage.plotter.add_mesh(bed, color=BED, lighting=False)
-        drawn = pyvista.PolyData.from_regular_faces(*lines(low, up, round_above(APART * self.depth), 0.5 * below))
-        stage.plotter.add_mesh(drawn, color=LINE, lighting=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
         """The mesh, and for its vertices state and birthplace (see TRAITS)."""
@@ -141,7 +110,7 @@ class Shell(Content):
         view = np.array([[found.GetElement(i, j) for j in range(4)] for i in range(4)])
         screen = np.array([*plotter.window_size, 1.0])
         for part in (self.water, self.backs):
-            part.set(eyeW=eye, reach=reach, view=view, screen=screen, behindOthers=0.0)
+            part.set(eyeW=eye, ahead=self.stage.camera.forward, reach=reach, view=view, screen=screen, behindOthers=0.0)
         self.measure.camera.DeepCopy(camera)
         nearest = self.distances()
         water_glsl.fill(self.far.GetInput(), nearest)
@@ -162,7 +131,11 @@ class Shell(Content):
 
     def see(self) -> None:
         """What is drawn now is what water drawn from now on is seen before."""
+        for mark in self.stage.over:
+            mark.VisibilityOff()
         self.stage.plotter.render()
+        for mark in self.stage.over:
+            mark.VisibilityOn()
         water_glsl.fill(self.behind.GetInput(), self.stage.plotter.screenshot(None, return_img=True)[::-1])
 
     def close(self) -> None:

@@ -24,12 +24,19 @@ FOAM, SHADE = (
     (0.62, 0.38),
 )  # of water full of bubbles; its light from all sides, and the sun's
 
+SEEN = """
+vec3 from(vec3 p) { return mix(p - eyeW, ahead * dot(p - eyeW, ahead), parallel); }
+float measured(vec4 met) { return (met.r * 255.0 + met.g) / 255.0; }
+bool isBehind(float dist, ivec2 here) {
+  vec4 nearer = texelFetch(before, here, 0);
+  return behindOthers < 0.5 || dist / reach > (nearer.a > 0.5 ? measured(nearer) + 0.0005 : 2.0);
+}
+"""  # the way from the eye, in parallel projection from its plane; and which water other water hides
+
 DISTANCE = """
-  float whole = distance(posW, eyeW) / reach;
-  vec4 nearer = texelFetch(before, ivec2(gl_FragCoord.xy), 0);
-  float hidden = nearer.a > 0.5 ? (nearer.r * 255.0 + nearer.g) / 255.0 + 0.0005 : 2.0;
-  if (behindOthers > 0.5 && whole <= hidden) discard;
-  float far = clamp(whole, 0.0, 1.0) * 255.0;
+  float dist = length(from(posW));
+  if (!isBehind(dist, ivec2(gl_FragCoord.xy))) discard;
+  float far = clamp(dist / reach, 0.0, 1.0) * 255.0;
   fragOutput0 = vec4(floor(far) / 255.0, fract(far), 0.0, 1.0);
 """
 
@@ -52,17 +59,15 @@ vec3 wrinkled(vec3 n, vec2 q, float footprint, float rough) {{
 """
 
 WATER = f"""
-  vec3 away = posW - eyeW;
+  vec3 away = from(posW);
   float dist = length(away);
   away /= dist;
   ivec2 here = ivec2(gl_FragCoord.xy * vec2(textureSize(back, 0)) / screen.xy);
-  vec4 nearer = texelFetch(before, here, 0);
-  float hidden = nearer.a > 0.5 ? (nearer.r * 255.0 + nearer.g) / 255.0 + 0.0005 : 2.0;
-  if (behindOthers > 0.5 && dist / reach <= hidden) discard;
+  if (!isBehind(dist, here)) discard;
   vec3 e = -away, n = normalize(nrmW);
   if (dot(n, e) < 0.0) n = -n;
   vec2 q = grainAt(wasW);
-  float footprint = pixel * dist / spacing;
+  float footprint = pixel * mix(dist, 1.0, parallel) / spacing;
   float airy = clamp(airW.x, 0.0, 1.0), torn = clamp(airW.y, 0.0, 1.0), rough = clamp(airW.z, 0.0, 1.0);
   if (torn > 0.02 && noise(0.8 * q + 3.0).x * 0.6 + noise(2.1 * q).x * 0.4 < {number(HOLES)} * torn - 0.15) discard;
   if (rough > 0.01) {{
@@ -71,9 +76,10 @@ WATER = f"""
     if (turned > 0.0) n = normalize(n + e * turned);
   }}
   vec4 exit = texelFetch(back, here, 0);
-  float thick = exit.a > 0.5 ? max((exit.r * 255.0 + exit.g) / 255.0 * reach - dist, 0.0) : 0.0;
+  float thick = exit.a > 0.5 ? max(measured(exit) * reach - dist, 0.0) : 0.0;
   vec3 down = refract(away, n, {number(1.0 / w.REFRACTIVE_INDEX)});
-  vec3 ends = (mix(boxLow, boxHigh, step(vec3(0.0), down)) - posW) / (down + vec3(1e-6));
+  vec3 onwards = step(vec3(0.0), down);
+  vec3 ends = (mix(boxLow, boxHigh, onwards) - posW) / (down + mix(vec3(-1e-6), vec3(1e-6), onwards));
   thick = min(thick, max(min(ends.x, min(ends.y, ends.z)), 0.0));
   vec4 at = view * vec4(posW + thick * down, 1.0);
   vec3 behind = radiance(min(textureLod(scene, clamp(0.5 + 0.5 * at.xy / at.w, 0.002, 0.998), 0.0).rgb, vec3(1.0)));

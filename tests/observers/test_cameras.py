@@ -151,3 +151,12 @@ def test_an_open_sea_is_seen_from_beside_it_low_over_the_water():
         assert aside < np.tan(np.radians(seen.angle / 2.0)) * 16 / 9
     block = camera_module.Operator("side", lower, upper, 16 / 9, (0.0, 1.0)).at(0.0)
     assert block.parallel_height is not None
+
+
+def test_a_map_is_a_plan_whose_scale_is_the_same_at_every_height():
+    seen = camera_module.placed("top", LOWER, UPPER, 16 / 9)
+    assert seen.parallel_height is not None and seen.from_above
+    assert (
+        seen.parallel_height * 16 / 9 >= 0.5 * (UPPER - LOWER)[0] and seen.parallel_height >= 0.5 * (UPPER - LOWER)[2]
+    )
+    assert seen.eye[1] > UPPER[1]

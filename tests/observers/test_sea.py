@@ -46,7 +46,7 @@ def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
     """Of a sea in closed form, or of the standing one."""
-    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact))
+    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact), angle=0.6)
 
 
 def modes() -> far_sea.Modes:
@@ -539,6 +539,19 @@ def test_foam_of_a_coarse_grid_is_not_round_and_covers_as_much():
     (round_spots, laced), (before, after) = np.mean(uneven, axis=0), np.mean(cover, axis=0)
     assert laced > 2.0 * round_spots
     assert after == pytest.approx(before, rel=0.15)
+
+
+def test_foam_is_drawn_out_along_the_wind_and_its_cover_stays():
+    """Edges are bent farther along it, so that patches become streaks, and its grain is longer."""
+    x, z = (part.ravel() for part in np.meshgrid(np.arange(0.0, 120.0, 0.5), np.arange(0.0, 120.0, 0.5), indexing="ij"))
+    for angle in (0.0, 0.7, -2.0):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        bent = foam.bent(x, z, angle)
+        along, across = way @ bent, np.array([-way[1], way[0]]) @ bent
+        assert along.std() == pytest.approx(foam.STREAKS * across.std(), rel=0.1)
+        gone = foam.drawn_out(np.stack([x, z], axis=1), angle)
+        np.testing.assert_allclose(gone @ way, (way[0] * x + way[1] * z) / foam.THREADS, atol=1e-9)
+        np.testing.assert_allclose(gone @ [-way[1], way[0]], way[0] * z - way[1] * x, atol=1e-9)
 
 
 def test_foam_between_the_middles_of_cells_is_scipy_s_byte_for_byte():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ocean_sim.pictures import vessel
 from ocean_sim.pictures.smoothed_mesh import low_pass, smoothed
 from ocean_sim.pictures.splash import at_vertices, born, drops, floors, flying, risen, spheres, splash, stirred
 from ocean_sim.pictures.water_mesh import triangles
@@ -134,3 +135,19 @@ def test_a_vertex_has_the_mean_of_what_particles_around_it_have():
     middle = np.full((1, 3), 3 * SPACING)
     found = at_vertices(middle, block, np.column_stack([block, np.ones(len(block))]), SPACING)
     np.testing.assert_allclose(found, [[*middle[0], 1.0]], atol=1e-9)
+
+
+def test_bed_and_walls_of_a_tank_look_inwards_and_are_darker_where_they_meet():
+    low, up = np.array([-1.0, -1.0, -0.5]), np.array([2.0, 0.2, 0.5])
+    whole = vessel.panels(low, up)
+    assert len(whole) == 5 and not any(panel.axis == 1 and panel.inwards < 0.0 for panel in whole)  # it is open above
+    for panel in whole:
+        first, second = ((panel.axis + n) % 3 for n in (1, 2))
+        u, v = (np.linspace(low[k], up[k], 5) for k in (first, second))
+        points, faces = vessel.sheet(panel, u, v, 0.01)
+        corners = points[faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (panel.inwards * normal[:, panel.axis] > 0.0).all()
+        np.testing.assert_allclose(panel.inwards * (panel.at - points[:, panel.axis]), 0.01)
+        bright = vessel.light(points, panel, whole, 1.2).reshape(5, 5)
+        assert bright[0, 0] < bright[0, 2] < bright[2, 2] <= 1.2

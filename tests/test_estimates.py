@@ -5,6 +5,7 @@ from resource import RUSAGE_CHILDREN, getrusage
 from subprocess import run
 from time import process_time
 
+import numpy as np
 import pytest
 
 from ocean_sim.reading.scene import SceneConfig, load
@@ -50,14 +51,15 @@ WATCHED = {  # scene, time [s] before it is watched and then, and who watches
     ),
     "tank": (TANK | {"accuracy": {"every": 0.01}, "frames": {"every": 0.02}}, (0.05, 0.3), ["accuracy", "frames"]),
 }
+TURNS = 3  # at most
 
 
 @pytest.mark.parametrize("kind", WATCHED)
 def test_observers_have_an_estimate_near_what_they_take(kind, taichi_cpu, tmp_path):
-    """Within three times: it is of another machine, and others are at work on this one."""
+    """Within three times: it is of another machine. Others are at work on this one: of TURNS the quickest counts."""
     given, (before, after), names = WATCHED[kind]
     scene = load(given | {"duration": 10.0, "render": None})
-    spent = dict.fromkeys(names, 0.0)
+    spent, ratios = dict.fromkeys(names, 0.0), []
 
     def watched(name: str, observe):
         def timed(simulation: Simulation) -> None:
@@ -73,12 +75,16 @@ def test_observers_have_an_estimate_near_what_they_take(kind, taichi_cpu, tmp_pa
             name = type(observer).__module__.rpartition(".")[2]
             if name in names:
                 observer.observe = watched(name, observer.observe)
-        time, steps = simulation.time, simulation.steps
-        simulation.run(time + after)
-        time, steps = simulation.time - time, simulation.steps - steps
-    for name in names:
-        expected = sum(row.a_step(time / steps) for row in scene.ledger() if row.part == name)
-        assert 1.0 / 3.0 < spent[name] / steps / expected < 3.0, (name, spent[name] / steps, expected)
+        for _ in range(TURNS):
+            time, steps, spent_before = simulation.time, simulation.steps, dict(spent)
+            simulation.run(time + after)
+            time, steps = simulation.time - time, simulation.steps - steps
+            expected = [steps * sum(row.a_step(time / steps) for row in scene.ledger() if row.part == n) for n in names]
+            ratios.append([(spent[n] - spent_before[n]) / each for n, each in zip(names, expected)])
+            if max(ratios[-1]) < 3.0:
+                break
+    least = dict(zip(names, np.min(ratios, axis=0)))
+    assert all(1.0 / 3.0 < ratio < 3.0 for ratio in least.values()), least
 
 
 def test_frames_take_longer_with_more_waves_and_points_and_nothing_without():

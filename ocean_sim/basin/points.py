@@ -20,7 +20,11 @@ def count(low: float, high: float, spacing: float) -> int:
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
     """Middles of the cells that `count` counts."""
-    n = count(low, high, spacing)
+    return middles_of(low, high, count(low, high, spacing))
+
+
+def middles_of(low: float, high: float, n: int) -> np.ndarray:
+    """(n,) middles of so many equal cells from `low` to `high`."""
     return low + (np.arange(n) + 0.5) * (high - low) / n
 
 

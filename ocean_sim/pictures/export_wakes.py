@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ocean_sim.basin.points import pairs
+from ocean_sim.basin.points import middles_of, pairs
 from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.frame_files import Frame, Log, ships_in
 from ocean_sim.pictures.sea_state import is_open, scene_of
@@ -36,7 +36,7 @@ class Wakes:
         if not self.answers:
             for ship in self.met(frame, height, origin):
                 height += ship.raised(points).reshape(height.shape)
-        x, z = (middles(*self.sides(k), white.shape[k]) for k in range(2))
+        x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
         for key, vessel in self.vessels.items():
             white = np.maximum(white, Wake(vessel, self.hulls[key].beam, x, z).share(time, origin))
         for ship in self.met(frame, height, origin):
@@ -90,11 +90,6 @@ def at_sea(files: list[Path], depth: float) -> bool:
     """Whether pictures of a run show a sea, not a tank."""
     first = Frame(files[0])
     return not first.folds and is_open(scene_of(files[0].parent.parent), first, depth)
-
-
-def middles(low: float, high: float, count: int) -> np.ndarray:
-    """Of so many equal cells between two ends [m]."""
-    return low + (np.arange(count) + 0.5) * (high - low) / count
 
 
 def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:

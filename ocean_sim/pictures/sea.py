@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.basin.points import middles_of
 from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
@@ -232,7 +233,7 @@ class Sea(Content):
             self.beyond = np.ones(len(fan.triangles), bool)
         white = np.zeros(rings.shape)
         if self.order.foam:
-            white = surface.beyond(found, rings, eye, amplitude)
+            white = surface.beyond(found, rings, nodes, eye, amplitude)
         traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
         normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -266,8 +267,7 @@ class Sea(Content):
         if ship.wet:
             low, high = ship.around()
             rows, columns = HULL_PIXELS
-            x = low[0] + (np.arange(columns) + 0.5) / columns * (high[0] - low[0])
-            z = low[1] + (np.arange(rows) + 0.5) / rows * (high[1] - low[1])
+            x, z = middles_of(low[0], high[0], columns), middles_of(low[1], high[1], rows)
             places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
             gap = ship.gap(places)
             self.gap[k, ..., 0] = gap.astype(np.float32).reshape(rows, columns)

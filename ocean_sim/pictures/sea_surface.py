@@ -98,21 +98,24 @@ class SeaSurface:
         self.wanted = foam.cover(drawn_together) if cover is None else cover
         return foam.shares(drawn_together * self.grain, self.wanted)
 
-    def beyond(self, found: np.ndarray, rings: np.ndarray, eye: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
-        """(bands, rays) share of white water on `rings` (bands, rays) of the fan around an eye [m], of what is `around`
-        it, waves of these amplitudes (m,) [m]: as much near the eye as in the basin, and as much on each ring, the more
-        evenly the fewer waves are drawn there that would tell where."""
+    def beyond(
+        self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
+    ) -> np.ndarray:
+        """(bands, rays) share of white water at nodes x, z (bands * rays, 2) [m], which lie on `rings` (bands, rays) of
+        the fan around an eye [m], of what is `around` it, waves of these amplitudes (m,) [m]: as much near the eye as
+        in the basin, and as much on each ring, the more evenly the fewer waves are drawn there that would tell
+        where."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
-        fan, place = self.fan, eye[[0, 2]]
+        fan = self.fan
         whole, drawn = fan.gathering(amplitude)
-        told = np.clip(drawn / whole, 1e-3, 1.0)[:, None]
-        gathered = found[..., 3] / (told * whole)
-        known = np.sort(gathered.flat[fan.evenly] * grain(*(fan.nodes[fan.evenly] + place).T))
-        rays = np.broadcast_to(np.arange(rings.shape[1]), rings.shape)
-        nodes = fan.nodes[(rings * rings.shape[1] + rays).ravel()] + place
-        white = foam.shares(gathered[rings, rays] * grain(*nodes.T).reshape(rings.shape), self.wanted, known)
-        return self.wanted + told[rings, 0] * (white - self.wanted)
+        told = np.clip(drawn / whole, 1e-3, 1.0)
+        gathered = found[..., 3] / (told * whole)[:, None]
+        near = fan.nodes[fan.evenly] + eye[[0, 2]]
+        known = np.sort(gathered.flat[fan.evenly] * grain(*near.T))
+        here = np.take_along_axis(gathered, rings, axis=0) * grain(*nodes.T).reshape(rings.shape)
+        white = foam.shares(here, self.wanted, known)
+        return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
         """(nx, nz) share of white water: what frames keep (see `laced`), and where that ends what has just turned white

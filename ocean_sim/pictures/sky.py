@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 
+from ocean_sim.basin.points import middles_of
 from ocean_sim.files.cache_file import kept
 
 
@@ -69,8 +70,8 @@ class Sky:
             a = levels[-1]
             levels.append(0.25 * (a[::2, ::2] + a[1::2, ::2] + a[::2, 1::2] + a[1::2, 1::2]))
         self.levels = levels
-        up = directions(len(self.image))[..., 1]
-        weight = np.where(up > 0.0, (1.0 + up) ** 2, 0.0)  # solid angle of a pixel, but for a factor
+        square = np.add.outer(*2 * [middles_of(-1.0, 1.0, len(self.image)) ** 2])  # of the way from the zenith
+        weight = np.where(square < 1.0, (1.0 + square) ** -2.0, 0.0)  # solid angle of a pixel, but for a factor
         self.ambient = np.tensordot(weight, np.minimum(self.image, 4.0), axes=2) / weight.sum()  # mean from above
         many = HAZES[0] * HAZES[1]
         at = 4.0 * (np.arange(many) + 0.5) / many
@@ -116,11 +117,11 @@ def bilinear(image: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 def directions(side: int) -> np.ndarray:
     """(side, side, 3) unit vectors of the middles of the pixels, beyond the horizon those of the horizon there."""
-    middles = (np.arange(side) + 0.5) / side * 2.0 - 1.0
-    x, z = np.meshgrid(middles, middles)
-    square = np.minimum(x * x + z * z, 1.0)
-    level = np.sqrt(1.0 - ((1.0 - square) / (1.0 + square)) ** 2) / np.hypot(x, z)
-    return np.stack([level * x, (1.0 - square) / (1.0 + square), level * z], axis=-1)
+    x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
+    beyond = np.maximum(np.hypot(x, z), 1.0)
+    x, z = x / beyond, z / beyond
+    square = x * x + z * z
+    return np.stack([2.0 * x, 1.0 - square, 2.0 * z], axis=-1) / (1.0 + square)[..., None]
 
 
 def cloudy(sun: np.ndarray = SUN, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:

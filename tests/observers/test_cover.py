@@ -57,7 +57,7 @@ def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     found = []
     for time in np.arange(20) * 37.0:
         drawn = surface.fan.at(far_sea.turning(sea, time, HERE))
-        found.append(surface.beyond(drawn, rings, np.zeros(3), sea.amplitude).mean(axis=1))
+        found.append(surface.beyond(drawn, rings, surface.fan.nodes, np.zeros(3), sea.amplitude).mean(axis=1))
     of_rings = np.mean(found, axis=0)
     distance = surface.fan.distance
     np.testing.assert_allclose(of_rings[distance > 5000.0], wanted, rtol=0.01)
@@ -109,7 +109,7 @@ def covers(name: str) -> tuple[float, float, float]:
             fresh = surface.foam(surface.at(frame, now).convergence, field.cover)
             basin = surface.whole(fresh, field.white, surface.nodes)
             drawn = surface.around(frame, np.zeros(3), now)
-            around = surface.beyond(drawn, rings, np.zeros(3), beyond.amplitude)
+            around = surface.beyond(drawn, rings, surface.fan.nodes, np.zeros(3), beyond.amplitude)
             mean = float(basin.mean())
             found.append((mean, (mean * size + (area * around).sum()) / (size + area.sum())))
     basin_mean, whole_mean = np.mean(found, axis=0)

@@ -20,7 +20,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
-from ocean_sim.fluid.shared.initial import CARRIED, of_patch
+from ocean_sim.fluid.shared.initial import CARRIED, UNCARRIED, of_patch
 from ocean_sim.fluid.shared.lattice import Lattice
 from ocean_sim.waves.absorption import PROFILE
 
@@ -33,7 +33,6 @@ PIECES = 400  # of the way round a patch
 ROUNDING = 1e-6  # of the variance
 NO_SPEED = 1e-3  # [group speeds] a ship that is nearer to it keeps up with the waves
 CHANGED = 0.1  # of its wavenumber by which fitting may change a wave without a warning
-NOTABLE = 0.02  # of the variance that is not carried: worth a warning
 FEW = 3  # wavelengths that a patch is long at least: one and a half for the rims, as much between them
 
 
@@ -163,7 +162,7 @@ class Band:
                 f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
         short = self.short()
-        found += [short] if short is not None and self.left_out <= NOTABLE else []
+        found += [short] if short is not None and self.left_out <= UNCARRIED else []
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
@@ -182,7 +181,7 @@ class Band:
         changed = self.changed()
         found += [changed] if changed is not None else []
         short = self.short()
-        found += [f"{short}; take a smaller spacing"] if short is not None and self.left_out > NOTABLE else []
+        found += [f"{short}; take a smaller spacing"] if short is not None and self.left_out > UNCARRIED else []
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "

@@ -28,6 +28,7 @@ DISORDER = 0x4_0000  # stream of random numbers
 LEAPS = 4  # Runge-Kutta steps along a displacement
 FITTING = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
 CARRIED = 10.0  # spacings that a wave of a random sea must be long: fed, shorter ones become up to 3 times too high
+UNCARRIED = 0.02  # share of the variance in waves that are shorter: worth a warning
 STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 
 

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from ocean_sim.basin import Basin, Box, shifts
+from ocean_sim.basin.points import middles_of
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import Emitter, Jet
 from ocean_sim.waves import Components
@@ -162,7 +163,7 @@ class Lattice:
         """(m, 3) positions [m] of a lattice that fills the boxes, x running fastest."""
         parts = [np.empty((0, 3))]
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
-            x, y, z = (low[k] + (np.arange(count[k]) + 0.5) * (up[k] - low[k]) / count[k] for k in range(3))
+            x, y, z = (middles_of(low[k], up[k], count[k]) for k in range(3))
             grid = np.meshgrid(z, y, x, indexing="ij")
             parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
         return np.concatenate(parts)

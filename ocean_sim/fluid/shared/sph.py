@@ -15,7 +15,7 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
-from ocean_sim.fluid.shared.initial import CARRIED
+from ocean_sim.fluid.shared.initial import CARRIED, UNCARRIED
 from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
@@ -38,7 +38,6 @@ SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
-UNRESOLVED = 0.02  # share of the variance in waves too short to be carried that is worth saying
 STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
@@ -149,7 +148,7 @@ class SphConfig(WaterConfig):
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
                 )
             short = train.shorter_than(CARRIED * spacing)
-            if short > UNRESOLVED:
+            if short > UNCARRIED:
                 yield (
                     f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
                     "water hardly carries; take a smaller spacing or a lower cut_off"

@@ -51,6 +51,8 @@ def in_kernels(kind: Kind) -> Kind:
     """Decorator of a class whose methods are kernels or are called by them: in place of Taichi's `ti.data_oriented`,
     with which each attribute that Python reads costs a microsecond, and again for every base class."""
     if kernel_library.NAME == kernel_library.QUADRANTS:
+        if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
+            del kind.__dataclass_fields__  # type: ignore[attr-defined]
         return ti.data_oriented(kind)  # which has no such cost
     kind._data_oriented = True  # type: ignore[attr-defined]
     for name, kernel in list(vars(kind).items()):

@@ -37,6 +37,15 @@ def memory() -> int:
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
+def vector_room() -> int | None:
+    """How many numbers in single precision the processor works on at once, at most; None where it does not tell."""
+    try:
+        flags = Path("/proc/cpuinfo").read_text().partition("\nflags")[2].partition("\n")[0].split()
+    except OSError:
+        return None
+    return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
+
+
 def installed(package: str) -> str | None:
     """The version of a package, None where it is missing."""
     try:

@@ -1,10 +1,12 @@
 """The only module that starts Taichi: backend, precision, threads, and where compiled kernels are kept."""
 
 import os
+import re
 import sys
+import tempfile
 import time
 import weakref
-from contextlib import redirect_stdout, suppress
+from contextlib import chdir, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import wraps
 from io import StringIO
@@ -375,6 +377,27 @@ def _has_doubles(arch: str) -> bool:
         return bool(halved(1.0) == 0.5)
     except RuntimeError:
         return False
+
+
+def vector_width() -> int:
+    """How many numbers in single precision a kernel works on at once on this machine's processor, as the library
+    compiles it: read from what it makes of a sum. For a process of its own: what has been started is gone."""
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):  # where the library puts what it prints
+        with redirect_stdout(StringIO()):
+            ti.init(arch=ti.cpu, offline_cache=False, print_kernel_llvm_ir_optimized=True, log_level=ti.ERROR)
+        summed = ti.field(ti.f32, 1024)
+
+        @ti.kernel
+        def total() -> float:
+            found = 0.0
+            ti.loop_config(serialize=True)
+            for k in range(1024):
+                found += summed[k] * summed[k]
+            return found
+
+        total()
+        made = "".join(path.read_text() for path in Path().glob("*.ll"))
+    return max((int(n) for n in re.findall(r"<(\d+) x float>", made)), default=1)
 
 
 def arch() -> str:

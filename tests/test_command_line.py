@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim import machine, runtime
+from ocean_sim import kernel_library, machine, runtime
 from ocean_sim.__main__ import answered, meaning
 from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
@@ -257,6 +257,29 @@ def test_doctor_looks_and_never_fails(ask, monkeypatch):
     assert code == 0 and set(answer["backends"]) == {"cpu", "cuda", "vulkan", "metal"}
     assert answer["opengl"] == {"ok": False, "detail": "the process that tried it died"}
     assert ask("doctor")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("room", "said", "ok", "told"),
+    [
+        (16, "taichi 8", True, "taichi works on 8 numbers at once"),
+        (4, "taichi 4", True, "taichi works on 4 numbers at once"),
+        (None, "taichi 4", True, "taichi works on 4 numbers at once"),
+        (16, "taichi 4", False, "OCEAN_SIM_LIBRARY=quadrants, makes particles quicker"),
+        (16, "quadrants 4", False, "works on 4 numbers at once, not 16"),
+    ],
+)
+def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch, room, said, ok, told):
+    monkeypatch.setattr(doctor, "probed", lambda script: {"ok": True, "detail": said})
+    monkeypatch.setattr(machine, "vector_room", lambda: room)
+    found = doctor.vectors()
+    assert found["ok"] is ok and found["detail"].endswith(told)
+
+
+def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
+    fact = doctor.probed(doctor.WIDTH)
+    library, width = fact["detail"].split()
+    assert fact["ok"] and library == kernel_library.NAME and int(width) in (2, 4, 8, 16)
 
 
 def test_a_probe_survives_the_death_of_its_child():

@@ -11,7 +11,7 @@ from typing import Any
 from ocean_sim import machine
 from ocean_sim.verbs.shared import console
 
-PACKAGES = ("ocean-sim", "taichi", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
+PACKAGES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKENDS = ("cpu", "cuda", "vulkan", "metal")
 BACKEND = """
 from ocean_sim.machine import cache_directory
@@ -25,6 +25,12 @@ import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
 print(subprocess.run([get_ffmpeg_exe(), "-version"], check=True, capture_output=True, text=True).stdout.split("\\n")[0])
 """
+WIDTH = """
+from ocean_sim.kernel_library import NAME
+from ocean_sim.runtime import vector_width
+print(NAME, vector_width())
+"""
+USUAL = 8  # numbers at once that will do: many processors are no faster with more, and compilers know which
 PATIENCE = 90.0  # [s] for one probe
 
 
@@ -35,9 +41,8 @@ def doctor(as_json: bool) -> None:
         console.answer(found)
         return
     backends = [[f"backend {name}", *_row(fact)] for name, fact in found["backends"].items()]
-    others = [
-        [name, *_row(found[key])] for name, key in (("preview", "ggui"), ("pictures", "opengl"), ("film", "video"))
-    ]
+    names = {"vectors": "vectors", "preview": "ggui", "pictures": "opengl", "film": "video"}
+    others = [[name, *_row(found[key])] for name, key in names.items()]
     versions = " ".join(f"{name} {number}" for name, number in found["versions"].items())
     machine = [
         ["machine", "", f"{found['machine']}, {found['cores']} cores, {found['memory_gb']:.1f} GB of memory"],
@@ -60,6 +65,7 @@ def examined() -> dict[str, Any]:
         fact["detail"] = "" if fact["ok"] else fact["detail"].split(";")[0]
     return {
         "backends": backends,
+        "vectors": vectors(),
         "ggui": probed(PREVIEW),
         "opengl": opengl(),
         "video": probed(FILM),
@@ -103,3 +109,17 @@ def opengl() -> dict[str, Any]:
         return fact
     problem, window = json.loads(fact["detail"])
     return {"ok": problem is None, "detail": problem or window}
+
+
+def vectors() -> dict[str, Any]:
+    """Whether kernels use what the processor has. The compiler in Taichi 1.7 takes one that is newer than itself for
+    the first of its kind."""
+    fact, room = probed(WIDTH), machine.vector_room()
+    if not fact["ok"]:
+        return fact
+    library, width = fact["detail"].split()
+    if room is None or int(width) >= min(room, USUAL):
+        return {"ok": True, "detail": f"{library} works on {width} numbers at once"}
+    cure = "; `pip install quadrants`, then OCEAN_SIM_LIBRARY=quadrants, makes particles quicker"
+    does = f"{library} does not know this processor, and works on {width} numbers at once, not {room}"
+    return {"ok": False, "detail": does + (cure if library == "taichi" else "")}

@@ -30,6 +30,7 @@ __all__ = [
     "expr",
     "impl",
     "kernel_impl",
+    "stashed",
     "ti",
     "tm",
     "to_numpy_type",
@@ -91,6 +92,14 @@ except ModuleNotFoundError as missing:
     if missing.name != QUADRANTS:
         raise
     raise Lacking(f"{VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it") from missing
+
+
+def stashed(name: str, value: object) -> bool:
+    """Whether the library has put this attribute on an object of ours: the fork keeps what it has worked out there, by
+    names of its own, and each method that kernels call, bound, by that of the method."""
+    return NAME == QUADRANTS and (
+        name.startswith("_qd_") or type(value).__module__.startswith("quadrants.lang._quadrants_callable")
+    )
 
 
 def _untraced(stacklevel: int = 1) -> str:

@@ -25,7 +25,7 @@ from typing import Any, ClassVar, Protocol, get_args, get_origin, runtime_checka
 import numpy as np
 from pydantic import BaseModel
 
-from ocean_sim.kernel_library import ti, to_numpy_type
+from ocean_sim.kernel_library import stashed, ti, to_numpy_type
 from ocean_sim.state.fields import Contents, shape
 
 OURS = "ocean_sim"
@@ -54,9 +54,9 @@ class Shortened(Mismatch):
 
 
 def attributes(value: Any) -> dict[str, Any]:
-    """The attributes of an object but those that its class leaves out."""
+    """The attributes of an object but those that its class leaves out, and what is not ours."""
     out = value.left_out if isinstance(value, Partial) else ()
-    return {name: inner for name, inner in vars(value).items() if name not in out}
+    return {name: inner for name, inner in vars(value).items() if name not in out and not stashed(name, inner)}
 
 
 def step(key: Any, number: int) -> str:

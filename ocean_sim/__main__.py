@@ -16,6 +16,7 @@ try:
     from ocean_sim.files.whole_file import whole
     from ocean_sim.machine import extra_missing, extra_of, stoppable
     from ocean_sim.verbs.shared import console
+    from ocean_sim.verbs.shared.anew import Anew
 except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
     sys.exit("stopped")
 
@@ -673,8 +674,12 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     gc.set_threshold(20_000)  # reading kernels makes many small objects: a tenth of the time to the first step
     console.open_streams()
-    with stoppable():
-        code = answered(sys.argv[1:] if arguments is None else arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    try:
+        with stoppable():
+            code = answered(given)
+    except Anew as other:
+        other.begin(given)
     sys.exit(code)
 
 

@@ -198,8 +198,8 @@ class RuntimeConfig(Model):
     threads: int | None = quantity("threads", None, ge=1, le=1024)
     """Worker threads on the processor; null: all cores this process may use."""
     library: Literal["taichi", "quadrants"] | None = None
-    """What compiles the kernels: `taichi`, or its fork `quadrants` where it is installed and
-    OCEAN_SIM_LIBRARY=quadrants is set; null: what the process computes with."""
+    """What compiles the kernels: `taichi`, or its fork `quadrants` where it is installed, for which from Python
+    OCEAN_SIM_LIBRARY=quadrants has to be set; null: what the process computes with, by default Taichi."""
     pin: bool | None = None
     """Where each worker thread may run (Linux); null: on cores of its own, shared out among the threads, `true`: on one
     core, for steadier timings, `false`: on any core, so that two threads often share one for a while."""

@@ -16,7 +16,13 @@ def cache(tmp_path, monkeypatch):
 
 
 def row(speed, **other):
-    return {"particles": 6000, "threads": 1, "ms_per_step": 1.5, "particle_steps_per_cpu_s": speed} | other
+    return {
+        "library": "taichi",
+        "particles": 6000,
+        "threads": 1,
+        "ms_per_step": 1.5,
+        "particle_steps_per_cpu_s": speed,
+    } | other
 
 
 def times(speeds, order=ORDER, **other):
@@ -39,6 +45,7 @@ def test_only_more_than_a_tenth_slower_is_told():
 def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch):
     times([4.0e6] * 3)
     assert times([1.0e6], threads=2) == [None]
+    assert times([1.0e6], library="quadrants") == [None]
     assert times([1.0e6], ORDER | {"scene": "bench/dam_break_50k"}) == [None]
     assert times([1.0e6], ORDER | {"sets": ["fluid.kind=delta_sph"]}) == [None]
     monkeypatch.setattr(history, "processor", lambda: "another")

@@ -16,6 +16,7 @@ import typer
 
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.anew import must_compute_with
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -85,6 +86,7 @@ def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
 
 def bench_one(order: dict[str, Any]) -> None:
     """Measures one scene in this process and answers in JSON."""
+    from ocean_sim import kernel_library
     from ocean_sim.observers.timings import Timings
     from ocean_sim.reading.scene import load, observer_names
     from ocean_sim.simulation import Simulation
@@ -94,6 +96,7 @@ def bench_one(order: dict[str, Any]) -> None:
         {"runtime.threads": order["threads"]} if order["threads"] else {}
     )
     config = load(order["scene"], {**quiet, **machine, **console.settings(order["sets"])}, order["profile"])
+    must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:
         simulation.step()
         first_step = monotonic() - order["spawned"]
@@ -110,6 +113,7 @@ def bench_one(order: dict[str, Any]) -> None:
     console.answer(
         {
             "scene": order["scene"],
+            "library": kernel_library.NAME,
             "particles": particles,
             "threads": threads,
             "ms_per_step": median(per_step),

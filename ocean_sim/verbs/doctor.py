@@ -120,6 +120,6 @@ def vectors() -> dict[str, Any]:
     library, width = fact["detail"].split()
     if room is None or int(width) >= min(room, USUAL):
         return {"ok": True, "detail": f"{library} works on {width} numbers at once"}
-    cure = "; `pip install quadrants`, then OCEAN_SIM_LIBRARY=quadrants, makes particles quicker"
+    cure = "; particles are quicker with runtime.library=quadrants, after `pip install quadrants`"
     does = f"{library} does not know this processor, and works on {width} numbers at once, not {room}"
     return {"ok": False, "detail": does + (cure if library == "taichi" else "")}

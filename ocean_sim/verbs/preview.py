@@ -16,6 +16,7 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.rewind import Rewind
 
@@ -39,6 +40,7 @@ def preview(
     overrides: dict[str, Any] = dict(console.settings(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
     config = load(scene, overrides, profile)
+    must_compute_with(config.runtime.library)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture(0)).exists():
         raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")

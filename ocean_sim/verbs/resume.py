@@ -14,11 +14,13 @@ from ocean_sim.result import Result, simulated
 from ocean_sim.state import file
 from ocean_sim.verbs.run import FIRST, kernels, report, until_node
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
+LIBRARIES = "taichi", "quadrants"
 SHOWN = 3  # differences that are named
 
 
@@ -39,6 +41,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         finished(folder, manifest, as_json)
         return
+    must_compute_with(library_of(manifest, config))
     if never_begun(folder, config):
         kept, changed = None, ""
     else:
@@ -110,6 +113,13 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
         if until is not None and any(problem.file.startswith("--until") for problem in error.problems):
             raise
         raise console.Refused(f"{folder}: its scene is not one of this version: {error}") from None
+
+
+def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
+    """What compiled the kernels of a run; None where its manifest does not say."""
+    versions = manifest.get("versions")
+    known = [name for name in LIBRARIES if isinstance(versions, dict) and name in versions]
+    return config.runtime.library or next(iter(known), None)
 
 
 def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:

@@ -13,6 +13,7 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
 from ocean_sim.verbs.check import drawn_in, pictures_of, preflight, short
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
 
 FIRST = "events.jsonl"  # of its files: a run that fails early leaves it alone
@@ -37,6 +38,7 @@ def run(
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
+    must_compute_with(config.runtime.library)
     with run_folder(scene_path(scene).stem, out, overwrite) as folder:
         silent = as_json or quiet
         progress = Progress(config.duration, silent)

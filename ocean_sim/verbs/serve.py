@@ -14,6 +14,7 @@ from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.after import finished
+from ocean_sim.verbs.shared.anew import must_compute_with
 
 HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 
@@ -55,7 +56,7 @@ def play(
     from ocean_sim.viewer.session import Session, Source
 
     source = Source.of(scene, profile, console.settings(sets))
-    source.load()  # what is wrong with it is told before anything is opened
+    must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
     with stoppable(), Server(live_files(source.name), host, port, token(host), {"drives": True}) as server:
         announce(server, as_json, show, "building; the page shows the water as soon as it is there")
         with suppress(KeyboardInterrupt):

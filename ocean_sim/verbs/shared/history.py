@@ -8,7 +8,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from ocean_sim import kernel_library
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cache_directory, cores
 
@@ -34,11 +33,11 @@ def processor() -> str:
 
 
 def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
-    """What two measurements must share to be compared: the machine, the scene and all that was set, and the threads."""
+    """What two measurements must share to be compared: machine, library, scene, all that was set, and threads."""
     of_order = {key: order[key] for key in ("scene", "profile", "sets")}
     return {
         "machine": processor(),
-        "library": kernel_library.NAME,
+        "library": row["library"],
         **of_order,
         "particles": row["particles"],
         "threads": row["threads"],

@@ -1,0 +1,36 @@
+"""A process that begins anew: with the library that a scene asks for, where it computes with another."""
+
+import os
+import sys
+
+from ocean_sim.conventions import Lacking
+from ocean_sim.machine import installed
+
+
+class Anew(BaseException):
+    """Passes through all that handles errors: nothing has been done yet, and the process begins anew."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(library)
+        self.library = library
+
+    def begin(self, arguments: list[str]) -> None:
+        """The same command line in this process, with the other library; does not return."""
+        from ocean_sim import kernel_library
+
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        environment = os.environ | {kernel_library.VARIABLE: self.library}
+        os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
+
+
+def must_compute_with(library: str | None) -> None:
+    """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
+    the one that is asked for is not installed. For the command line, before anything is written."""
+    from ocean_sim import kernel_library
+
+    if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
+        return
+    if installed(library) is None:
+        raise Lacking(f"runtime.library: {library} is not installed here; pip install {library}, or leave the key out")
+    raise Anew(library)

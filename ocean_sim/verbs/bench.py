@@ -144,8 +144,8 @@ def sentence(row: dict[str, Any]) -> str:
     stages = ", ".join(f"{name} {ms:.3g}" for name, ms in row["stages"].items())
     return (
         f"{row['scene']}: {row['particles']} particles, {row['threads']} threads, {row['library']}: "
-        f"{row['ms_per_step']:.3g} ms a step ({row['ms_per_step_min']:.3g} to {row['ms_per_step_max']:.3g}), {row['particle_steps_per_s'] / 1e6:.3g} "
-        f"million particle-steps per second, {row['particle_steps_per_cpu_s'] / 1e6:.3g} per CPU-second, "
-        f"{row['real_time_factor']:.3g} x real time\n"
+        f"{row['ms_per_step']:.3g} ms a step ({row['ms_per_step_min']:.3g} to {row['ms_per_step_max']:.3g}), "
+        f"{row['particle_steps_per_s'] / 1e6:.3g} million particle-steps per second, "
+        f"{row['particle_steps_per_cpu_s'] / 1e6:.3g} per CPU-second, {row['real_time_factor']:.3g} x real time\n"
         f"  first step after {row['first_step_s']:.2f} s, at most {row['peak_memory_mb']:.0f} MB; ms a step: {stages}"
     )

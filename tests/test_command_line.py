@@ -279,7 +279,19 @@ def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch
 def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
     fact = doctor.probed(doctor.WIDTH)
     library, width = fact["detail"].split()
-    assert fact["ok"] and library == kernel_library.NAME and int(width) in (2, 4, 8, 16)
+    assert fact["ok"] and library == kernel_library.NAME and int(width) in (4, 8, 16)
+    if machine.vector_room() in (8, 16):
+        assert (int(width) > 4) == kernel_library.knows_processor()
+
+
+def test_processors_that_the_compiler_is_too_old_for_are_known_by_their_family(monkeypatch):
+    monkeypatch.setattr(kernel_library, "NAME", kernel_library.TAICHI)
+    for vendor, family, known in (("AuthenticAMD", 25, True), ("AuthenticAMD", 26, False), ("GenuineIntel", 26, True)):
+        told = {"vendor_id": vendor, "cpu family": str(family)}
+        monkeypatch.setattr(kernel_library, "processor", lambda told=told: told)
+        assert kernel_library.knows_processor() is known
+    monkeypatch.setattr(kernel_library, "processor", dict)
+    assert kernel_library.knows_processor()
 
 
 def test_a_probe_survives_the_death_of_its_child():

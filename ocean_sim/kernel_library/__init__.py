@@ -16,8 +16,9 @@ from types import FrameType, ModuleType
 from typing import TYPE_CHECKING
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import left_for_later
+from ocean_sim.machine import left_for_later, processor
 
+KNOWN = 25  # family of AMD's processors, the last that the compiler in Taichi 1.7 knows (LLVM 15)
 VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
 NAME = os.environ.get(VARIABLE) or TAICHI
 
@@ -30,6 +31,7 @@ __all__ = [
     "expr",
     "impl",
     "kernel_impl",
+    "knows_processor",
     "stashed",
     "ti",
     "tm",
@@ -92,6 +94,13 @@ except ModuleNotFoundError as missing:
     if missing.name != QUADRANTS:
         raise
     raise Lacking(f"{VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it") from missing
+
+
+def knows_processor() -> bool:
+    """Whether the library's compiler knows this processor. One that it does not, it takes for the first of its kind,
+    which works on four numbers of single precision at once."""
+    found = processor()
+    return NAME == QUADRANTS or found.get("vendor_id") != "AuthenticAMD" or int(found["cpu family"]) <= KNOWN
 
 
 def stashed(name: str, value: object) -> bool:

@@ -17,10 +17,11 @@ from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
 from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.kernel_library import ti, tm
+from ocean_sim.kernel_library import knows_processor, ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
-VECTOR = 32  # candidates that a processor may sum up at once: eight lanes of f32, four times over
+# candidates that a processor may sum up at once: eight lanes of f32, four times over, or four lanes twice
+VECTOR = 32 if knows_processor() else 8
 AWAY = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from ocean_sim import machine
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import cache_directory, cores
 
 KEPT = 1000  # lines of the file
 LAST = 10  # measurements that a new one is compared with, at most
@@ -20,16 +20,13 @@ SPEED = "particle_steps_per_cpu_s"
 
 def path() -> Path:
     """The file."""
-    return cache_directory() / "bench.jsonl"
+    return machine.cache_directory() / "bench.jsonl"
 
 
 def processor() -> str:
     """The name of the processor, and how many cores this process may use."""
-    named = platform.processor() or platform.machine()
-    with suppress(OSError):
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        named = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), named)
-    return f"{named}, {cores()} cores"
+    named = machine.processor().get("model name") or platform.processor() or platform.machine()
+    return f"{named}, {machine.cores()} cores"
 
 
 def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:

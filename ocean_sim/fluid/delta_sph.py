@@ -27,6 +27,7 @@ from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALL
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.fluid.shared.neighbours import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
@@ -37,7 +38,7 @@ from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Copy, arch, in_kernels
+from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 9.2e-9  # [s] of processor time a neighbour
@@ -145,6 +146,7 @@ class Momentum(MomentumLaw):
 
     fluid: "DeltaSph"
     row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
+    tension = row.pressure
     passed = 0.5  # the first drift
 
     def __init__(self, fluid: "DeltaSph") -> None:
@@ -169,15 +171,27 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pair(self, own, other):
+        return self.term(own, other, True)
+
+    @ti.func
+    def pressed(self, own, other):
+        """The same where no pressure is negative."""
+        return self.term(own, other, False)
+
+    @ti.func
+    def term(self, own, other, tense: Template):
         """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
         times -m grad W / x_ij."""
         x_ij = self.fluid.smoothing.between(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = self.fluid.smoothing.shape_gradient(r)
-        near, p_i, p_j = self.fluid.closeness(r), own[self.row.pressure], other[self.row.pressure]
-        pull = positive(-p_i) + positive(-p_j)
-        push = (p_i + p_j + TENSION * near * near * near * near * pull) * x_ij
+        p_i, p_j = own[self.row.pressure], other[self.row.pressure]
+        pressures = p_i + p_j
+        if ti.static(tense):
+            near = self.fluid.closeness(r)
+            pressures += TENSION * near * near * near * near * (positive(-p_i) + positive(-p_j))
+        push = pressures * x_ij
         rub, shear = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
@@ -217,6 +231,7 @@ class Continuity:
     """
 
     row, apart, padded = Columns(position=3, velocity=3, deviation=1, share=1), False, True
+    tension = NONE
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
@@ -334,7 +349,7 @@ class Shear:
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
 
-    row, apart, padded = Columns(position=3, velocity=3), False, True
+    row, apart, padded, tension = Columns(position=3, velocity=3), False, True, NONE
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension

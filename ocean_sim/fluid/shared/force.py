@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.columns import Columns
+from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.fluid.shared.sph import Sph
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
@@ -17,6 +18,7 @@ class Force(ABC):
     """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
 
     padded: ClassVar[bool] = True
+    tension: ClassVar[int] = NONE
     row: Columns
     reads: tuple[ti.Field, ...]
     told: tuple[ti.Field, ...]

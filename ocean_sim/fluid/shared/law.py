@@ -7,6 +7,8 @@ from ocean_sim.fluid.shared.images import mirrored
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
+NONE = -1  # no column
+
 
 class Law(Protocol):
     """What `Neighbours.walk` sums over the neighbours of every particle. All functions are ti.funcs."""
@@ -21,6 +23,10 @@ class Law(Protocol):
     """Whether what images in the sides add is summed by itself, as `beyond`."""
     padded: bool
     """Whether candidates out of reach fill lists up to whole vectors: worth it where a pair takes long."""
+
+    tension: int
+    """The column of the row that is negative under tension, or NONE. Where it is so for no candidate of a cell, each is
+    summed by `pressed`, which does the same as `pair` there with less to do."""
 
     def begin(self, group: Any) -> None:
         """Before the first particle of a group."""
@@ -72,7 +78,7 @@ class PushingLaw(SampledLaw, Protocol):
 class PositionLaw:
     """A law that reads nothing but positions, whatever it sums."""
 
-    row, padded = Columns(position=3), False
+    row, padded, tension = Columns(position=3), False, NONE
 
     @ti.func
     def image(self, other, mirror):

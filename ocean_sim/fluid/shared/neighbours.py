@@ -13,6 +13,7 @@ from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import mirrored
+from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
@@ -320,25 +321,44 @@ class Neighbours:
                 self.scratch[t][a] = AWAY if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
+    def negative(self, column: Template, begin, end):
+        """1 where one of these numbers of a column of the scratch is negative, else 0."""
+        least = 0.0
+        for a in range(begin, end):
+            least = ti.min(least, column[a])
+        return int(least < 0.0)
+
+    @ti.func
+    def sums(self, law: Template, pair: Template, own, begin, middle, end):
+        """What the candidates from `begin` to `middle` in the scratch add up to, each by `pair`, and the images from
+        there to `end`."""
+        total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
+        for a in range(begin, middle):
+            total += pair(own, ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))]))
+        if ti.static(law.apart):
+            for a in range(middle, end):
+                beyond += pair(own, ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))]))
+        return total, beyond
+
+    @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
         """Sum the law for every particle of occupied cell k over the m candidates in the scratch, the first n of them
         particles, and finish it."""
         c, scratch = self.grid.occupied[k], group * self.width
         images = scratch + n + self.gap(law, n)
         end = images + self.filled(law, m - n) if ti.static(law.apart) else scratch + self.filled(law, m)
+        middle = images if ti.static(law.apart) else end
         if ti.static(law.padded):
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
+        tense = self.negative(self.scratch[law.tension], scratch, end) if ti.static(law.tension != NONE) else 1
         for i in range(self.grid.start[c], self.grid.start[c + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
-            for a in range(scratch, images if ti.static(law.apart) else end):
-                other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
-                total += law.pair(own, other)
-            if ti.static(law.apart):
-                for a in range(images, end):
-                    other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
-                    beyond += law.pair(own, other)
+            if tense == 1:
+                total, beyond = self.sums(law, law.pair, own, scratch, middle, end)
+            elif ti.static(law.tension != NONE):
+                total, beyond = self.sums(law, law.pressed, own, scratch, middle, end)
             if ti.static(find and self.keeps):
                 self.keep_pairs(i, vec3(own, law.row.position), scratch, n, images, m, group)
             law.finish(i, own, total, beyond, group)

@@ -1,4 +1,5 @@
-"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it.
+"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it,
+within large cells by their parts.
 
 Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
 of threads. Particles beyond the grid belong to its border cells, which keeps every pair within reach of neighbouring
@@ -34,6 +35,7 @@ class Grid:
         self.particles = particles.count
         self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
+        self.halves, self.parts = size.halves, size.parts
         self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
         self.axes = range(self.basin.dimension)
         self.left = tuple(ti.field(float, shape=self.n) for _ in self.axes)  # [m] of a particle's way, not yet gone
@@ -43,10 +45,11 @@ class Grid:
             *(ti.field(float, shape=self.n) for _ in (*carried, *self.left)),
         )
         self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
-        self.cell = ti.field(int, shape=self.n)
-        self.count = ti.field(int, shape=self.cell_count * self.chunks)
+        self.part = ti.field(int, shape=self.n)  # of which cell: its number times `parts`, and more
+        self.count = ti.field(int, shape=self.cell_count * self.parts * self.chunks)
         self.start = ti.field(int, shape=self.cell_count + 1)
-        self.occupied = ti.field(int, shape=size.occupied)
+        self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles
+        self.first = ti.field(int, shape=size.occupied + 1)  # particle of each of these
         self.occupied_count = ti.field(int, shape=())
 
     def fullest(self) -> np.ndarray:
@@ -61,6 +64,17 @@ class Grid:
         cell."""
         last = tm.ivec3(self.cells) - 2
         return tm.clamp(ti.cast((x - self.lower) * self.per_width + 1.0, int), 1, last)
+
+    @ti.func
+    def part_at(self, x):
+        """Number of the part of a cell that a point is in."""
+        indices = self.indices_at(x)
+        part = self.cell_at(indices)
+        if ti.static(self.parts > 1):
+            within = (x - self.lower) * self.per_width + 1.0 - ti.cast(indices, float)  # 0 to 1, but beyond the grid
+            for k in ti.static(self.axes):
+                part = self.halves * part + tm.clamp(ti.cast(self.halves * within[k], int), 0, self.halves - 1)
+        return part
 
     @ti.func
     def cell_at(self, indices):
@@ -88,9 +102,9 @@ class Grid:
 
     @ti.func
     def leave(self, i, x, v):
-        """Keep the next state of particle i, and its cell, until the sort puts it there."""
+        """Keep the next state of particle i, and where it belongs, until the sort puts it there."""
         x = self.wrapped(x)
-        self.cell[i] = self.cell_at(self.indices_at(x))
+        self.part[i] = self.part_at(x)
         self.keep(i, x, v)
         for moved, state in ti.static(zip(self.moved[STATE.id :], self.state[STATE.id :])):
             moved[i] = state[i]
@@ -134,35 +148,38 @@ class Grid:
 
     @ti.func
     def count_chunk(self, b):
-        for c in range(self.cell_count):
-            self.count[b * self.cell_count + c] = 0
+        first = b * self.cell_count * self.parts
+        for c in range(self.cell_count * self.parts):
+            self.count[first + c] = 0
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
-            k = b * self.cell_count + self.cell[i]
+            k = first + self.part[i]
             self.count[k] = self.count[k] + 1
 
     @ti.func
     def scan(self):
-        """First particle of every cell and chunk, and the list of occupied cells."""
+        """First particle of every cell, part and chunk, and the list of occupied parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total
-            for b in range(self.chunks):
-                k = b * self.cell_count + c
-                here = self.count[k]
-                self.count[k] = total
-                total += here
-            if total > self.start[c]:
-                self.occupied[occupied] = c
-                occupied += 1
-        self.start[self.cell_count] = total
+            for part in range(c * self.parts, (c + 1) * self.parts):
+                first = total
+                for b in range(self.chunks):
+                    k = b * self.cell_count * self.parts + part
+                    here = self.count[k]
+                    self.count[k] = total
+                    total += here
+                if total > first:
+                    self.occupied[occupied], self.first[occupied] = c, first
+                    occupied += 1
+        self.start[self.cell_count] = self.first[occupied] = total
         self.occupied_count[None] = occupied
 
     @ti.func
     def place_chunk(self, b):
         n = self.particles.there()
         for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
-            k = b * self.cell_count + self.cell[i]
+            k = b * self.cell_count * self.parts + self.part[i]
             to = self.count[k]
             self.count[k] = to + 1
             for moved, state in ti.static(zip(self.moved, self.state)):

@@ -29,6 +29,10 @@ class Plan(ABC):
         """Parts in which n particles are counted and sorted."""
 
     @abstractmethod
+    def halves(self, full: float, dimension: int) -> int:
+        """Parts of a cell along each axis, where a cell of water at rest holds `full` particles."""
+
+    @abstractmethod
     def sorting(self, n: int, cells: int) -> int:
         """Whole numbers that sorting n particles needs besides a count for each cell and chunk."""
 
@@ -84,6 +88,21 @@ class GridSize:
         nx, ny, nz = self.cells
         return nx * ny * nz
 
+    @property
+    def full(self) -> float:
+        """Particles in a cube of the support (in 2-D a square), in water at rest."""
+        return float((self.support / self.lattice.spacing) ** self.lattice.basin.dimension)
+
+    @property
+    def halves(self) -> int:
+        """Parts of a cell along each axis."""
+        return self.plan.halves(self.full, self.lattice.basin.dimension)
+
+    @property
+    def parts(self) -> int:
+        """Parts of a cell, in whose order its particles are sorted: fewer are near one of them than near all of it."""
+        return int(self.halves**self.lattice.basin.dimension)
+
     def quantum(self, eps: float) -> float:
         """Distance of the positions that numbers of a relative spacing `eps` can distinguish everywhere in the basin
         [m]: a power of two."""
@@ -102,13 +121,13 @@ class GridSize:
 
     @property
     def occupied(self) -> int:
-        """The most cells that can hold a particle."""
-        return min(self.lattice.n, self.cell_count)
+        """The most parts of cells that can hold a particle."""
+        return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
         """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
         return (
-            4 * (2 * self.lattice.n + self.cell_count * (self.chunks + 1) + self.occupied + 2)
+            4 * (2 * self.lattice.n + self.cell_count * (self.parts * self.chunks + 1) + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
             + 4 * self.plan.sorting(self.lattice.n, self.cell_count)
         )

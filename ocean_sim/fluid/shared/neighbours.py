@@ -23,6 +23,7 @@ from ocean_sim.runtime import Template, in_kernels
 
 # candidates that a processor may sum up at once: eight lanes of f32, four times over, or four lanes twice
 VECTOR = 32 if knows_processor() else 8
+HERE = 13  # code of what is seen where it is, through no periodic side
 AWAY = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
 
 
@@ -35,8 +36,8 @@ class ListSize:
 
     @property
     def at_rest(self) -> float:
-        """Candidates of a full cell in water at rest: a box of three supports (in 2-D a square)."""
-        return (3.0 * self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
+        """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
+        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.full
 
     @property
     def capacity(self) -> int:
@@ -46,8 +47,8 @@ class ListSize:
     @property
     def segment(self) -> int:
         """Candidates that one group of cells may have: twice those of water at rest, whose cells are full."""
-        full = (self.grid.support / self.grid.lattice.spacing) ** self.grid.lattice.basin.dimension
-        return int(2.0 * self.grid.lattice.n / self.grid.groups * self.at_rest / full) + 4 * self.capacity
+        parts = self.grid.lattice.n / (self.grid.full / self.grid.parts)
+        return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
 
     @property
     def width(self) -> int:
@@ -64,7 +65,7 @@ class ListSize:
 
 @in_kernels
 class Neighbours:
-    """The candidates of every occupied cell, in segments of one list, one a group of cells."""
+    """The candidates of every occupied part of a cell, in segments of one list, one a group of parts."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -83,13 +84,13 @@ class Neighbours:
         self.name, self.close = (ti.field(int, shape=self.groups * self.width) for _ in range(2))
 
     @ti.func
-    def bounds(self, c):
-        """Lowest and highest coordinates of the particles of cell c, of which there is at least one."""
+    def bounds(self, k):
+        """Lowest and highest coordinates of the particles of occupied part k."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
-        first = self.grid.start[c]
+        first = self.grid.first[k]
         lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, without which those of `listed` are slow
         up = lo
-        for i in range(first + 1, self.grid.start[c + 1]):
+        for i in range(first + 1, self.grid.first[k + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
         return lo, up
 
@@ -123,8 +124,9 @@ class Neighbours:
         return kept
 
     @ti.func
-    def found(self, c, lo, up, first, room):
-        """Keep the particles near the box from `first` on; their number, or -1 where they do not find `room`."""
+    def found(self, c, code, lo, up, first, room):
+        """Keep the particles near the box, and their code, from `first` on; their number, or -1 where they do not find
+        `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -134,16 +136,16 @@ class Neighbours:
                 if m + end - begin > room:
                     full = 1
                     end = begin
-                m += self.listed(begin, end, 0, tm.vec3(0.0), lo, up, first + m)
+                m += self.listed(begin, end, code, tm.vec3(0.0), lo, up, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
     def found_around(self, indices, lo, up, first, room):
-        """The same where an axis is periodic: a candidate is a particle and a code of the period it is seen through."""
+        """The same next to a periodic side: a candidate is a particle and a code of the period it is seen through."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
-            there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, 13
+            there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, HERE
             for k, period in ti.static(enumerate(self.grid.basin.periods)):
                 if ti.static(period > 0.0):
                     around = int(there[k] > grid.cells[k] - 2) - int(there[k] < 1)
@@ -158,8 +160,17 @@ class Neighbours:
         return ti.select(full == 1, -1, m)
 
     @ti.func
+    def inside(self, c):
+        """Whether no cell around c is seen through a periodic side."""
+        indices, inside = self.grid.indices_of(c), True
+        for k in ti.static(range(3)):
+            if ti.static(self.grid.basin.periods[k] > 0.0):
+                inside = inside and indices[k] > 1 and indices[k] < self.grid.cells[k] - 2
+        return inside
+
+    @ti.func
     def shift(self, code):
-        """Where the particles of a code are seen, relative to where they are [m]; 13 is here."""
+        """Where the particles of a code are seen, relative to where they are [m]."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
@@ -223,7 +234,7 @@ class Neighbours:
             room = ti.min(self.capacity, (group + 1) * self.segment - kept - self.images.sides)
             lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
-                lo, up = self.bounds(self.grid.occupied[k])
+                lo, up = self.bounds(k)
                 self.list_candidates(k, lo, up, group, kept, room)
             n = self.gathered(k, law, find, group, kept)
             m, end = self.with_images(k, law, find, lo, up, group, n, kept + n, room)
@@ -232,35 +243,46 @@ class Neighbours:
 
     @ti.func
     def list_candidates(self, k, lo, up, group, first, room):
-        """Find the candidates of occupied cell k, and list them from `first` on; none where there is no room."""
+        """Find the candidates of occupied part k, and list them from `first` on; none where there is no room."""
         c = self.grid.occupied[k]
-        if ti.static(self.periodic):
-            self.candidates[k] = self.found_around(self.grid.indices_of(c), lo, up, first, room)
+        if ti.static(not self.periodic):
+            self.candidates[k] = self.found(c, 0, lo, up, first, room)
+        elif self.inside(c):
+            self.candidates[k] = self.found(c, HERE * MOST_PARTICLES, lo, up, first, room)
         else:
-            self.candidates[k] = self.found(c, lo, up, first, room)
+            self.candidates[k] = self.found_around(self.grid.indices_of(c), lo, up, first, room)
         if self.candidates[k] < 0:
             self.candidates[k] = 0
             self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
 
     @ti.func
     def gathered(self, k, law: Template, find: Template, group, first):
-        """Put what the law reads of the candidates of occupied cell k into the scratch; how many there are."""
+        """Put what the law reads of the candidates of occupied part k into the scratch; how many there are."""
         scratch, n = group * self.width, self.candidates[k]
-        for a in range(n):
-            j = self.candidate[first + a]
-            if ti.static(self.periodic):
+        if ti.static(not self.periodic):
+            self.gather(law, find, scratch, first, n, 0)
+        elif self.inside(self.grid.occupied[k]):
+            self.gather(law, find, scratch, first, n, HERE * MOST_PARTICLES)
+        else:
+            for a in range(n):
+                j = self.candidate[first + a]
                 shift = self.shift(j // MOST_PARTICLES)
                 j = j % MOST_PARTICLES
                 if ti.static(find and self.keeps):
                     self.name[scratch + a] = j
                 for t, field in ti.static(enumerate(law.reads)):
                     self.scratch[t][scratch + a] = field[j] + (shift[t] if ti.static(t < 3) else 0.0)
-            else:
-                if ti.static(find and self.keeps):
-                    self.name[scratch + a] = j
-                for t, field in ti.static(enumerate(law.reads)):
-                    self.scratch[t][scratch + a] = field[j]
         return n
+
+    @ti.func
+    def gather(self, law: Template, find: Template, scratch, first, n, code):
+        """The same of n candidates that are all seen where they are, through one code."""
+        for a in range(n):
+            j = self.candidate[first + a] - code
+            if ti.static(find and self.keeps):
+                self.name[scratch + a] = j
+            for t, field in ti.static(enumerate(law.reads)):
+                self.scratch[t][scratch + a] = field[j]
 
     @ti.func
     def with_images(self, k, law: Template, find: Template, lo, up, group, n, entry, room):
@@ -342,9 +364,9 @@ class Neighbours:
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
-        """Sum the law for every particle of occupied cell k over the m candidates in the scratch, the first n of them
+        """Sum the law for every particle of occupied part k over the m candidates in the scratch, the first n of them
         particles, and finish it."""
-        c, scratch = self.grid.occupied[k], group * self.width
+        scratch = group * self.width
         images = scratch + n + self.gap(law, n)
         end = images + self.filled(law, m - n) if ti.static(law.apart) else scratch + self.filled(law, m)
         middle = images if ti.static(law.apart) else end
@@ -352,7 +374,7 @@ class Neighbours:
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
         tense = self.negative(self.scratch[law.tension], scratch, end) if ti.static(law.tension != NONE) else 1
-        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+        for i in range(self.grid.first[k], self.grid.first[k + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             if tense == 1:

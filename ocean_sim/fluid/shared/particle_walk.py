@@ -53,14 +53,14 @@ class WideGrid(Grid):
         for c in self.count:
             self.count[c] = 0
         for i in range(self.particles.there()):
-            ti.atomic_add(self.count[self.cell[i]], 1)
+            ti.atomic_add(self.count[self.part[i]], 1)
         for c in self.start:
             self.start[c] = self.count[c] if c < self.cell_count else 0
         self.scan()
         for c in self.count:
             self.count[c] = self.start[c]
         for i in range(self.particles.there()):
-            self.slot[ti.atomic_add(self.count[self.cell[i]], 1)] = i
+            self.slot[ti.atomic_add(self.count[self.part[i]], 1)] = i
         for i in range(self.particles.there()):
             self.place(i)
 
@@ -82,7 +82,7 @@ class WideGrid(Grid):
     @ti.func
     def place(self, i):
         """Put particle i where it belongs: after those of its cell that were stored before it."""
-        c = self.cell[i]
+        c = self.part[i]
         to = self.start[c]
         for k in range(self.start[c], self.start[c + 1]):
             to += int(self.slot[k] < i)

@@ -16,6 +16,7 @@ from ocean_sim.runtime import CARDS, GRAPHICS
 
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
 CHUNKS = 8
+LEAST = 7.0  # particles in a part of a cell, or its list of candidates serves too few
 FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share them, each costs microseconds
 
 
@@ -42,6 +43,9 @@ class OfCells(Plan):
 
     def chunks(self, n: int) -> int:
         return 1 if n <= SERIAL else CHUNKS
+
+    def halves(self, full: float, dimension: int) -> int:
+        return 2 if full >= LEAST * 2**dimension else 1
 
     def sorting(self, n: int, cells: int) -> int:
         return 0
@@ -71,6 +75,9 @@ class OfParticles(Plan):
         return n
 
     def chunks(self, n: int) -> int:
+        return 1
+
+    def halves(self, full: float, dimension: int) -> int:
         return 1
 
     def sorting(self, n: int, cells: int) -> int:

@@ -63,6 +63,13 @@ class Start:
         Restorer(self.root, self.held.tree, arrays, Path())
 
 
+@pytest.fixture(scope="module", autouse=True)
+def taichi_of_a_module() -> None:
+    """Taichi starts anew for each module: it finds compiled kernels again by the numbers of their fields, which would
+    else depend on what the process has tested before."""
+    runtime._started = None
+
+
 @pytest.fixture(scope="module")
 def taichi_cpu() -> runtime.Backend:
     """Taichi on one thread in f64: bitwise repeatable, and exact enough for closed forms."""

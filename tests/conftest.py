@@ -52,6 +52,11 @@ def pytest_sessionfinish() -> None:
         table.writerows(known[name] for name in sorted(known))
 
 
+def quickly(first: Any, *others: Any) -> list[Any]:
+    """Parameters of a test: the first in every run, the others with -m slow."""
+    return [first, *(pytest.param(other, marks=pytest.mark.slow) for other in others)]
+
+
 class Start:
     """What a fluid or a simulation holds now, to be put back as a checkpoint does it: its kernels stay compiled."""
 

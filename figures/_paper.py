@@ -27,12 +27,12 @@ def paper(width: float, height: float) -> Any:
     """A matplotlib figure of this size [inch], without a display, whose parts keep apart."""
     from matplotlib import rcParams
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left"})
     rcParams.update({"axes.titlesize": 11, "axes.labelsize": 10, "legend.fontsize": 9, "legend.frameon": False})
-    figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(h_pad=0.09)  # [inch], so that no caption touches a label
-    return figure
+    apart = ConstrainedLayoutEngine(h_pad=0.09)  # [inch], so that no caption touches a label
+    return Figure(figsize=(width, height), layout=apart)
 
 
 def keep(figure: Any, path: Path, found: str = "") -> None:

@@ -16,6 +16,7 @@ from _options import options
 from _paper import BLUE, GREY, INK, PALE, SOFT, keep, paper, table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
+from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import PACKAGE
@@ -95,12 +96,12 @@ def program() -> Program:
     with Simulation(load(scene)) as simulation:
         for _ in range(5):
             simulation.step()
-        moving = simulation.fluid.particles.velocity.to_numpy().astype(float)
+        moving = with_particles(simulation.fluid).particles.velocity.to_numpy().astype(float)
         wind = tm.vec3(BLOWS, 0.0, 0.0)
         raised = float(blown(wind, LIFTS).y)
-        pushed = [float(dragged(tm.vec3(u, 0.0, 0.0)).x) for u in (BLOWS, BLOWS - 5.0)]
+        still, along = (float(dragged(tm.vec3(u, 0.0, 0.0)).x) for u in (BLOWS, BLOWS - 5.0))
     made = float(np.linalg.norm(moving.sum(axis=0)) / np.linalg.norm(moving, axis=1).sum())
-    return Program(made, *pushed, raised)
+    return Program(made, still, along, raised)
 
 
 def pressure_forces(symmetric: bool) -> np.ndarray:
@@ -325,7 +326,7 @@ def of_the_surface() -> list[Erratum]:
             "1",
             float("nan"),
             least,
-            float(fresnel(np.float64(1.0))),
+            float(fresnel(np.array(1.0))),
             "sines and tangents of angles of zero divide nothing by nothing; in cosines there is a number",
         ),
         erratum(

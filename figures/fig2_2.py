@@ -13,6 +13,7 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREY, keep, paper, table
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
@@ -69,7 +70,7 @@ def main() -> None:
     omega = float(np.sqrt(9.81 * wavenumber * np.tanh(wavenumber * DEPTH)))
     with Simulation(load(scene(spacing))) as simulation:
         simulation.run(until=QUARTER * 2.0 * np.pi / omega)
-        moment, particles = simulation.time, simulation.fluid.particles
+        moment, particles = simulation.time, with_particles(simulation.fluid).particles
         water = np.hstack([particles.position.to_numpy()[:, :2], particles.velocity.to_numpy()[:, :2]]).astype(float)
         water = water[np.argsort(particles.id.to_numpy())]
         across, up = np.arange(-LENGTH / 2 + CELL / 2, LENGTH / 2, CELL), np.arange(-DEPTH + CELL / 2, 0.0, CELL)

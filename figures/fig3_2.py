@@ -29,7 +29,8 @@ def turns() -> list[np.ndarray]:
 
 def patterns() -> dict[int, int]:
     """The least case of each pattern, and how many of the 256 cases show it."""
-    ways, counts = turns(), {}
+    ways = turns()
+    counts: dict[int, int] = {}
     for case in range(256):
         alike = (sum((other >> c & 1) << int(way[c]) for c in range(8)) for other in (case, 255 - case) for way in ways)
         least = min(alike)

@@ -105,9 +105,9 @@ def drawn(places: np.ndarray, rows: list[tuple], course: list[tuple], path: Path
     figure = paper(12.5, 5.4)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.7, 1.0))
     left = figure.add_subplot(grid[:, 0])
-    shell = RADIUS + REACH * SUPPORT
-    left.add_patch(Wedge(CENTRE[:2], shell, 0.0, 360.0, width=shell - RADIUS, color=PALE, lw=0))
-    left.add_patch(Circle(CENTRE[:2], RADIUS, facecolor="#f3ead8", edgecolor=INK, lw=1.5))
+    (x, y, _), shell = CENTRE, RADIUS + REACH * SUPPORT
+    left.add_patch(Wedge((x, y), shell, 0.0, 360.0, width=shell - RADIUS, color=PALE, lw=0))
+    left.add_patch(Circle((x, y), RADIUS, facecolor="#f3ead8", edgecolor=INK, lw=1.5))
     left.axhline(0.0, color=BLUE, lw=1.0, ls=":", zorder=0)
     meeting = [row[0] for row in rows]
     middle = np.abs(places[:, 2]) < 0.25 * SPACING

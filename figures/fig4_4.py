@@ -84,12 +84,12 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
     middle = np.argmin(np.abs(np.unique(np.round(corner[:, 2], 6)) + 0.5 * size[2]))
     z = np.unique(np.round(corner[:, 2], 6))[middle]
     for k in np.flatnonzero(np.abs(corner[:, 2] - z) < 1e-3):
-        at, wet = corner[k, :2], float(np.clip(share[k], 0.0, 1.0))
-        filled = float(still.voxels.share[k])
-        section.add_patch(Rectangle(at, *size[:2], facecolor=DRY, edgecolor=INK, lw=0.6, alpha=1.0))
-        section.add_patch(Rectangle(at, size[0], wet * size[1], facecolor=CUT if wet < 1 else WET, lw=0))
-        section.add_patch(Rectangle(at, *size[:2], facecolor="none", edgecolor=INK, lw=0.6))
-        section.text(*(at + size[:2] / 2), f"{100 * filled:.0f}", ha="center", va="center", fontsize=7, color=INK)
+        (x, y, _), wet = corner[k], float(np.clip(share[k], 0.0, 1.0))
+        filled, at = f"{100 * still.voxels.share[k]:.0f}", (x + size[0] / 2, y + size[1] / 2)
+        section.add_patch(Rectangle((x, y), *size[:2], facecolor=DRY, edgecolor=INK, lw=0.6, alpha=1.0))
+        section.add_patch(Rectangle((x, y), size[0], wet * size[1], facecolor=CUT if wet < 1 else WET, lw=0))
+        section.add_patch(Rectangle((x, y), *size[:2], facecolor="none", edgecolor=INK, lw=0.6))
+        section.text(*at, filled, ha="center", va="center", fontsize=7, color=INK)
     level = still.draught + still.keel
     section.axhline(level, color=BLUE, lw=1.5)
     section.text(2.5, level + 0.05, "still water", color=BLUE, fontsize=9, va="bottom")

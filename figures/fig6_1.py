@@ -9,16 +9,18 @@ import numpy as np
 from _options import options
 from _paper import INK, keep, lit, paper, table
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
+from ocean_sim.surface.shared.mesh import Mesh
 
 SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
 SOON = 3.0  # [s] in haste: the gust has come in
 CLOTH = 0.66, 0.83, 0.91  # colour
 
 
-def drawn(position: np.ndarray, mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
+def drawn(position: np.ndarray, mesh: Mesh, rows: np.ndarray, spacing: float, rms: str, found: str, path: Path) -> None:
     """Particles alone, with the cloth over them, and the map of what is between; `rows`: x, z and both heights."""
     figure, solid = paper(16.0, 5.2), []
     size = np.ptp(position, axis=0)
@@ -52,11 +54,12 @@ def main() -> None:
     coarse = {"resolution": 2.0} if asked.fast else {}
     with Simulation(load(SCENE, {"render": None, "frames": None, "accuracy": None, **coarse})) as simulation:
         simulation.run(until=SOON if asked.fast else MOMENT)
-        mesh, position = simulation.surface.mesh(), simulation.fluid.particles.position.to_numpy()
-        spacing, moment = simulation.fluid.particles.spacing, simulation.time
-        top = Tops(simulation.basin, simulation.fluid).points()
-        cloth = simulation.surface.elevations(top[:, [0, 2]])
-        mean, rms = fit(simulation.surface, top)
+        fluid, surface, moment = with_particles(simulation.fluid), simulation.surface, simulation.time
+        assert surface is not None
+        mesh, position, spacing = surface.mesh(), fluid.particles.position.to_numpy(), fluid.spacing
+        top = Tops(simulation.basin, fluid).points()
+        cloth = surface.elevations(top[:, [0, 2]])
+        mean, rms = fit(surface, top)
     head = [f"{SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart"]
     head += ["particles: the highest in every column two spacings wide, half a spacing above its centre"]
     off = f"{rms / spacing:.3f} spacings (RMS)"

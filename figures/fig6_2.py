@@ -15,9 +15,13 @@ import numpy as np
 from _options import options
 from _paper import INK, keep, lit, paper, table
 
+from ocean_sim.fluid import with_particles
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
+from ocean_sim.surface import Surface
+from ocean_sim.surface.cloth import Cloth
+from ocean_sim.surface.marching_cubes import MarchingCubes
 from ocean_sim.surface.shared.mesh import Mesh
 
 SCENE, MOMENT, ROUNDS = "thesis/fig6_3c_wide", 6.0, 9  # [s]; medians of so many
@@ -42,7 +46,7 @@ def open_edges(triangles: np.ndarray) -> int:
     return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
 
 
-def flying_edges(cubes: Any) -> Callable[[], Any]:
+def flying_edges(cubes: MarchingCubes) -> Callable[[], Any]:
     """VTK's isosurface of the same field."""
     import pyvista
 
@@ -91,21 +95,31 @@ def main() -> None:
     other = load(SCENE, {"surface": "marching_cubes", **coarse}).preflight.surface
     with Simulation(config) as simulation:
         simulation.run(until=SOON if asked.fast else MOMENT)
-        cloth, fluid = simulation.surface, simulation.fluid
-        cubes, spacing = other.build(simulation.basin, fluid), fluid.particles.spacing
+        cloth, fluid = simulation.surface, with_particles(simulation.fluid)
+        assert isinstance(cloth, Cloth) and other is not None
+        cubes, spacing = other.build(simulation.basin, fluid), fluid.spacing
+        assert isinstance(cubes, MarchingCubes)
         top = Tops(simulation.basin, fluid).points()
+
+        def moved() -> None:
+            fluid.advance(simulation.next_dt)
+            fluid.elevations(np.zeros((1, 2)))
+
+        def laid() -> None:
+            cloth.update(cloth.config.every)
+            cloth.mesh()
 
         def frame() -> None:
             cubes.follow(fluid.particles, 0.0)
             cubes.mesh()
 
-        every = cloth.config.every
-        step = taken(lambda: (fluid.advance(simulation.next_dt), fluid.elevations(np.zeros((1, 2)))))
-        times = {"cloth": taken(lambda: (cloth.update(every), cloth.mesh())), "marching_cubes": taken(frame)}
+        step = taken(moved)
+        times = {"cloth": taken(laid), "marching_cubes": taken(frame)}
         meshes = {"cloth": cloth.mesh(), "marching_cubes": cubes.free_surface()}
         whole = {"cloth": meshes["cloth"], "marching_cubes": cubes.mesh()}
         rows = []
-        for name, surface in (("cloth", cloth), ("marching_cubes", cubes)):
+        surfaces: dict[str, Surface] = {"cloth": cloth, "marching_cubes": cubes}
+        for name, surface in surfaces.items():
             mean, rms = (value / spacing for value in fit(surface, top))
             rows.append((name, times[name], len(whole[name].triangles), mean, rms, open_edges(whole[name].triangles)))
         between = (cloth.elevations(top[:, [0, 2]]) - cubes.elevations(top[:, [0, 2]])) / spacing

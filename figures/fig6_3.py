@@ -18,7 +18,7 @@ python figures/fig6_3.py [--fast] [--out DIR]
 """
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from _options import options, progress
@@ -43,7 +43,7 @@ WEAK, LONGEST, TOP = 0.15, 9.0, 2.0  # arrows of which there are crosses instead
 RING = 8.0  # [m] radius at which circulation is taken
 
 
-def gust(range_m: float = 8.0, acceleration: float = 1.0, drift: float = 10.0, **keys) -> dict:
+def gust(range_m: float = 8.0, acceleration: float = 1.0, drift: float = 10.0, **keys: float) -> dict:
     """A gust along x, as `wide` but straight; `range_m` is its length along the wind."""
     box = {"kind": "box", "half_size": [range_m / 2, 15.0, 25.0], "centre": [-20.0 - range_m / 2, 0.0, 0.0]}
     push = [1.5 * acceleration, 2.1 * acceleration, 0.0]
@@ -80,13 +80,18 @@ class Waves(NamedTuple):
     crest: float  # [m]
     waves: int  # whole ones of all gauges together
     circulation: float  # at the end [m2/s]; not a number in 2-D and where nothing turns
-    chart: tuple[np.ndarray, np.ndarray, np.ndarray] | None  # places [m] and elevation [m] at the end
-    wind: Drawing | None  # when it blew most strongly and nearest to the middle
+
+
+class View(NamedTuple):
+    """How one sea looks."""
+
+    chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
+    wind: Drawing  # when it blew most strongly and nearest to the middle
 
 
 def sea(
     wind: dict | str, length: float, seed: int, lasts: float, resolution: float, fluid: str | dict = "thesis_6000"
-) -> Waves:
+) -> tuple[Waves, View]:
     """The sea that a wind raises on a water."""
     scene = {
         "title": "figure 6-3",
@@ -116,7 +121,7 @@ def sea(
         x, z = np.meshgrid(*fine)
         top = simulation.fluid.elevations(np.stack([x.ravel(), z.ravel()], axis=1)).reshape(x.shape)
     turned = float(np.mean(turning)) if turning else float("nan")
-    return Waves(*heights_of(times, heights), turned, (fine[0], fine[1], top), min(winds, key=order))
+    return Waves(*heights_of(times, heights), turned), View((fine[0], fine[1], top), min(winds, key=order))
 
 
 def order(wind: Drawing) -> tuple[float, float]:
@@ -147,7 +152,7 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
             if simulation.time >= min(STEADY, 0.5 * lasts):
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
-    return Waves(*heights_of(times, heights), float("nan"), None, None)
+    return Waves(*heights_of(times, heights), float("nan"))
 
 
 def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, float, float, float, int]:
@@ -178,19 +183,23 @@ def spread(values: list[float]) -> tuple[float, float]:
 
 
 def drawn(
-    seas: dict[str, tuple], spectral: dict[str, tuple], trends: dict[str, list[tuple]], seeds: int, path: Path
+    seas: dict[str, tuple[View, str]],
+    spectral: dict[str, tuple[View, str]],
+    trends: dict[str, list[tuple[float, ...]]],
+    seeds: int,
+    path: Path,
 ) -> None:
     """The sea under each preset from above, that of spectral_sea, and the four trends of so many seeds."""
     blown = f"wind, {seeds} seeds:\nmean, standard deviation" if seeds > 1 else "wind, one seed"
     figure = paper(15.0, 14.8)
     axes = figure.subplots(4, 4, height_ratios=(1.15, 1.15, 1.15, 1.0))
-    for panel, (name, (run, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
-        x, z, top = run.chart
+    for panel, (name, (view, caption)) in zip(axes[:3].ravel(), [*seas.items(), *spectral.items()]):
+        x, z, top = view.chart
         image = panel.pcolormesh(x, z, top, vmin=-1.5, vmax=1.5, cmap="RdBu_r", shading="auto", rasterized=True)
         letter = PRINTED.get(name, "")
         panel.set_title(f"{letter}{name.replace('_', ' ')}\n{caption}", fontsize=9.5, loc="left")
         panel.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", xlim=(-20.0, 20.0), ylim=(-20.0, 20.0))
-        lines, arrows, noise = marks(run.wind)
+        lines, arrows, noise = marks(view.wind)
         panel.plot(*lines[[0, 2]], color=ORANGE, lw=1.2)
         panel.quiver(
             *arrows[:, [0, 2]].reshape(4, -1), color=INK, angles="xy", scale_units="xy", scale=1.0, width=0.008
@@ -221,15 +230,15 @@ def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return lines.T, np.stack([tails[blowing].T, arrows[blowing].T]), tails[over & ~blowing].T
 
 
-def pictured(run: Waves, name: str, lasts: float, path: Path) -> None:
+def pictured(view: View, name: str, lasts: float, path: Path) -> None:
     """The sea under one preset at the end, seen from aside, and the wind when it blew over its middle."""
-    x, z, top = run.chart
+    x, z, top = view.chart
     figure = paper(2.8, 2.0)
     axes = figure.add_subplot(projection="3d", computed_zorder=False)
     across, along = np.meshgrid(z, x, indexing="ij")  # `top` has a row for each z
     shaded = {"cmap": "GnBu_r", "vmin": -2.5, "vmax": 2.5, "rcount": 49, "ccount": 49, "antialiased": False}
     axes.plot_surface(along, across, top, **shaded)
-    lines, arrows, noise = marks(run.wind)
+    lines, arrows, noise = marks(view.wind)
     axes.plot(*lines[[0, 2, 1]], color=ORANGE, lw=0.8)
     axes.quiver(*arrows[:, [0, 2, 1]].reshape(6, -1), color=INK, lw=0.9, arrow_length_ratio=0.4)
     axes.plot(*noise[[0, 2, 1]], "x", color=INK, ms=2.5, mew=0.7)
@@ -258,7 +267,8 @@ def main() -> None:
     asked = options(__doc__, "one seed, and shorter")
     seeds, resolution, lasts = ((1,), 2.0, 12.0) if asked.fast else ((1, 2, 3, 4, 5), 2.0, LASTS)
     steady = 35.0  # [s] also in haste: the waves must come to the end of the longest fetch
-    cases = [("preset", name, name, 40.0) for name in PRESETS] + varied()
+    cases: list[tuple[str, Any, dict | str, float]] = [("preset", name, name, 40.0) for name in PRESETS]
+    cases += varied()
     cases += [("spectral_sea", name, name, 40.0) for name in PRINTED]
     cases += [(FETCH, fetch, {}, fetch) for fetch in FETCHES]
     if asked.fast:  # the ends of each trend
@@ -271,12 +281,16 @@ def main() -> None:
             for k, case in enumerate(of)
             if what in ("preset", "spectral_sea") or k % 3 != 1
         ]
-    calm = sea("still", 40.0, seeds[0], lasts, resolution).hm0
+    calm = sea("still", 40.0, seeds[0], lasts, resolution)[0].hm0
     columns = ["what", "value", "length_m", "seeds", "hm0_m", "hm0_sd_m", "still_hm0_m", "still_over_hm0"]
     columns += ["crest_m", "circulation_m2_s", "circulation_sd_m2_s", "sigmas", "hs_m", "hs_sd_m", "tz_s", "tz_sd_s"]
-    seas, spectral, trends, rows = {}, {}, {}, []
+    seas: dict[str, tuple[View, str]] = {}
+    spectral: dict[str, tuple[View, str]] = {}
+    trends: dict[str, list[tuple[float, ...]]] = {}
+    rows = []
     for done, (what, value, wind, length) in enumerate(cases):
-        runs = []
+        runs: list[Waves] = []
+        views: list[View] = []
         for seed in seeds:
             share = (done + len(runs) / len(seeds)) / len(cases)
             progress(share, f"{what} {value}, seed {seed}")
@@ -284,21 +298,23 @@ def main() -> None:
                 runs.append(fetched(value, True, seed, steady))
             else:
                 water = SPECTRAL if what == "spectral_sea" else "thesis_6000"
-                runs.append(sea(wind, length, seed, lasts, resolution, water))
+                waves, view = sea(wind, length, seed, lasts, resolution, water)
+                runs.append(waves)
+                views.append(view)
         still = (
             fetched(value, False, seeds[0], steady).hm0 if what == FETCH else 0.0 if what == "spectral_sea" else calm
         )
         mean, deviation = spread([run.hm0 for run in runs])
         turn, scatter = spread([run.circulation for run in runs])
         sigmas = abs(turn) / (scatter / len(seeds) ** 0.5) if scatter > 0.0 else float("nan")
-        numbers = (mean, deviation, still, still / mean, max(run.crest for run in runs))
-        numbers += (turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs]))
+        numbers = [mean, deviation, still, still / mean, max(run.crest for run in runs)]
+        numbers += [turn, scatter, sigmas, *spread([run.hs for run in runs]), *spread([run.tz for run in runs])]
         rows.append((what, value, length, len(seeds), *(f"{number:.4g}" for number in numbers)))
         if what == "preset":
-            seas[value] = runs[0], summary(runs)
-            pictured(runs[0], value, lasts, asked.out / f"fig6_3_{value}.png")
+            seas[value] = views[0], summary(runs)
+            pictured(views[0], value, lasts, asked.out / f"fig6_3_{value}.png")
         elif what == "spectral_sea":
-            spectral[f"spectral sea, {value}"] = runs[0], summary(runs)
+            spectral[f"spectral sea, {value}"] = views[0], summary(runs)
         else:
             trends.setdefault(what, []).append((value, mean, deviation, still))
     head = [f"thesis_6000 at {resolution:g} times its spacing; from {SETTLED:g} to {lasts:g} s"]

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from math import erf, exp, pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from _kept import BARE, save, shots, still_sea
@@ -82,7 +83,7 @@ def expected_by_height(height: float) -> float:
 def seen(winds: Sequence[float], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Pictures (n, height, width, 3) of seas with the foam of their winds, and bare."""
     with TemporaryDirectory() as place:
-        given = []
+        given: list[dict[str, Any]] = []
         for wind in winds:
             waves = spreading(wind, SHORTEST_SEEN)
             folder = still_sea(waves, PATCH, Path(place, f"{wind:g}"))

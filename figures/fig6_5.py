@@ -11,6 +11,7 @@ python figures/fig6_5.py [--fast] [--out DIR]
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from _kept import BARE, grey, kept, save, shots
@@ -20,7 +21,7 @@ from _paper import keep, paper, table
 from ocean_sim.waves.orbits import white_caps_of
 
 WIND = 14.0  # [m/s]
-SCENE = {
+SCENE: dict[str, Any] = {
     "title": "figure 6-5",
     "seed": 7,
     "duration": 8.0,
@@ -40,14 +41,14 @@ SCENE = {
     "frames": {"every": 0.5, "spacing": 2.0},
 }
 VIEW = {"camera": "fixed", "eye": (24.0, 5.0, 6.0), "target": (-4.0, 0.6, -4.0)}  # towards the sun
-SWITCHES = [
+SWITCHES: list[dict[str, Any]] = [
     {"fresnel": fresnel, "foam": foam, "glint": glint}
     for glint in ("none", "thesis")
     for foam in (False, True)
     for fresnel in (False, True)
 ]
-NOTHING = {"reflection": False, "body": False, "glint": "none", "foam": False}
-TERMS = {
+NOTHING: dict[str, Any] = {"reflection": False, "body": False, "glint": "none", "foam": False}
+TERMS: dict[str, dict[str, Any]] = {
     "light from within (3.12, 3.13)": NOTHING | {"body": True},
     "mirrored sky (3.6), (3.8)": NOTHING | {"reflection": True},
     "white caps": NOTHING | {"foam": True},

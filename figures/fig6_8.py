@@ -90,7 +90,8 @@ def sailed(scene: dict[str, Any], done: Any, folder: Path | None = None) -> tupl
     shown = {} if folder is None else {"frames": {"every": 1.0 / RATE, "spacing": 5.0}}
     with Simulation(load({"title": "figure 6-8", **scene, **QUIET, **shown}), folder) as simulation:
         vessel = simulation.ships["ship"]
-        outline = OTTER if vessel.drawn() is None else deck(vessel.drawn()[0])
+        hull = vessel.drawn()
+        outline = OTTER if hull is None else deck(hull[0])
         for moment in np.arange(0.0, scene["duration"] + 0.5 * EVERY, EVERY):
             if moment > simulation.time:
                 simulation.run(until=float(moment))

@@ -67,8 +67,9 @@ def stages() -> list[Stage]:
                 built[slot] = built[slot].union(*(own(given) for given in node.args))
     found = []
     for node in ast.walk(source["step"]):
-        if isinstance(node, ast.With) and ast.unparse(node.items[0].context_expr).startswith("self.stage("):
-            name = ast.literal_eval(node.items[0].context_expr.args[0])
+        entered = node.items[0].context_expr if isinstance(node, ast.With) else None
+        if isinstance(entered, ast.Call) and ast.unparse(entered.func) == "self.stage":
+            name = ast.literal_eval(entered.args[0])
             calls = [ast.unparse(n.func).removeprefix("self.") for n in ast.walk(node) if isinstance(n, ast.Call)]
             used = [n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == "self"]
             made = [name, *(attribute for attribute in used if attribute not in SLOTS)]
@@ -159,8 +160,8 @@ def drawn(found: list[Stage], path: Path) -> None:
         ["six legs, cabin, driver", "platform.csv, UDP stream"],
         ORANGE,
     )
-    for begin, end, text in (("ship", "surface", "a, ω"), ("surface", "fluid", "pose"), ("fluid", "wind", "legs")):
-        arrow(axes, (place[begin], 1.75), (place[end] + wide, 1.75), text)
+    for over, under, text in (("ship", "surface", "a, ω"), ("surface", "fluid", "pose"), ("fluid", "wind", "legs")):
+        arrow(axes, (place[over], 1.75), (place[under] + wide, 1.75), text)
     driver = place["wind"] + wide / 2
     axes.plot([driver, driver, ship + 0.8 * wide], [1.0, 0.45, 0.45], color=INK, lw=1.3)
     axes.plot([ship + 0.8 * wide, ship + wide + 0.35, ship + wide + 0.35], [0.45, 0.45, 5.6], color=INK, lw=1.3)

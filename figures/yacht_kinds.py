@@ -110,6 +110,7 @@ def film(pictures: dict[str, np.ndarray], path: Path) -> None:
     import imageio.v2 as imageio
 
     bars = {kind: label(kind, KINDS[kind]) for kind in pictures}
+    writer: Any
     with imageio.get_writer(path, fps=round(1.0 / EVERY), macro_block_size=2) as writer:
         for k in range(min(len(rows) for rows in pictures.values())):
             tiles = [named(pictures[kind][k], bars[kind]) for kind in KINDS]

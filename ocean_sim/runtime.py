@@ -337,6 +337,7 @@ def start(config: RuntimeConfig) -> Backend:
     for one in _allocations:
         one.forget(RESTARTED)
     _allocations.clear()
+    _open.clear()
     _launches.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(

@@ -52,6 +52,11 @@ def pytest_sessionfinish() -> None:
         table.writerows(known[name] for name in sorted(known))
 
 
+def quickly(first: Any, *others: Any) -> list[Any]:
+    """Parameters of a test: the first in every run, the others with -m slow."""
+    return [first, *(pytest.param(other, marks=pytest.mark.slow) for other in others)]
+
+
 class Start:
     """What a fluid or a simulation holds now, to be put back as a checkpoint does it: its kernels stay compiled."""
 
@@ -61,6 +66,13 @@ class Start:
     def put_back(self) -> None:
         arrays = {name: values.copy() for name, values in self.held.arrays.items()}
         Restorer(self.root, self.held.tree, arrays, Path())
+
+
+@pytest.fixture(scope="module", autouse=True)
+def taichi_of_a_module() -> None:
+    """Taichi starts anew for each module: it finds compiled kernels again by the numbers of their fields, which would
+    else depend on what the process has tested before."""
+    runtime._started = None
 
 
 @pytest.fixture(scope="module")

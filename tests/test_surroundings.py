@@ -13,6 +13,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Refused
 from ocean_sim.files.claim import Claim
 from ocean_sim.viewer.session import Source
+from tests.conftest import quickly
 
 SCENE = "basin: {length: 1.0, depth: 0.5}\nfluid: {kind: ballistic, spacing: 0.25}\nduration: 0.1\nrender: null\n"
 LONG = "a" * 5000
@@ -88,7 +89,7 @@ def test_closed_streams_and_narrow_encodings_take_what_is_printed(scene):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is full")
-@pytest.mark.parametrize("words", ["list", "list --json", "schema"])
+@pytest.mark.parametrize("words", quickly("list", "list --json", "schema"))
 def test_an_answer_that_finds_no_room_is_said(words, scene):
     done = ask(f"$O {words} > /dev/full")
     assert (done.returncode, done.stderr) == (1, "No space left on device: standard output\n")

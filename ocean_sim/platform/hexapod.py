@@ -28,9 +28,9 @@ if len(CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or mor
 
 class Config(PlatformConfig):
     kind: Literal["hexapod"] = "hexapod"
-    geometry: str | Geometry = Field("hexapod_a", validate_default=True)
+    geometry: str | Geometry = Field(default="hexapod_a", validate_default=True)
     """A name in configs/geometry/, or the joints and legs themselves."""
-    washout: str | AnyWashout = Field("ship", validate_default=True)
+    washout: str | AnyWashout = Field(default="ship", validate_default=True)
     """A name in configs/washout/, or a washout itself."""
     ramp: float = quantity("s", 3.0, ge=0.0)
     """Time over which the platform goes from neutral into the motion, and at the end of a stream back to neutral."""

@@ -109,10 +109,21 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
     return ""
 
 
+QUICK = {  # each extreme by one scheme; the others with -m slow
+    "mueller": {"compression 1", "stiffness 100", LONE_ONE, "a narrow support"},
+    "delta_sph": {"twice the limit", "stiffness 1e6", "no viscosity", STIFF, SYRUP},
+    "dfsph": {SLOW, FAST, TWINS},
+}
+
+
 @pytest.mark.parametrize(
     ("scheme", "extreme"),
-    [(scheme, extreme) for scheme in ("mueller", "delta_sph") for extreme in EXTREMES]
-    + [("dfsph", extreme) for extreme in (SLOW, FAST, TWINS, "stiffness 1e6", SYRUP, LONE_ONE)],
+    [
+        pytest.param(scheme, extreme, marks=() if extreme in QUICK[scheme] else pytest.mark.slow)
+        for scheme in ("mueller", "delta_sph", "dfsph")
+        for extreme in EXTREMES
+        if scheme != "dfsph" or extreme in (SLOW, FAST, TWINS, "stiffness 1e6", SYRUP, LONE_ONE)
+    ],
 )
 def test_it_ends_physical_or_says_why_not(begun, scheme, extreme, monkeypatch):
     sentence = run(begun, scheme, extreme, monkeypatch)

@@ -57,6 +57,11 @@ def test_every_figure_has_its_data_and_its_picture(figures):
         assert len(rows(figures / f"{name}.csv")) > 4, name
 
 
+def test_figure_3_2_has_the_fifteen_patterns_of_256_cases(figures):
+    found = rows(figures / "fig3_2.csv")
+    assert len(found) == 15 and sum(int(row["alike"]) for row in found) == 256
+
+
 def test_every_picture_carries_number_and_caption_and_only_a_coarse_one_says_so(tmp_path):
     """`keep` is handed what a figure has; what it writes is read back from the figure's texts."""
     code = """

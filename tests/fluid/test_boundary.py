@@ -11,6 +11,7 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.shared.boundary import Boundary
 from ocean_sim.observers.shared.escaped import beyond
 from ocean_sim.reading.scene import SceneError
+from tests.conftest import quickly
 from tests.fluid.conftest import by_id, put, undone
 
 BOX = {"min": [-0.2, -0.35], "max": [0.2, -0.15]}  # submerged, m
@@ -102,7 +103,7 @@ def thrown(again, kind: str, **keys):
     return fluid
 
 
-@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+@pytest.mark.parametrize("kind", quickly("mueller", "delta_sph", "dfsph"))
 def test_a_box_is_pushed_as_strongly_as_it_pushes(again, kind):
     fluid = thrown(again, kind)
     for _ in range(70):
@@ -138,7 +139,7 @@ def test_a_body_is_placed_turned_and_moves_as_it_is_told(again):
     np.testing.assert_allclose(body.acceleration.to_numpy(), expected[name], atol=1e-13)
 
 
-@pytest.mark.parametrize("kind", ["mueller", "delta_sph"])
+@pytest.mark.parametrize("kind", quickly("mueller", "delta_sph"))
 def test_what_a_moving_body_gives_the_water_gets(again, kind):
     fluid = thrown(again, kind)
     x = fluid.particles.position.to_numpy()
@@ -156,7 +157,7 @@ def test_what_a_moving_body_gives_the_water_gets(again, kind):
     np.testing.assert_allclose(bounced, 0.0, atol=1e-11 * np.abs(given).max())
 
 
-@pytest.mark.parametrize("kind", ["mueller", "delta_sph"])
+@pytest.mark.parametrize("kind", quickly("delta_sph", "mueller"))
 def test_bodies_are_told_how_the_water_accelerates(again, kind):
     """By what each particle's velocity has changed in the last step, but of those that bounced: without viscosity all
     of it presses."""

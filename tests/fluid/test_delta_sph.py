@@ -229,6 +229,7 @@ def test_energy_is_accounted_for(water):
     assert abs(drained) > 1e-3 * kinetic
 
 
+@pytest.mark.slow
 def test_a_wave_without_viscosity_gains_no_energy(water):
     """Slow eddies of its water counted as a surface that is sheared, whose diffusion raised the level: by a quarter of
     the wave's energy in eight periods."""

@@ -6,6 +6,7 @@ import pytest
 from ocean_sim import load
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import SceneError
+from tests.conftest import quickly
 from tests.fluid.conftest import by_id
 
 G = np.array([0.0, -GRAVITY, 0.0])
@@ -79,7 +80,7 @@ def test_a_layer_lies_across_the_jet_as_dense_as_water(water):
     assert np.linalg.norm(x.mean(axis=0) - JET["position"]) < 1e-12
 
 
-@pytest.mark.parametrize("kind", ["mueller", "delta_sph", "dfsph"])
+@pytest.mark.parametrize("kind", quickly("delta_sph", "mueller", "dfsph"))
 def test_water_of_any_scheme_pours_and_its_momentum_is_told(water, kind):
     basin = {"width": None, "walls": "none", "floor": "none"}
     emitter = {"position": [0.0, 0.2], "velocity": [1.5, 0.0], "rate": 0.3, "cap": 60}

@@ -8,6 +8,7 @@ import pytest
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.shared.images import mirrored as mirrored_position
+from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, put
 
@@ -19,7 +20,7 @@ class Count:
     row, terms, apart = Columns(position=3), Columns(count=1, squares=1), True
 
     def __init__(self, fluid, padded: bool = False) -> None:
-        self.reads, self.padded = tuple(fluid.particles.position), padded
+        self.reads, self.padded, self.tension = tuple(fluid.particles.position), padded, NONE
         self.support = fluid.smoothing.support
         self.count, self.squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
         self.images, self.image_squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))

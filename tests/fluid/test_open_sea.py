@@ -23,6 +23,7 @@ from ocean_sim.observers.shared.energy import kinetic, total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import state
+from tests.conftest import quickly
 
 G, LENGTH = 9.81, 2.0  # [m/s2], [m] of the wave
 PERIOD = 2.0 * np.pi / float(waves.angular_frequency(2.0 * np.pi / LENGTH, 1.0, G))
@@ -113,7 +114,7 @@ def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing, within):
     assert np.abs(found[0] - found[1]).max() <= within
 
 
-@pytest.mark.parametrize("kind", ["delta_sph", "dfsph", "mueller"])
+@pytest.mark.parametrize("kind", quickly("delta_sph", "dfsph", "mueller"))
 def test_impulses_add_up_to_the_momentum_and_the_sea_has_its_own(kind):
     scene = patch(kind=kind, accuracy={}, duration=0.2)
     with Simulation(scene) as simulation:
@@ -148,7 +149,9 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
             assert now.velocity[far > 2.8, 0].mean() < 0.02 < 0.07 < now.velocity[far < 1.0, 0].mean()
 
 
-@pytest.mark.parametrize("basin, sea", [(SLICE, "calm"), (SLICE | {"walls": "absorbing"}, None)])
+@pytest.mark.parametrize(
+    "basin, sea", [(SLICE, "calm"), pytest.param(SLICE | {"walls": "absorbing"}, None, marks=pytest.mark.slow)]
+)
 def test_what_slows_incompressible_water_leaves_still_water_still(basin, sea):
     """Neither the rim nor the zone before an absorbing side slows the fall of a step that pressure holds up: what it
     held of that, more at the seam than beside it, would stir the water, by up to g dt."""
@@ -194,6 +197,7 @@ def moving(until: float) -> float:
     return float(np.mean(found)) / linear
 
 
+@pytest.mark.slow
 def test_waves_too_short_for_particles_hold_no_energy_up(monkeypatch):
     """They are left out (1.16); fed, they grow too high (1.56)."""
     assert moving(20.0) < 1.25
@@ -272,17 +276,21 @@ AFLOAT = {"kind": "pressure", "hull": HULL, "free": []}
 
 
 def test_the_sea_grows_over_two_periods_where_a_ship_is_in_it_else_it_is_there_at_once():
+    assert band_of(patch()).sea.ramp == 0.0 and "grows" not in " ".join(band_of(patch()).statements())
+    for ramp in (None, 0.0):
+        with Simulation(patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)) as simulation:
+            assert simulation.fluid.sea.ramp == pytest.approx(2.0 * PERIOD if ramp is None else 0.0)
+            assert (np.abs(state(simulation).velocity).max() == 0.0) == (ramp is None)
+
+
+@pytest.mark.slow
+def test_a_sea_begun_at_once_would_draw_a_ship_down():
     """A ship held fast in it bears, in the mean of the first periods, her weight and no more. Begun at once, the sea
     draws her down by a fifteenth of it, for ever: what a crest has brought under her stays there."""
-    assert band_of(patch()).sea.ramp == 0.0 and "grows" not in " ".join(band_of(patch()).statements())
     means = {}
     for ramp in (None, 0.0):
-        scene = patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)
-        with Simulation(scene) as simulation:
-            water, rows = simulation.fluid, []
-            assert water.sea.ramp == pytest.approx(2.0 * PERIOD if ramp is None else 0.0)
-            began = state(simulation)
-            assert (np.abs(began.velocity).max() == 0.0) == (ramp is None)
+        with Simulation(patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)) as simulation:
+            rows = []
             while simulation.time < 3.0 * PERIOD:
                 simulation.step()
                 rows.append((simulation.next_dt, simulation.ships["ship"].last.force[1]))
@@ -291,7 +299,7 @@ def test_the_sea_grows_over_two_periods_where_a_ship_is_in_it_else_it_is_there_a
     assert abs(means[None]) < 0.02 and means[0.0] < -0.05
 
 
-@pytest.mark.parametrize("kind", ["linear_waves", "spectral_sea"])
+@pytest.mark.parametrize("kind", quickly("linear_waves", "spectral_sea"))
 def test_a_sea_that_has_grown_is_the_sea(kind):
     """Its height and phase on the whole patch, by the velocities: half way, and a period after its ramp."""
     sea = REGULAR | {"kind": kind, "ramp": 2.0 * PERIOD, "height": 0.05}

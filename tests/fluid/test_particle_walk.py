@@ -101,7 +101,7 @@ def test_sorts_in_the_order_of_storage(water, by_particles):
     assert len(levels(fluid.grid.cell_count)) == 4 and fluid.grid.cell_count > BLOCK**2
     rng, n = np.random.default_rng(2), fluid.particles.n
     cell, name = rng.integers(0, fluid.grid.cell_count, n) // 500 * 500, rng.permutation(n).astype(np.int32)
-    fluid.grid.cell.from_numpy(cell.astype(np.int32))
+    fluid.grid.part.from_numpy(cell.astype(np.int32))
     fluid.grid.moved[6].from_numpy(name)
     sort(fluid.grid)
     assert (fluid.particles.id.to_numpy() == name[np.argsort(cell, kind="stable")]).all()

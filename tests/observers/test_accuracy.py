@@ -5,6 +5,7 @@ import ocean_sim
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.csv_file import columns
 from ocean_sim.observers import accuracy
+from tests.conftest import quickly
 
 
 def test_sums_are_those_of_the_particles(tmp_path, watched):
@@ -144,7 +145,7 @@ PATCH = {"basin": SLICE | {"walls": "periodic"}, "sea": {"kind": "linear_waves",
 COLUMN = {"basin": SLICE, "fluid": {"fill": [{"min": [-1.0, -0.5], "max": [-0.2, 0.0]}]}}
 
 
-@pytest.mark.parametrize("scene", [STILL, PATCH, COLUMN])
+@pytest.mark.parametrize("scene", quickly(STILL, PATCH, COLUMN))
 def test_incompressible_water_closes_its_energy(tmp_path, scene):
     """Weight times the way g dt / 2 that water falls in a step before its pressure holds it is nobody's work: work is
     counted at the mean velocity of the whole step."""

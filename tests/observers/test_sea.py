@@ -341,6 +341,7 @@ def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, progr
     assert told.splitlines()[-1].startswith("OpenGL refuses a program of this picture: error: ")
 
 
+@pytest.mark.slow
 @with_opengl
 def test_a_film_shows_what_a_final_picture_shows(picture):
     """Smoother edges and a finer mesh change no mean over 20 x 20 pixels by much: in both the ship is mirrored."""

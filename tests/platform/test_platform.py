@@ -12,6 +12,7 @@ from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, softened
 from ocean_sim.platform.shared.metrics import delay, dose, gain, metrics, sickness_weighting
 from ocean_sim.platform.shared.motion_log import Ride, read, ride_of, turned
 from ocean_sim.ship import PARTS
+from tests.conftest import quickly
 from tests.platform.conftest import G, columns, ride, write
 
 DT = 0.01
@@ -164,7 +165,7 @@ def accelerations(machine, poses):
     return machine.governor.sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
 
 
-@pytest.mark.parametrize("name", ["ship", "ship_adaptive"])
+@pytest.mark.parametrize("name", quickly("ship", "ship_adaptive"))
 @pytest.mark.parametrize("period, amplitude, angle", RIDES)
 def test_at_the_end_of_a_stroke_no_more_is_felt_than_is_promised(period, amplitude, angle, name):
     """1.5 times `catch_up`, or 1.05 times what the washout asks for in that moment, whatever the ride."""

@@ -7,6 +7,7 @@ import pytest
 
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
+from tests.conftest import quickly
 
 THROUGH = 2.0  # velocity through the water [m/s]
 SCATTERED = str(Path(__file__).parent / "data" / "barge20_capytaine.nc")
@@ -41,7 +42,7 @@ def afloat(heading: float, current: tuple[float, float], height: float, order: i
     }
 
 
-@pytest.mark.parametrize("heading", [180.0, 60.0])
+@pytest.mark.parametrize("heading", quickly(60.0, 180.0))
 def test_what_counts_is_the_velocity_through_the_water(heading):
     """In water that flows as in still water: the lattice that she reads is carried by the current, and her added mass
     is accelerated by what she does relative to the water, in axes that turn with her."""

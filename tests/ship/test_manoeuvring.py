@@ -11,6 +11,7 @@ from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.hull import Hull, hull_of
 from ocean_sim.ship.shared.propulsion import SWIFT, Propeller, Rudder
 from ocean_sim.simulation import Simulation
+from tests.conftest import quickly
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 KINDS = ("hydrostatic", "dynamic")
@@ -70,7 +71,7 @@ def test_it_heels_outwards_in_a_turn(way):
         assert 1.0 < way * np.mean(rolls) < 8.0
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quickly(*KINDS))
 def test_waves_from_abeam_do_not_turn_it_about(kind):
     """What damps it acts on its motion through the water: dragged over the ground it yaws by more than 30 degrees."""
     ship = {"kind": kind, "hull": "yacht", "damping": {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}}

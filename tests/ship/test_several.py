@@ -128,6 +128,7 @@ def test_the_threads_change_no_byte(precision, tmp_path):
     assert list(one) == ["motion_a.csv", "motion_b.csv"] and one == two
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_on_from_a_checkpoint_leaves_the_same_bytes(tmp_path):
     from ocean_sim.observers.checkpoint import restore
 

@@ -268,6 +268,7 @@ def test_without_giving_the_push_back_buoyancy_would_count_twice(afloat):
     assert np.mean(carried[len(carried) // 2 :]) > 0.15 * 9.81 * ship.body.mass
 
 
+@pytest.mark.slow
 def test_the_energy_of_water_next_to_a_hull_at_rest_is_accounted_for():
     """To a twentieth of what its forces exchange at half the usual step (4.6 %; at the usual 5.2 %), and the water
     stands as high as before; were the work of the hull left out, a fifth would be missing."""

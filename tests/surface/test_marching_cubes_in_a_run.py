@@ -1,13 +1,8 @@
-"""Marching cubes in a run: the water does not feel them, threads do not change them, the figure of their cases runs."""
-
-import os
-import subprocess
-import sys
+"""Marching cubes in a run: the water does not feel them, threads do not change them."""
 
 import numpy as np
 import pytest
 
-from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
@@ -48,13 +43,3 @@ def test_two_threads_make_the_same_mesh_as_one(watched):
     other = state(**{"runtime.threads": 2})
     assert len(watched["triangles"]) > 1000
     assert all(other[name].tobytes() == watched[name].tobytes() for name in watched)
-
-
-def test_figure_3_2_has_the_fifteen_patterns_of_256_cases(tmp_path):
-    command = [sys.executable, str(library("figures") / "fig3_2.py"), "--fast", "--out", str(tmp_path)]
-    here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
-    done = subprocess.run(command, capture_output=True, text=True, env=here)
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "fig3_2.png").stat().st_size > 10_000
-    rows = (tmp_path / "fig3_2.csv").read_text().splitlines()[2:]
-    assert len(rows) == 15 and sum(int(row.split(",")[2]) for row in rows) == 256

@@ -26,6 +26,7 @@ from ocean_sim.validation.shared.case import Finding, Promise
 from ocean_sim.validation.shared.standing import DEEP, StandingWave
 from ocean_sim.validation.shared.state import State
 from ocean_sim.validation.shared.tables import table
+from tests.conftest import quickly
 
 QUICK = {"runtime.threads": 1}
 
@@ -224,7 +225,9 @@ def test_water_under_the_kernel_of_another_dimension_is_red(monkeypatch):
     assert [row["ok"] for row in rows[:2]] == [False, False]
 
 
-@pytest.mark.parametrize("scheme", [scheme for scheme in ("mueller", "delta_sph") if scheme in kinds("fluid")])
+@pytest.mark.parametrize(
+    "scheme", quickly(*(scheme for scheme in ("delta_sph", "mueller") if scheme in kinds("fluid")))
+)
 def test_water_that_falls_upwards_is_red(scheme):
     problem = problems("hydrostatic", coarse=True)[0]
     upwards = {**problem.scene["basin"], "gravity": [0.0, 1.0, 0.0]}
@@ -287,6 +290,7 @@ def test_the_obstacle_case_scores_its_own_table_as_right_and_a_late_wave_as_late
     assert not all(kept(obstacle.PROMISES, swapped))
 
 
+@pytest.mark.slow
 def test_the_waves_abeam_of_a_pressure_take_the_energy_that_havelock_says():
     """The pressure times the slope under it is the resistance; ahead of it there are next to no waves."""
     long, broad = spectral_passing.LONG, spectral_passing.BROAD

@@ -13,9 +13,11 @@ BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
-THICKEST = 1.3  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
+THICKEST = 1.25  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
-APART = 2.2  # times its own cell that a fleck of foam covers before it thins out
+GATHERS = 3.0  # patches apart at which a crest breaks more readily, or less
+WANDERS = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
+APART = 3.0  # times its own cell that a fleck of foam covers before it thins out: a steep trough over the crest before
 SPREADS = 0.3  # of the cover that is born where there is none: what the first patches gain as they begin to move
 BESIDE = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
@@ -103,6 +105,7 @@ class Field:
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
         """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
+        self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
         self.ticked = 0.0  # time of the last tick [s]
@@ -136,7 +139,7 @@ class Field:
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
             self.call(wanted, np.exp(-since / LASTS) if self.started else 0.0)
-            born = self.broken(finer(source), since)
+            born = self.broken(finer(source * self.gathering(source.shape, time)), since)
             self.add(born, self.white if self.started else born)
             self.ticked = time
         self.time, self.started = time, True
@@ -147,6 +150,13 @@ class Field:
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
+
+    def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
+        """(nx, nz) how readily crests break at a time [s], here and there: a long one would else break all along in a
+        line too thin to last. The law is ours."""
+        cells = (FINER * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
+        x, z = ((at + wanders * time) / (GATHERS * PATCH) for at, wanders in zip(cells, WANDERS, strict=True))
+        return readily(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
         """How thick the foam is that crests begin to make after a step [s], so that the mean comes to the cover called
@@ -208,6 +218,7 @@ class Field:
 
     def shift(self, cells: np.ndarray) -> None:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        self.origin += cells
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
@@ -218,6 +229,11 @@ class Field:
         x, z = self.flecks[:2]
         nx, nz = self.carried.shape[:2]
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
+
+
+def readily(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """How readily white water gathers at places, about 1 apart; 1 in the mean."""
+    return 0.5 + noise(x, z)[0]
 
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:

@@ -31,7 +31,7 @@ TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain i
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
 TORN = (0.5, 1.0)  # strain of the water from which, and at which wholly, the grain is moved as the mean around it is
 MEANS = 3.0  # cells of the waves over which that is
-SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
+SOFT = 0.40  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FAINT = 0.005  # share of white water below which none is drawn
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
@@ -139,8 +139,9 @@ class Field:
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
             self.call(wanted, np.exp(-since / LASTS) if self.started else 0.0)
-            born = self.broken(finer(source * self.gathering(source.shape, time)), since)
-            self.add(born, self.white if self.started else born)
+            born = self.broken(source, time, since)
+            if born.any():
+                self.add(born, self.white if self.started else born)
             self.ticked = time
         self.time, self.started = time, True
 
@@ -158,9 +159,9 @@ class Field:
         x, z = ((at + wanders * time) / (GATHERS * PATCH) for at, wanders in zip(cells, WANDERS, strict=True))
         return readily(*np.meshgrid(x, z, indexing="ij"))
 
-    def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
-        """How thick the foam is that crests begin to make after a step [s], so that the mean comes to the cover called
-        for; 0 where they make none.
+    def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
+        """How thick the foam is that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
+        the mean comes to the cover called for; 0 where they make none.
 
         Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
@@ -171,7 +172,8 @@ class Field:
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
-        fresh = smoothed(drawn_together) * (1.0 - SPENT * white)
+        gathered = finer(drawn_together * self.gathering(drawn_together.shape, time))
+        fresh = smoothed(gathered) * (1.0 - SPENT * white)
         spreads = SPREADS * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
         born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)

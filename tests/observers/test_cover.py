@@ -117,9 +117,7 @@ def lives(name: str, begins: float, ends: float, folder: Path) -> tuple[dict[int
     for after in (10, 35):
         found = [followed(white, ways, n, after, origins) for n in range(0, len(kept) - after, 3)]
         life[after] = float(np.concatenate(found).mean())
-    called_for = np.mean([frame.get("cover", 0.0) for frame in kept])
-    print(name, life, np.mean(white), called_for)
-    return life, float(np.mean(white) / called_for)
+    return life, float(np.mean(white) / np.mean([frame.get("cover", 0.0) for frame in kept]))
 
 
 def covers(name: str) -> tuple[float, float, float]:
@@ -159,5 +157,4 @@ def covers(name: str) -> tuple[float, float, float]:
             mean = float(basin.mean())
             found.append((mean, (mean * size + (area * around).sum()) / (size + area.sum())))
     basin_mean, whole_mean = np.mean(found, axis=0)
-    print(name, basin_mean, whole_mean, wanted)
     return float(basin_mean), float(whole_mean), wanted

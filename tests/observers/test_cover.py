@@ -78,7 +78,7 @@ def test_the_drawn_sea_is_as_white_as_its_wind_calls_for(scene):
         assert [basin / wanted, around / wanted] == pytest.approx([1.0, 1.0], abs=0.2)
 
 
-@pytest.mark.slow  # 10 s to 3 min each
+@pytest.mark.slow  # 10 s each, the last some minutes
 @pytest.mark.parametrize(
     ("scene", "begins", "ends"),
     [

@@ -13,9 +13,11 @@ BREAKING = 0.30
 MOST = 0.10  # share of the sea that may be white where none is asked for
 LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
 RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
-THICKEST = 1.3  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
+THICKEST = 1.25  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
 PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
-APART = 2.2  # times its own cell that a fleck of foam covers before it thins out
+GATHERS = 3.0  # patches apart at which a crest breaks more readily, or less
+WANDERS = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
+APART = 3.0  # times its own cell that a fleck of foam covers before it thins out: a steep trough over the crest before
 SPREADS = 0.3  # of the cover that is born where there is none: what the first patches gain as they begin to move
 BESIDE = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
 SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
@@ -29,7 +31,7 @@ TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain i
 BENT = 0.9  # by which the grain is bent, so that it follows no axis
 TORN = (0.5, 1.0)  # strain of the water from which, and at which wholly, the grain is moved as the mean around it is
 MEANS = 3.0  # cells of the waves over which that is
-SOFT = 0.20  # of a covered share: how far the edges of foam fade at most
+SOFT = 0.40  # of a covered share: how far the edges of foam fade at most
 THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
 FAINT = 0.005  # share of white water below which none is drawn
 FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
@@ -103,6 +105,7 @@ class Field:
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
         """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
         self.cell, self.time = cell, 0.0
+        self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
         self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
         self.ticked = 0.0  # time of the last tick [s]
@@ -136,8 +139,9 @@ class Field:
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
             self.call(wanted, np.exp(-since / LASTS) if self.started else 0.0)
-            born = self.broken(finer(source), since)
-            self.add(born, self.white if self.started else born)
+            born = self.broken(source, time, since)
+            if born.any():
+                self.add(born, self.white if self.started else born)
             self.ticked = time
         self.time, self.started = time, True
 
@@ -148,9 +152,16 @@ class Field:
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
-    def broken(self, drawn_together: np.ndarray, step: float) -> np.ndarray:
-        """How thick the foam is that crests begin to make after a step [s], so that the mean comes to the cover called
-        for; 0 where they make none.
+    def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
+        """(nx, nz) how readily crests break at a time [s], here and there: a long one would else break all along in a
+        line too thin to last. The law is ours."""
+        cells = (FINER * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
+        x, z = ((at + wanders * time) / (GATHERS * PATCH) for at, wanders in zip(cells, WANDERS, strict=True))
+        return readily(*np.meshgrid(x, z, indexing="ij"))
+
+    def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
+        """How thick the foam is that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
+        the mean comes to the cover called for; 0 where they make none.
 
         Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
@@ -161,7 +172,8 @@ class Field:
         self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
-        fresh = smoothed(drawn_together) * (1.0 - SPENT * white)
+        gathered = finer(drawn_together * self.gathering(drawn_together.shape, time))
+        fresh = smoothed(gathered) * (1.0 - SPENT * white)
         spreads = SPREADS * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
         born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)
@@ -208,6 +220,7 @@ class Field:
 
     def shift(self, cells: np.ndarray) -> None:
         """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        self.origin += cells
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
@@ -218,6 +231,11 @@ class Field:
         x, z = self.flecks[:2]
         nx, nz = self.carried.shape[:2]
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
+
+
+def readily(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """How readily white water gathers at places, about 1 apart; 1 in the mean."""
+    return 0.5 + noise(x, z)[0]
 
 
 def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures import antialiasing, far_sea, marks, sea_state, sky, water_shading
+from ocean_sim.pictures import antialiasing, far_sea, marks, sea_state, sky, vessel, water_shading
 from ocean_sim.pictures.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.frame_files import Frame, Log, ships_in
 from ocean_sim.pictures.obstacles import Obstacles
@@ -175,8 +175,9 @@ class Picture:
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
         reach = 0.10 * max(size[0], size[2])
         darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
-        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), (8, 20, 30)), 255 * darkness]).astype(np.uint8)
+        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), vessel.DARK), 255 * darkness]).astype(np.uint8)
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
+        vessel.ground(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
     def draw(self, frame: Frame) -> np.ndarray:
         """(height, width, 3) 8-bit RGB."""

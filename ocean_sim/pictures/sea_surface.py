@@ -7,7 +7,6 @@ import numpy as np
 
 from ocean_sim.pictures import far_sea, foam
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.ripples import noise
 from ocean_sim.pictures.sea_state import Now, SeaState
 from ocean_sim.pictures.water_mesh import spline, triangles
 
@@ -148,4 +147,4 @@ class SeaSurface:
 
 def grain(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """How readily white water gathers at positions [m]."""
-    return 0.5 + noise(x / GRAIN, z / GRAIN)[0]
+    return foam.readily(x / GRAIN, z / GRAIN)

@@ -143,12 +143,13 @@ vec3 ripples(vec2 p, float footprint) {{
   }}
   return vec3(slope, 0.5 * lost);
 }}
-vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float sunlit) {{
+vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float bubbles, float sunlit) {{
   float up = 2.2 * skyLight.y, thin = clamp(0.25 + 0.5 * height, 0.0, 1.0);
   float behind = max(-dot(e, vec3(sunDir.x, 0.0, sunDir.z)), 0.0), tilt = 3.0 * clamp(1.0 - n.y * n.y, 0.0, 0.3);
   float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
   float sunny = 0.25 * up + (through - 0.25 * up) * sunlit;
-  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * sunny * (0.55 + 0.45 * ct);
+  vec3 milky = bubbles * {vector(w.BUBBLES)} * (up + sunLight.y * sunlit);
+  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * sunny * (0.55 + 0.45 * ct) + milky;
 }}
 vec3 foamColour(vec3 n, float white, vec3 heap, float sunlit) {{
   float up = max(n.y, 0.1);
@@ -180,7 +181,8 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   away /= dist;
   vec3 e = -away, n = normalize(nrmW);
   float share = attW.x, variance = attW.z, sunlit = 1.0;
-{hulls}{shadows}  float slant = sqrt(max(dot(e, n), {number(ripples.FLATTEST)}));
+{hulls}{shadows}  share = useFoam * clamp(share, 0.0, 1.0);
+  float slant = sqrt(max(dot(e, n), {number(ripples.FLATTEST)}));
   float footprint = max(pixel * dist / slant, 0.004);
   if (rippleVariance > 0.0) {{
     vec3 r = ripples(posW.xz, footprint * inversesqrt(slant));
@@ -203,9 +205,9 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
 {mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
     clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
   vec3 c = useReflection * reflectance * mirrored;
-  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci), sunlit);
+  c += useBody * (1.0 - reflectance) * fromWithin(attW.y, n, e, refracted(ci), share, sunlit);
   if (glintKind > 0.5 && glintKind < 1.5) c += sunGlint(n, e, variance) * (1.0 - hidden) * sunlit;
-  float foamy = useFoam * white(clamp(share, 0.0, 1.0), {grain}, footprint);
+  float foamy = white(share, {grain}, footprint);
   int lies = foamy > 0.0 ? 1 : 0;
   for (int turn = 0; turn < lies; turn++) c = mix(c, foamColour(n, foamy, heaps({grain}, footprint), sunlit), foamy);
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);

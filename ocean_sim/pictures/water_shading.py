@@ -25,6 +25,7 @@ MAP_STEEPEST = 0.45  # slope that none of them reaches
 
 BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
 THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
+BUBBLES = np.array([0.024, 0.120, 0.132])  # light that comes back from water full of bubbles, below and between foam
 FOAM = np.array([0.70, 0.75, 0.78])  # reflectance of foam
 THIN_FOAM = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
 BLURS, MOST_BLURRED = 26.0, 5.5  # smaller copies of the sky over the roughness of water that mirrors it, and at most
@@ -123,17 +124,24 @@ def slope_variance(wind_speed: float) -> float:
 
 
 def from_within(
-    height: np.ndarray, normal: np.ndarray, to_eye: np.ndarray, cos_water: np.ndarray, light: "Light"
+    height: np.ndarray,
+    normal: np.ndarray,
+    to_eye: np.ndarray,
+    cos_water: np.ndarray,
+    light: "Light",
+    bubbles: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """Light that comes out of the water: the colour of the depth (there is no bed to see), and of crests, brighter the
-    thinner they are and the more the sun stands behind them. `height` is 0 at rest, 1 on a crest."""
+    """Light that comes out of the water: the colour of the depth (there is no bed to see), of crests, brighter the
+    thinner they are and the more the sun stands behind them, and of bubbles, a share 0 to 1. `height` is 0 at rest, 1
+    on a crest."""
     up = 2.2 * light.sky[1]
     thin = np.clip(0.25 + 0.5 * height, 0.0, 1.0)
     level = light.sun * [1.0, 0.0, 1.0]
     behind = np.maximum(-(to_eye @ level), 0.0) ** 2
     tilt = 3.0 * np.clip(1.0 - normal[:, 1] ** 2, 0.0, 0.3)
     through = 0.25 * up + 1.9 * light.sunlight[1] * (0.30 + 1.3 * behind) * thin * (0.25 + tilt)
-    return 2.0 * up * BODY + THIN * (through * (0.55 + 0.45 * cos_water))[:, None]
+    milky = np.broadcast_to(bubbles, np.shape(through))[:, None] * BUBBLES * (up + light.sunlight[1])
+    return 2.0 * up * BODY + THIN * (through * (0.55 + 0.45 * cos_water))[:, None] + milky
 
 
 def foam_by_height(height: np.ndarray, texture: np.ndarray | float = 1.0) -> np.ndarray:
@@ -189,6 +197,7 @@ class Water(NamedTuple):
     height: np.ndarray  # (n,) 0 at rest, 1 on a crest
     variance: np.ndarray  # (n,) of slopes finer than the normals
     foam: np.ndarray  # (n,) share of the surface that is white
+    bubbles: np.ndarray | float = 0.0  # (n,) share of white water before it is broken into patches
     heap: np.ndarray = LEVEL  # (n, 3) slopes of foam along x and z, and how bright it is, as `foam.heaps`; or (1, 3)
 
 
@@ -207,7 +216,8 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
         mirrored = hdr(mirrored)
     colour = np.zeros((len(normal), 3))
     if terms.body:
-        within = from_within(water.height, normal, to_eye, refracted(cos_eye), light)
+        bubbles = water.bubbles if terms.foam else 0.0
+        within = from_within(water.height, normal, to_eye, refracted(cos_eye), light, bubbles)
         colour += (1.0 - share)[:, None] * within
     if terms.reflection:
         colour += share[:, None] * mirrored

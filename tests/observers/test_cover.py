@@ -1,12 +1,14 @@
 """How much of the drawn sea is white: the mean of the share of white water that the shader of a picture is given (its
 patches leave the mean as it is), in the basin, and of all that is drawn around it. Wakes of ships are left out."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from _white_water import followed
 
-from ocean_sim import waves
+from ocean_sim import result, waves
 from ocean_sim.basin.points import grid, middles, pairs
 from ocean_sim.fluid import spectral_sea
 from ocean_sim.pictures import far_sea, foam, sea_surface
@@ -74,6 +76,48 @@ def test_the_drawn_sea_is_as_white_as_its_wind_calls_for(scene):
         assert max(basin, around) < 1e-4
     else:
         assert [basin / wanted, around / wanted] == pytest.approx([1.0, 1.0], abs=0.2)
+
+
+@pytest.mark.slow  # 10 s each, the last some minutes
+@pytest.mark.parametrize(
+    ("scene", "begins", "ends"),
+    [
+        ("showcase", 3.0, 24.0),
+        ("linear_sea", 2.0, 32.0),
+        ("gallery/yacht_in_waves", 2.0, 32.0),
+        ("gallery/sail_away", 8.0, 38.0),
+        ("gallery/following_sea", 12.0, 30.0),
+    ],
+)
+def test_white_water_lives_as_long_as_on_the_sea(scene, begins, ends, tmp_path):
+    """Followed with the water at the surface, from frames of a run: of what is white, most is after 1 s and a part
+    after a fall to a third; its mean over time is within 20 % of what is called for."""
+    life, cover = lives(scene, begins, ends, tmp_path / "run")
+    assert life[10] > 0.6 and 0.15 < life[35] < 0.35
+    assert cover == pytest.approx(1.0, abs=0.2)
+
+
+def lives(name: str, begins: float, ends: float, folder: Path) -> tuple[dict[int, float], float]:
+    """Between two times [s] of a scene, ten frames a second: which share of what is white is so 10 and 35 frames later,
+    and how much is white over what is called for."""
+    keys = {"duration": ends, "frames.every": 0.1, "frames.particles": False, "render": None, "report": None}
+    result.run(load(name, keys), folder)
+    box = dict(np.load(folder / "frames" / "grid.npz"))
+    cell = np.array([box["x"][1] - box["x"][0], box["z"][1] - box["z"][0]])
+    kept = [dict(np.load(path)) for path in sorted((folder / "frames").glob("frame_*.npz"))]
+    kept = [frame for frame in kept if frame["time"] > begins - 1e-6]
+    times = np.array([frame["time"] for frame in kept])
+    ways = [
+        step * frame["surface_velocity"][..., [0, 2]] / cell
+        for step, frame in zip(np.diff(times), kept[:-1], strict=True)
+    ]
+    origins = np.array([frame.get("origin", HERE) for frame in kept]) / cell
+    white = [frame["foam"] for frame in kept]
+    life = {}
+    for after in (10, 35):
+        found = [followed(white, ways, n, after, origins) for n in range(0, len(kept) - after, 3)]
+        life[after] = float(np.concatenate(found).mean())
+    return life, float(np.mean(white) / np.mean([frame.get("cover", 0.0) for frame in kept]))
 
 
 def covers(name: str) -> tuple[float, float, float]:

@@ -207,7 +207,7 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
     footprint = plane.footprints(water)
     white = foam_module.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
     heap = np.stack(foam_module.heaps(points[:, 0], points[:, 2], footprint), axis=1)
-    water = water._replace(foam=white, heap=heap)
+    water = water._replace(foam=white, bubbles=share, heap=heap)
     colours = w.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn[f"foam {share}"] - expected).max() <= 2

@@ -4,26 +4,29 @@ The only file with PyVista and imageio.
 
 Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends
 its process without an exception, and a run that went well must end well. The child follows the frames while the run
-goes on: they lie on disk, and it holds one at a time, however far it is behind. It yields to the run (`nice`).
+goes on: they lie on disk, and it holds one at a time, however far it is behind. It yields to the run (`nice`). A long
+film it draws by turns with a second child, of its own, whose pictures come to it through a pipe.
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import IO, TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import end_led, outlive_no_parent, yield_to_others
+from ocean_sim.machine import cores, end_led, outlive_no_parent, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
@@ -43,6 +46,7 @@ from ocean_sim.pictures.frame_files import (
 from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture, Shot, foreseen
+from ocean_sim.pictures.sea_state import scene_of
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
@@ -57,6 +61,8 @@ GAP = 6  # pixels between the pictures of a strip
 YIELDING = 10  # by which the child that draws is nicer than a run that goes on
 MOMENTS = "moments.png"  # next to the film
 LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
+PAINTERS = 2  # processes that draw a film by turns: what each does on one core, the others shade beside
+SHORT = 24  # pictures of a film that are drawn in the time in which a second process starts
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
@@ -225,7 +231,7 @@ class Drawer:
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """`goes_on`: the run still writes frames, until `finish` is called."""
-        self.orders, self.progress, self.goes_on = orders, progress, goes_on
+        self.orders, self.progress = orders, progress
         self.errors = tempfile.TemporaryFile("w+")
         self.child: subprocess.Popen[str] | None = None
         self.problem: Exception | None = None
@@ -234,13 +240,10 @@ class Drawer:
         if window is None or sentence is not None:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
-        asked = json.dumps({"goes_on": goes_on, "orders": [asdict(order) for order in orders]})
-        self.child = subprocess.Popen(
-            [sys.executable, "-m", "ocean_sim.observers.render", asked],
+        self.child = drawing(
+            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0, "of": painters(orders)},
+            self.errors,
             env=opengl.environment(window),
-            stdin=subprocess.PIPE,  # breaks when this process ends, however that comes
-            stdout=subprocess.PIPE,
-            stderr=self.errors,
             text=True,
             start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
         )
@@ -266,14 +269,8 @@ class Drawer:
                 child.stdin.write("over\n")
                 child.stdin.flush()
             self.reader.join()
-            child.wait()
-            self.errors.seek(0)
-            errors = self.errors.read().strip()
-            if child.returncode < 0:
-                opengl.forget()
-                raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
-            if child.returncode > 0:
-                raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
+            if child.wait() != 0:
+                raise failure(child, self.errors)
         finally:
             self.stop()
 
@@ -292,6 +289,29 @@ class Drawer:
                     left.unlink(missing_ok=True)
             self.child = None
         self.errors.close()
+
+
+def drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
+    """A process that draws what is asked (see `main`) and has its errors written."""
+    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
+    # Its standard input breaks when this process ends, however that comes.
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
+
+
+def failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
+    """Why a process that draws has ended before it should."""
+    if child.returncode < 0:
+        opengl.forget()
+        return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
+    errors.seek(0)
+    said = errors.read().strip()
+    return RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a message")
+
+
+def painters(orders: Sequence[Order]) -> int:
+    """How many processes draw films by turns: one where they are short, or there is but one core."""
+    pictures = [scene_of(Path(order.folder)).get("duration", 0.0) / order.every for order in orders if order.film]
+    return min(PAINTERS, cores()) if max(pictures, default=0.0) > SHORT else 1
 
 
 def render_run(
@@ -415,19 +435,16 @@ def still(time: float) -> str:
     return f"still_{time:08.3f}.png"
 
 
-def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
+def draw(order: Order, over: threading.Event, of: int = 1) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
-    `over`: set when the run has written its last frame."""
-    folder, out = Path(order.folder), Path(order.out)
-    with opened(folder / "frames" / "grid.npz") as file:
-        grid = dict(file)
-    if not foreseen(grid, order):
-        over.wait()
-    coming = Coming(folder, over)
-    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
-    picture = Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log)
-    if order.film:
-        yield from film(out / "film.mp4", picture, coming, order.every)
+    `over`: set when the run has written its last frame; `of`: processes that draw the film by turns, this among them.
+    """
+    out = Path(order.out)
+    with ExitStack() as stack:
+        others = [stack.enter_context(Painter(order, over, turn, of)) for turn in range(1, of if order.film else 1)]
+        picture, coming = begun(order, over)
+        if order.film:
+            yield from film(out / "film.mp4", order, picture, coming, others)
     coming.wait()
     log = coming.log
     if order.preview:
@@ -440,6 +457,18 @@ def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
         row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
         save_png(out / "strip.png", row)
     picture.close()
+
+
+def begun(order: Order, over: threading.Event) -> tuple[Picture, "Coming"]:
+    """A picture that is ready to be drawn, and the frames of its run, as `draw`."""
+    folder = Path(order.folder)
+    with opened(folder / "frames" / "grid.npz") as file:
+        grid = dict(file)
+    if not foreseen(grid, order):
+        over.wait()
+    coming = Coming(folder, over)
+    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
+    return Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log), coming
 
 
 def some(files: list[Path]) -> list[Path]:
@@ -490,30 +519,106 @@ class Coming:
                 self.over.wait(LOOKS_EVERY)
 
 
-def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
-    """H.264 that any player shows, in real time, and a row of small pictures of it. While a picture is drawn, a thread
-    finishes the one before: the plotter leaves Python to others meanwhile."""
+class Painter:
+    """Another process that draws a film by turns with this one, which takes its pictures as they come; it is not led by
+    a session of its own, and ends with this one."""
+
+    def __init__(self, order: Order, over: threading.Event, turn: int, of: int) -> None:
+        """As `draw`; `turn`: which of the processes it is, from 0, this one."""
+        self.shape = *order.size[::-1], 3
+        self.errors = tempfile.TemporaryFile("w+")
+        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn, "of": of}
+        self.child = drawing(asked, self.errors)
+        assert self.child.stdin is not None and self.child.stdout is not None
+        self.told, self.pixels = self.child.stdin, self.child.stdout
+        if not over.is_set():
+            threading.Thread(target=self.tell, args=(over,), daemon=True).start()
+
+    def tell(self, over: threading.Event) -> None:
+        """That the run is over, once it is."""
+        over.wait()
+        with suppress(OSError, ValueError):  # it has ended
+            self.told.write(b"over\n")
+            self.told.flush()
+
+    def picture(self) -> np.ndarray:
+        """(height, width, 3) 8-bit RGB, the next that it draws; raises RenderFailed."""
+        size = int(np.prod(self.shape))
+        pixels = self.pixels.read(size)
+        if len(pixels) < size:
+            self.child.wait()
+            raise failure(self.child, self.errors)
+        return np.frombuffer(pixels, np.uint8).reshape(self.shape)
+
+    def __enter__(self) -> "Painter":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.child.kill()
+        self.child.wait()
+        for stream in (self.pixels, self.errors):
+            stream.close()
+
+
+def turns(coming: Coming, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
+    """The frame of each picture of a film, how many pictures there are, or 0, and which of so many processes draws it,
+    one after the other; None where it is the picture before."""
+    shown, turn = None, 0
+    for file, total in coming.chosen(every):
+        yield file, total, None if file == shown else turn % of
+        turn, shown = turn + (file != shown), file
+
+
+def drawn(
+    order: Order, picture: Picture, coming: Coming, turn: int, of: int, put: Callable[[Shot | int | None], None]
+) -> Iterator[tuple[int, int]]:
+    """Draw those pictures of a film whose turn it is, as `draw`; `put` is handed, one after the other, each picture
+    that is drawn here, and of the others their turns. While a picture is drawn, a thread does that for those before:
+    the plotter leaves Python to others meanwhile."""
+    with ThreadPoolExecutor(1) as beside:
+        waiting: deque[Future[None]] = deque()
+        for k, (file, total, whose) in enumerate(turns(coming, order.every, of)):
+            made = picture.shot(Frame(file)) if whose == turn else whose
+            if len(waiting) == of:  # so that no more than that wait
+                waiting.popleft().result()
+            waiting.append(beside.submit(put, made))
+            yield k + 1, total
+        for left in waiting:
+            left.result()
+
+
+def film(
+    path: Path, order: Order, picture: Picture, coming: Coming, others: Sequence[Painter]
+) -> Iterator[tuple[int, int]]:
+    """H.264 that any player shows, in real time, and a row of small pictures of it."""
     with whole(path) as draft:
-        writer = writer_of(draft, every)
-        shown, moments = None, Moments()
+        moments, image = Moments(), np.zeros(0)
+        with writer_of(draft, order.every) as writer:
 
-        def put(made: Shot | Future[np.ndarray]) -> np.ndarray:
-            image = made.finished() if isinstance(made, Shot) else made.result()
-            writer.append_data(image)
-            moments.see(image)
-            return image
+            def put(made: Shot | int | None) -> None:
+                nonlocal image
+                if made is not None:
+                    image = made.finished() if isinstance(made, Shot) else others[made - 1].picture()
+                writer.append_data(image)
+                moments.see(image)
 
-        with writer, ThreadPoolExecutor(1) as beside:
-            before: Future[np.ndarray] | None = None
-            for k, (file, total) in enumerate(coming.chosen(every)):
-                made = picture.shot(Frame(file)) if before is None or file != shown else before
-                if before is not None:
-                    before.result()  # so that no more than one waits
-                shown, before = file, beside.submit(put, made)
-                yield k + 1, total
-            if before is not None:
-                before.result()
+            yield from drawn(order, picture, coming, 0, 1 + len(others), put)
     save_png(path.with_name(MOMENTS), moments.row())
+
+
+def hand_over(order: Order, over: threading.Event, turn: int, of: int) -> None:
+    """Draw the pictures of a film whose turn it is, and write their pixels to the standard output, as Painter."""
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
+        picture, coming = begun(order, over)
+
+        def put(made: Shot | int | None) -> None:
+            if isinstance(made, Shot):
+                pixels.write(made.finished().data)
+
+        for _ in drawn(order, picture, coming, turn, of, put):
+            pass
+    picture.close()
 
 
 def join(pictures: list[Path], path: Path, every: float) -> None:
@@ -548,17 +653,23 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def main() -> None:
+    """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and in which `turn` `of` so many this process
+    draws pictures of a film; 0: it leads the others."""
     over = outlive_no_parent()
     asked = json.loads(sys.argv[1])
-    if asked["goes_on"]:
-        yield_to_others(YIELDING)
-    else:
+    turn, of = asked["turn"], asked["of"]
+    if not asked["goes_on"]:
         over.set()
+    elif turn == 0:  # the others are as nice as this one
+        yield_to_others(YIELDING)
     try:
-        for order in asked["orders"]:
-            order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
-            for drawn, of in draw(Order(**order), over):
-                print(f"pictures {drawn} of {of}", flush=True)
+        for values in asked["orders"]:
+            order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
+            if turn > 0:
+                hand_over(order, over, turn, of)
+            else:
+                for done, total in draw(order, over, of):
+                    print(f"pictures {done} of {total}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))
 

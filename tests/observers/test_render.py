@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -137,10 +138,7 @@ def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     folder, forgotten = kept(), []
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
     monkeypatch.setattr(opengl, "forget", lambda: forgotten.append(True))
-    dying = tmp_path / "python"
-    dying.write_text("#!/bin/sh\nkill -SEGV $$\n")
-    dying.chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(dying))
+    monkeypatch.setattr(sys, "executable", script(tmp_path, "kill -SEGV $$"))
     with pytest.raises(render.RenderFailed, match="died"):
         render.render_run(folder)
     assert forgotten
@@ -150,10 +148,8 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
     """Its encoder, and the film that is not finished."""
     folder, noted = kept(), tmp_path / "encoder"
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
-    drawing = tmp_path / "python"
-    drawing.write_text(f"#!/bin/sh\nsleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait\n")
-    drawing.chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(drawing))
+    words = f"sleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait"
+    monkeypatch.setattr(sys, "executable", script(tmp_path, words))
     drawer = render.Drawer([render.order_of(folder)], goes_on=True)
     patience = time.monotonic() + 10.0
     while not (noted.exists() and noted.read_text().strip()) and time.monotonic() < patience:
@@ -164,6 +160,20 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
         time.sleep(0.01)
     assert not alive(encoder) and not alive(child)
     assert not list(folder.glob(".film*"))
+
+
+def script(folder, words):
+    """A program of the shell, in place of Python."""
+    file = folder / "python"
+    file.write_text(f"#!/bin/sh\n{words}\n")
+    file.chmod(0o755)
+    return str(file)
+
+
+def led_by(process):
+    """The processes that its threads have started, and their commands."""
+    children = [int(n) for file in Path(f"/proc/{process}/task").glob("*/children") for n in file.read_text().split()]
+    return {n: Path(f"/proc/{n}/cmdline").read_text() for n in children}
 
 
 def alive(process):
@@ -271,10 +281,14 @@ def test_water_is_drawn_and_filmed(kept):
 
 
 @with_opengl
-def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(kept, tmp_path):
+@pytest.mark.parametrize("painters", [1, 2])
+def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(
+    painters, kept, tmp_path, monkeypatch
+):
     folder, going = kept(), tmp_path / "going"
     asked = {"size": (160, 90), "every": 0.1, "stills": (0.2,)}
     after = render.render_run(folder, out=tmp_path / "after", **asked)
+    monkeypatch.setattr(render, "painters", lambda orders: painters)
     (going / "frames").mkdir(parents=True)
     files = frame_files.frame_files(folder)
     for path in (folder / "frames" / "grid.npz", *files[:2]):
@@ -291,6 +305,76 @@ def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_by
     assert drawn[0] == (1, 0) and drawn[-1] == (5, 5)
     for path in after:
         assert path.read_bytes() == (going / path.name).read_bytes(), path.name
+
+
+def test_processes_take_the_pictures_of_a_film_by_turns_and_none_is_drawn_twice(tmp_path):
+    (tmp_path / "frames").mkdir()
+    for k in range(4):
+        np.savez(frame_files.frame_path(tmp_path, k), time=0.1 * k)
+    over = threading.Event()
+    over.set()
+
+    def taken(every, of):
+        return [
+            (int(file.stem[-5:]), whose) for file, _, whose in render.turns(render.Coming(tmp_path, over), every, of)
+        ]
+
+    assert taken(0.1, 1) == [(0, 0), (1, 0), (2, 0), (3, 0)]
+    assert taken(0.1, 3) == [(0, 0), (1, 1), (2, 2), (3, 0)]
+    assert taken(0.06, 2) == [(0, 0), (1, 1), (1, None), (2, 0), (2, None), (3, 1)]
+
+
+@with_opengl
+@pytest.mark.parametrize("painters, asked", [(2, {}), (3, {"camera": "orbit", "stills": (0.2,)})])
+def test_a_film_is_the_same_to_the_byte_however_many_processes_draw_it(painters, asked, kept, tmp_path, monkeypatch):
+    """Of five frames, some of them shown twice."""
+    folder, made = kept(), []
+    for n in (1, painters):
+        monkeypatch.setattr(render, "painters", lambda orders: n)
+        files = render.render_run(folder, out=tmp_path / str(n), size=(160, 90), every=0.06, **asked)
+        made.append([path.read_bytes() for path in files])
+    assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("words, told", [("kill -SEGV $$", r"died \(signal 11\)"), ("echo no >&2; exit 1", "^no$")])
+def test_a_second_drawing_process_that_ends_is_a_sentence(words, told, tmp_path, monkeypatch):
+    monkeypatch.setattr(opengl, "forget", lambda: None)
+    monkeypatch.setattr(sys, "executable", script(tmp_path, words))
+    with render.Painter(render.order_of(tmp_path), threading.Event(), 1, 2) as painter:
+        with pytest.raises(render.RenderFailed, match=told):
+            painter.picture()
+
+
+@with_opengl
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("killed", ["second", "first", "asking"])
+def test_no_drawing_process_outlives_another(killed, kept, tmp_path, monkeypatch):
+    """Of two that draw a film, the one that is killed takes the other and the encoder with it, and leaves no film; so
+    does the end of the process that has asked for it."""
+    monkeypatch.setattr(render, "painters", lambda orders: 2)
+    drawer = render.Drawer([render.order_of(kept(), every=0.1)], goes_on=True)
+    first = drawer.child.pid
+    patience = time.monotonic() + 300.0
+    while not any("ffmpeg" in command for command in led_by(first).values()) and time.monotonic() < patience:
+        time.sleep(0.01)
+    led = led_by(first)
+    [second] = [n for n, command in led.items() if "ocean_sim.observers.render" in command]
+    assert len(led) == 2 and all(alive(n) for n in led)
+    if killed == "asking":
+        drawer.child.stdin.close()  # as the system does for a process that has died
+    else:
+        os.kill({"first": first, "second": second}[killed], signal.SIGKILL)
+    patience = time.monotonic() + 10.0
+    while alive(second) and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert not alive(second)
+    if killed == "asking":
+        drawer.stop()
+    else:
+        with pytest.raises(render.RenderFailed, match=r"died \(signal 9\)"):
+            drawer.finish()
+    assert not any(alive(n) for n in led)
+    assert not list(tmp_path.glob("*film*"))
 
 
 @with_opengl

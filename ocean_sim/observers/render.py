@@ -57,12 +57,14 @@ PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics 
     3: {"draft": 0.7, "final": 1.9},
 }
 FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
+ANOTHER = 3.0  # of starting another process that draws [s]
+ALONE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
 GAP = 6  # pixels between the pictures of a strip
-YIELDING = 10  # by which the child that draws is nicer than a run that goes on
+YIELDING = 13  # by which what draws is nicer than a run that goes on: two processes so take of it what one does at 10
 MOMENTS = "moments.png"  # next to the film
 LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
-PAINTERS = 2  # processes that draw a film by turns: what each does on one core, the others shade beside
-SHORT = 24  # pictures of a film that are drawn in the time in which a second process starts
+PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
+SHORT = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
@@ -152,14 +154,16 @@ class Config(PeriodicConfig):
         film."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def picture_time(self, preflight: Preflight) -> float:
+    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
         frames = preflight.parts.get("frames")
         if not isinstance(frames, PeriodicConfig):  # there is nothing to draw
-            return 0.0
+            return 0.0, 0.0
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
-        further = len(self.stills) + self.strip
-        pictures = self.film_pictures(preflight.duration, frames.every) + further
-        return FIRST[dimension] + pictures * PICTURE[dimension][self.quality] * pixels
+        each, pictures = PICTURE[dimension][self.quality] * pixels, self.film_pictures(preflight.duration, frames.every)
+        by_turns, of = pictures * each, painters(pictures)
+        alone = FIRST[dimension] + (len(self.stills) + self.strip) * each
+        wall, wall_by_turns = (ALONE / n + (1.0 - ALONE) / cores() for n in (1, of))
+        return alone + by_turns + (of - 1) * ANOTHER, alone * wall + by_turns * wall_by_turns
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
@@ -241,7 +245,7 @@ class Drawer:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
         self.child = drawing(
-            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0, "of": painters(orders)},
+            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0},
             self.errors,
             env=opengl.environment(window),
             text=True,
@@ -308,12 +312,6 @@ def failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
     return RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a message")
 
 
-def painters(orders: Sequence[Order]) -> int:
-    """How many processes draw films by turns: one where they are short, or there is but one core."""
-    pictures = [scene_of(Path(order.folder)).get("duration", 0.0) / order.every for order in orders if order.film]
-    return min(PAINTERS, cores()) if max(pictures, default=0.0) > SHORT else 1
-
-
 def render_run(
     folder: Path,
     *,
@@ -349,7 +347,13 @@ def order_of(
 ) -> Order:
     """What to draw of a run into `out`, by default its own folder; `further` as in Order."""
     place = str(out or folder)
+    further = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)} | further
     return Order(str(folder), place, camera, size, particles, quality, every, film, stills=tuple(stills), **further)
+
+
+def painters(pictures: float) -> int:
+    """How many processes draw a film of so many pictures by turns: one where it is short or there is but one core."""
+    return min(PAINTERS, cores()) if pictures > SHORT else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
@@ -435,13 +439,13 @@ def still(time: float) -> str:
     return f"still_{time:08.3f}.png"
 
 
-def draw(order: Order, over: threading.Event, of: int = 1) -> Iterator[tuple[int, int]]:
+def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
-    `over`: set when the run has written its last frame; `of`: processes that draw the film by turns, this among them.
-    """
+    `over`: set when the run has written its last frame."""
     out = Path(order.out)
     with ExitStack() as stack:
-        others = [stack.enter_context(Painter(order, over, turn, of)) for turn in range(1, of if order.film else 1)]
+        turns_of_others = range(1, order.painters) if order.film else ()
+        others = [stack.enter_context(Painter(order, over, turn)) for turn in turns_of_others]
         picture, coming = begun(order, over)
         if order.film:
             yield from film(out / "film.mp4", order, picture, coming, others)
@@ -523,11 +527,11 @@ class Painter:
     """Another process that draws a film by turns with this one, which takes its pictures as they come; it is not led by
     a session of its own, and ends with this one."""
 
-    def __init__(self, order: Order, over: threading.Event, turn: int, of: int) -> None:
-        """As `draw`; `turn`: which of the processes it is, from 0, this one."""
+    def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
+        """As `draw`; `turn`: which of the processes it is, counted from 0, this one."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
-        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn, "of": of}
+        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
         self.child = drawing(asked, self.errors)
         assert self.child.stdin is not None and self.child.stdout is not None
         self.told, self.pixels = self.child.stdin, self.child.stdout
@@ -570,16 +574,16 @@ def turns(coming: Coming, every: float, of: int) -> Iterator[tuple[Path, int, in
 
 
 def drawn(
-    order: Order, picture: Picture, coming: Coming, turn: int, of: int, put: Callable[[Shot | int | None], None]
+    order: Order, picture: Picture, coming: Coming, turn: int, put: Callable[[Shot | int | None], None]
 ) -> Iterator[tuple[int, int]]:
     """Draw those pictures of a film whose turn it is, as `draw`; `put` is handed, one after the other, each picture
     that is drawn here, and of the others their turns. While a picture is drawn, a thread does that for those before:
     the plotter leaves Python to others meanwhile."""
     with ThreadPoolExecutor(1) as beside:
         waiting: deque[Future[None]] = deque()
-        for k, (file, total, whose) in enumerate(turns(coming, order.every, of)):
+        for k, (file, total, whose) in enumerate(turns(coming, order.every, order.painters)):
             made = picture.shot(Frame(file)) if whose == turn else whose
-            if len(waiting) == of:  # so that no more than that wait
+            if len(waiting) == order.painters:  # so that no more than that wait
                 waiting.popleft().result()
             waiting.append(beside.submit(put, made))
             yield k + 1, total
@@ -602,11 +606,11 @@ def film(
                 writer.append_data(image)
                 moments.see(image)
 
-            yield from drawn(order, picture, coming, 0, 1 + len(others), put)
+            yield from drawn(order, picture, coming, 0, put)
     save_png(path.with_name(MOMENTS), moments.row())
 
 
-def hand_over(order: Order, over: threading.Event, turn: int, of: int) -> None:
+def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     """Draw the pictures of a film whose turn it is, and write their pixels to the standard output, as Painter."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
@@ -616,7 +620,7 @@ def hand_over(order: Order, over: threading.Event, turn: int, of: int) -> None:
             if isinstance(made, Shot):
                 pixels.write(made.finished().data)
 
-        for _ in drawn(order, picture, coming, turn, of, put):
+        for _ in drawn(order, picture, coming, turn, put):
             pass
     picture.close()
 
@@ -653,11 +657,11 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and in which `turn` `of` so many this process
-    draws pictures of a film; 0: it leads the others."""
+    """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
+    pictures of a film; the one with the first, 0, draws all else."""
     over = outlive_no_parent()
     asked = json.loads(sys.argv[1])
-    turn, of = asked["turn"], asked["of"]
+    turn = asked["turn"]
     if not asked["goes_on"]:
         over.set()
     elif turn == 0:  # the others are as nice as this one
@@ -666,9 +670,9 @@ def main() -> None:
         for values in asked["orders"]:
             order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
             if turn > 0:
-                hand_over(order, over, turn, of)
+                hand_over(order, over, turn)
             else:
-                for done, total in draw(order, over, of):
+                for done, total in draw(order, over):
                     print(f"pictures {done} of {total}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))

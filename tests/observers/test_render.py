@@ -1,5 +1,6 @@
 """Pictures are checked where OpenGL is there; everywhere, that its absence is a sentence and never a crash."""
 
+import json
 import os
 import shutil
 import signal
@@ -282,19 +283,17 @@ def test_water_is_drawn_and_filmed(kept):
 
 @with_opengl
 @pytest.mark.parametrize("painters", [1, 2])
-def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(
-    painters, kept, tmp_path, monkeypatch
-):
+def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(painters, kept, tmp_path):
     folder, going = kept(), tmp_path / "going"
     asked = {"size": (160, 90), "every": 0.1, "stills": (0.2,)}
     after = render.render_run(folder, out=tmp_path / "after", **asked)
-    monkeypatch.setattr(render, "painters", lambda orders: painters)
     (going / "frames").mkdir(parents=True)
     files = frame_files.frame_files(folder)
     for path in (folder / "frames" / "grid.npz", *files[:2]):
         shutil.copy(path, going / "frames")
     drawn = []
-    drawer = render.Drawer([render.order_of(going, **asked)], lambda done, of: drawn.append((done, of)), goes_on=True)
+    order = render.order_of(going, painters=painters, **asked)
+    drawer = render.Drawer([order], lambda done, of: drawn.append((done, of)), goes_on=True)
     patience = time.monotonic() + 300.0
     while not drawn and time.monotonic() < patience:
         time.sleep(0.02)
@@ -326,12 +325,11 @@ def test_processes_take_the_pictures_of_a_film_by_turns_and_none_is_drawn_twice(
 
 @with_opengl
 @pytest.mark.parametrize("painters, asked", [(2, {}), (3, {"camera": "orbit", "stills": (0.2,)})])
-def test_a_film_is_the_same_to_the_byte_however_many_processes_draw_it(painters, asked, kept, tmp_path, monkeypatch):
+def test_a_film_is_the_same_to_the_byte_however_many_processes_draw_it(painters, asked, kept, tmp_path):
     """Of five frames, some of them shown twice."""
     folder, made = kept(), []
     for n in (1, painters):
-        monkeypatch.setattr(render, "painters", lambda orders: n)
-        files = render.render_run(folder, out=tmp_path / str(n), size=(160, 90), every=0.06, **asked)
+        files = render.render_run(folder, out=tmp_path / str(n), size=(160, 90), every=0.06, painters=n, **asked)
         made.append([path.read_bytes() for path in files])
     assert made[0] == made[1]
 
@@ -340,7 +338,7 @@ def test_a_film_is_the_same_to_the_byte_however_many_processes_draw_it(painters,
 def test_a_second_drawing_process_that_ends_is_a_sentence(words, told, tmp_path, monkeypatch):
     monkeypatch.setattr(opengl, "forget", lambda: None)
     monkeypatch.setattr(sys, "executable", script(tmp_path, words))
-    with render.Painter(render.order_of(tmp_path), threading.Event(), 1, 2) as painter:
+    with render.Painter(render.order_of(tmp_path), threading.Event(), 1) as painter:
         with pytest.raises(render.RenderFailed, match=told):
             painter.picture()
 
@@ -348,11 +346,10 @@ def test_a_second_drawing_process_that_ends_is_a_sentence(words, told, tmp_path,
 @with_opengl
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("killed", ["second", "first", "asking"])
-def test_no_drawing_process_outlives_another(killed, kept, tmp_path, monkeypatch):
+def test_no_drawing_process_outlives_another(killed, kept, tmp_path):
     """Of two that draw a film, the one that is killed takes the other and the encoder with it, and leaves no film; so
     does the end of the process that has asked for it."""
-    monkeypatch.setattr(render, "painters", lambda orders: 2)
-    drawer = render.Drawer([render.order_of(kept(), every=0.1)], goes_on=True)
+    drawer = render.Drawer([render.order_of(kept(), every=0.1, painters=2)], goes_on=True)
     first = drawer.child.pid
     patience = time.monotonic() + 300.0
     while not any("ffmpeg" in command for command in led_by(first).values()) and time.monotonic() < patience:
@@ -453,6 +450,25 @@ def holding_balls(folder: Path, middles: list[tuple[float, float, float]]) -> Pa
         }
         np.savez(path, **frame)
     return folder
+
+
+@pytest.mark.parametrize("of, pictures, painters", [(1, 1000, 1), (2, 1000, 2), (16, 1000, 2), (2, 10, 1)])
+def test_short_films_and_films_on_one_core_are_drawn_by_one_process(of, pictures, painters, tmp_path, monkeypatch):
+    """As is a film of a run of unknown length."""
+    monkeypatch.setattr(render, "cores", lambda: of)
+    assert render.order_of(tmp_path).painters == 1
+    (tmp_path / "manifest.json").write_text(json.dumps({"scene": {"duration": 0.1 * pictures}}))
+    assert render.order_of(tmp_path, every=0.1).painters == painters
+
+
+def test_of_a_film_that_processes_draw_by_turns_no_core_idles_but_while_they_start(monkeypatch):
+    sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
+    scene = load(sea | {"duration": 100.0, "frames": {"every": 0.1}, "render": {"every": 0.1, "size": [1280, 720]}})
+    film, first = 1001 * render.PICTURE[3]["draft"], render.FIRST[3]
+    for of, processor, wall in ((1, first + film, first + film), (2, first + film + render.ANOTHER, 0.5 * film)):
+        monkeypatch.setattr(render, "cores", lambda: of)
+        taken = scene.observers["render"].picture_time(scene.preflight)
+        assert taken[0] == pytest.approx(processor) and wall <= taken[1] <= wall + first
 
 
 def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():

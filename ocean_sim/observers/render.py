@@ -14,7 +14,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
@@ -580,14 +579,17 @@ def drawn(
     that is drawn here, and of the others their turns. While a picture is drawn, a thread does that for those before:
     the plotter leaves Python to others meanwhile."""
     with ThreadPoolExecutor(1) as beside:
-        waiting: deque[Future[None]] = deque()
+        before: list[Future[None]] = []
+        since: list[Future[None]] = []  # the last that was drawn here
         for k, (file, total, whose) in enumerate(turns(coming, order.every, order.painters)):
             made = picture.shot(Frame(file)) if whose == turn else whose
-            if len(waiting) == order.painters:  # so that no more than that wait
-                waiting.popleft().result()
-            waiting.append(beside.submit(put, made))
+            if isinstance(made, Shot):
+                for left in before:  # so that no more than two that were drawn here wait
+                    left.result()
+                before, since = since, []
+            since.append(beside.submit(put, made))
             yield k + 1, total
-        for left in waiting:
+        for left in before + since:
             left.result()
 
 

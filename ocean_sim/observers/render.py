@@ -307,8 +307,8 @@ def failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
         opengl.forget()
         return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
     errors.seek(0)
-    said = errors.read().strip()
-    return RenderFailed(said.splitlines()[-1] if said else "the drawing process ended without a message")
+    said = [line for line in errors.read().strip().splitlines() if not line.startswith("[")]  # as the encoder's do
+    return RenderFailed(said[-1] if said else "the drawing process ended without a message")
 
 
 def render_run(
@@ -658,6 +658,12 @@ def save_png(path: Path, image: np.ndarray) -> None:
         imageio.imwrite(draft, image, format="png", compress_level=6)
 
 
+def hurry(over: threading.Event) -> None:
+    """Yield no more once the run is over."""
+    over.wait()
+    yield_to_others(0)
+
+
 def main() -> None:
     """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
     pictures of a film; the one with the first, 0, draws all else."""
@@ -668,6 +674,7 @@ def main() -> None:
         over.set()
     elif turn == 0:  # the others are as nice as this one
         yield_to_others(YIELDING)
+        threading.Thread(target=hurry, args=(over,), daemon=True).start()
     try:
         for values in asked["orders"]:
             order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})

@@ -301,7 +301,7 @@ def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_by
         shutil.copy(path, going / "frames" / "coming")
         os.replace(going / "frames" / "coming", going / "frames" / path.name)
     drawer.finish()
-    assert drawn[0] == (1, 0) and drawn[-1] == (5, 5)
+    assert drawn[0] == (1, 0) and drawn[-1] in [(5, 0), (5, 5)]  # the last is told of before the run is over, or after
     for path in after:
         assert path.read_bytes() == (going / path.name).read_bytes(), path.name
 

@@ -146,9 +146,13 @@ def end_led(child: subprocess.Popen[str]) -> None:
 
 
 def yield_to_others(by: int) -> None:
-    """Let other processes go first on busy cores, where the system can."""
+    """Let other processes go first on busy cores, where the system can: on Linux also those of other sessions, among
+    which it may share out the cores however nice their processes are (`autogroup` in sched(7)); `by` 0 ends that."""
     if hasattr(os, "nice"):
         os.nice(by)
+    if hasattr(os, "getsid") and os.getsid(0) == os.getpid():  # this session is its own
+        with suppress(OSError):
+            Path("/proc/self/autogroup").write_text(str(by))
 
 
 def outlive_no_parent() -> threading.Event:

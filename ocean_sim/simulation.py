@@ -77,9 +77,10 @@ class ObserverConfig(PartConfig):
         seconds = base + each * preflight.particles
         return [LedgerRow(self.name(), self.leaves, 0, f"every {every:g} s" if every else "", seconds, every)]
 
-    def picture_time(self, preflight: Preflight) -> float:
-        """Processor time [s] of the pictures that it draws of a run, as measured without a graphics card."""
-        return 0.0
+    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
+        """Processor time [s] of the pictures that it draws of a run, as measured without a graphics card, and the wall
+        time [s] that they take where all cores are idle."""
+        return 0.0, 0.0
 
     @abstractmethod
     def build(self, folder: Path, simulation: "Simulation") -> Observer:

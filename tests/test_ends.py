@@ -161,6 +161,34 @@ with leash() as theirs:
     assert not alive(drawing)
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="puts processes on one core")
+def test_a_session_that_yields_leaves_a_busy_core_to_another():
+    """Of two on one core, it has less than half the processor time of the other; two that do not yield share it."""
+    busy = """import os, sys, time
+from ocean_sim.machine import yield_to_others
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+if sys.argv[1] != "0":
+    yield_to_others(int(sys.argv[1]))
+print(flush=True)
+sys.stdin.readline()
+begun, end = time.process_time(), time.monotonic() + 2.0
+while time.monotonic() < end:
+    pass
+print(time.process_time() - begun)
+"""
+    took = {}
+    for by in (10, 0):
+        how = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "start_new_session": True}
+        both = [subprocess.Popen([sys.executable, "-c", busy, str(n)], **how) for n in (0, by)]
+        for child in both:
+            child.stdout.readline()
+        for child in both:
+            child.stdin.write("\n")
+            child.stdin.flush()
+        took[by] = [float(child.communicate()[0]) for child in both]
+    assert took[10][1] < 0.5 * took[10][0] and took[0][1] > 0.5 * took[0][0]
+
+
 def alive(process: int) -> bool:
     """Whether it runs; one that has ended may still be listed until its parent asks."""
     try:

@@ -8,7 +8,7 @@ from ocean_sim import result as result_module
 from ocean_sim.observers.render import FIRST, PICTURE
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import run as run_verb
-from ocean_sim.verbs.check import drawn_in
+from ocean_sim.verbs.check import picture_time
 from ocean_sim.verbs.shared import bar as bar_module
 from ocean_sim.verbs.shared import progress as progress_module
 from ocean_sim.verbs.shared.bar import FILM, MEASURED, Drawing
@@ -89,8 +89,11 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
 
 @pytest.mark.parametrize("film, drafts", [(True, 10), (False, 0)])
 def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, capsys):
-    run_verb.pictures(load(SEA, {"render.film": film}))
-    time = f"about {drawn_in(FIRST[3] + drafts * PICTURE[3]['draft']):.1f} s on an idle machine"
+    config = load(SEA, {"render.film": film})
+    run_verb.pictures(config)
+    processor, wall = picture_time(config)
+    assert processor == pytest.approx(FIRST[3] + drafts * PICTURE[3]["draft"])
+    time = f"about {wall:.1f} s on an idle machine"
     cure = "--set render=null leaves them out"
     assert capsys.readouterr().out == f"its pictures, drawn during the run or after it, take {time}; {cure}\n"
 

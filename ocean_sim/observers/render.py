@@ -4,26 +4,28 @@ The only file with PyVista and imageio.
 
 Everything is drawn in a child process, `python -m ocean_sim.observers.render ORDER`: where OpenGL is missing VTK ends
 its process without an exception, and a run that went well must end well. The child follows the frames while the run
-goes on: they lie on disk, and it holds one at a time, however far it is behind. It yields to the run (`nice`).
+goes on: they lie on disk, and it holds one at a time, however far it is behind. It yields to the run (`nice`). A long
+film it draws by turns with a second child, of its own, whose pictures come to it through a pipe.
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import IO, TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import end_led, outlive_no_parent, yield_to_others
+from ocean_sim.machine import cores, end_led, outlive_no_parent, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
@@ -43,6 +45,7 @@ from ocean_sim.pictures.frame_files import (
 from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import Picture, Shot, foreseen
+from ocean_sim.pictures.sea_state import scene_of
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
@@ -53,10 +56,14 @@ PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics 
     3: {"draft": 0.7, "final": 1.9},
 }
 FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
+ANOTHER = 3.0  # of starting another process that draws [s]
+ALONE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
 GAP = 6  # pixels between the pictures of a strip
-YIELDING = 10  # by which the child that draws is nicer than a run that goes on
+YIELDING = 13  # by which what draws is nicer than a run that goes on: two processes so take of it what one does at 10
 MOMENTS = "moments.png"  # next to the film
 LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
+PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
+SHORT = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
 Moment = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
@@ -146,14 +153,16 @@ class Config(PeriodicConfig):
         film."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def picture_time(self, preflight: Preflight) -> float:
+    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
         frames = preflight.parts.get("frames")
         if not isinstance(frames, PeriodicConfig):  # there is nothing to draw
-            return 0.0
+            return 0.0, 0.0
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
-        further = len(self.stills) + self.strip
-        pictures = self.film_pictures(preflight.duration, frames.every) + further
-        return FIRST[dimension] + pictures * PICTURE[dimension][self.quality] * pixels
+        each, pictures = PICTURE[dimension][self.quality] * pixels, self.film_pictures(preflight.duration, frames.every)
+        by_turns, of = pictures * each, painters(pictures)
+        alone = FIRST[dimension] + (len(self.stills) + self.strip) * each
+        wall, wall_by_turns = (ALONE / n + (1.0 - ALONE) / cores() for n in (1, of))
+        return alone + by_turns + (of - 1) * ANOTHER, alone * wall + by_turns * wall_by_turns
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)
@@ -225,7 +234,7 @@ class Drawer:
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """`goes_on`: the run still writes frames, until `finish` is called."""
-        self.orders, self.progress, self.goes_on = orders, progress, goes_on
+        self.orders, self.progress = orders, progress
         self.errors = tempfile.TemporaryFile("w+")
         self.child: subprocess.Popen[str] | None = None
         self.problem: Exception | None = None
@@ -234,13 +243,10 @@ class Drawer:
         if window is None or sentence is not None:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
-        asked = json.dumps({"goes_on": goes_on, "orders": [asdict(order) for order in orders]})
-        self.child = subprocess.Popen(
-            [sys.executable, "-m", "ocean_sim.observers.render", asked],
+        self.child = drawing(
+            {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0},
+            self.errors,
             env=opengl.environment(window),
-            stdin=subprocess.PIPE,  # breaks when this process ends, however that comes
-            stdout=subprocess.PIPE,
-            stderr=self.errors,
             text=True,
             start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
         )
@@ -266,14 +272,8 @@ class Drawer:
                 child.stdin.write("over\n")
                 child.stdin.flush()
             self.reader.join()
-            child.wait()
-            self.errors.seek(0)
-            errors = self.errors.read().strip()
-            if child.returncode < 0:
-                opengl.forget()
-                raise RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
-            if child.returncode > 0:
-                raise RenderFailed(errors.splitlines()[-1] if errors else "the drawing process ended without a message")
+            if child.wait() != 0:
+                raise failure(child, self.errors)
         finally:
             self.stop()
 
@@ -292,6 +292,23 @@ class Drawer:
                     left.unlink(missing_ok=True)
             self.child = None
         self.errors.close()
+
+
+def drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
+    """A process that draws what is asked (see `main`) and has its errors written."""
+    command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
+    # Its standard input breaks when this process ends, however that comes.
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
+
+
+def failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
+    """Why a process that draws has ended before it should."""
+    if child.returncode < 0:
+        opengl.forget()
+        return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
+    errors.seek(0)
+    said = [line for line in errors.read().strip().splitlines() if not line.startswith("[")]  # as the encoder's do
+    return RenderFailed(said[-1] if said else "the drawing process ended without a message")
 
 
 def render_run(
@@ -329,7 +346,13 @@ def order_of(
 ) -> Order:
     """What to draw of a run into `out`, by default its own folder; `further` as in Order."""
     place = str(out or folder)
+    further = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)} | further
     return Order(str(folder), place, camera, size, particles, quality, every, film, stills=tuple(stills), **further)
+
+
+def painters(pictures: float) -> int:
+    """How many processes draw a film of so many pictures by turns: one where it is short or there is but one core."""
+    return min(PAINTERS, cores()) if pictures > SHORT else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
@@ -418,16 +441,13 @@ def still(time: float) -> str:
 def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
     `over`: set when the run has written its last frame."""
-    folder, out = Path(order.folder), Path(order.out)
-    with opened(folder / "frames" / "grid.npz") as file:
-        grid = dict(file)
-    if not foreseen(grid, order):
-        over.wait()
-    coming = Coming(folder, over)
-    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
-    picture = Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log)
-    if order.film:
-        yield from film(out / "film.mp4", picture, coming, order.every)
+    out = Path(order.out)
+    with ExitStack() as stack:
+        turns_of_others = range(1, order.painters) if order.film else ()
+        others = [stack.enter_context(Painter(order, over, turn)) for turn in turns_of_others]
+        picture, coming = begun(order, over)
+        if order.film:
+            yield from film(out / "film.mp4", order, picture, coming, others)
     coming.wait()
     log = coming.log
     if order.preview:
@@ -440,6 +460,18 @@ def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
         row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
         save_png(out / "strip.png", row)
     picture.close()
+
+
+def begun(order: Order, over: threading.Event) -> tuple[Picture, "Coming"]:
+    """A picture that is ready to be drawn, and the frames of its run, as `draw`."""
+    folder = Path(order.folder)
+    with opened(folder / "frames" / "grid.npz") as file:
+        grid = dict(file)
+    if not foreseen(grid, order):
+        over.wait()
+    coming = Coming(folder, over)
+    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
+    return Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log), coming
 
 
 def some(files: list[Path]) -> list[Path]:
@@ -490,30 +522,109 @@ class Coming:
                 self.over.wait(LOOKS_EVERY)
 
 
-def film(path: Path, picture: Picture, coming: Coming, every: float) -> Iterator[tuple[int, int]]:
-    """H.264 that any player shows, in real time, and a row of small pictures of it. While a picture is drawn, a thread
-    finishes the one before: the plotter leaves Python to others meanwhile."""
+class Painter:
+    """Another process that draws a film by turns with this one, which takes its pictures as they come; it is not led by
+    a session of its own, and ends with this one."""
+
+    def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
+        """As `draw`; `turn`: which of the processes it is, counted from 0, this one."""
+        self.shape = *order.size[::-1], 3
+        self.errors = tempfile.TemporaryFile("w+")
+        asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
+        self.child = drawing(asked, self.errors)
+        assert self.child.stdin is not None and self.child.stdout is not None
+        self.told, self.pixels = self.child.stdin, self.child.stdout
+        if not over.is_set():
+            threading.Thread(target=self.tell, args=(over,), daemon=True).start()
+
+    def tell(self, over: threading.Event) -> None:
+        """That the run is over, once it is."""
+        over.wait()
+        with suppress(OSError, ValueError):  # it has ended
+            self.told.write(b"over\n")
+            self.told.flush()
+
+    def picture(self) -> np.ndarray:
+        """(height, width, 3) 8-bit RGB, the next that it draws; raises RenderFailed."""
+        size = int(np.prod(self.shape))
+        pixels = self.pixels.read(size)
+        if len(pixels) < size:
+            self.child.wait()
+            raise failure(self.child, self.errors)
+        return np.frombuffer(pixels, np.uint8).reshape(self.shape)
+
+    def __enter__(self) -> "Painter":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.child.kill()
+        self.child.wait()
+        for stream in (self.pixels, self.errors):
+            stream.close()
+
+
+def turns(coming: Coming, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
+    """The frame of each picture of a film, how many pictures there are, or 0, and which of so many processes draws it,
+    one after the other; None where it is the picture before."""
+    shown, turn = None, 0
+    for file, total in coming.chosen(every):
+        yield file, total, None if file == shown else turn % of
+        turn, shown = turn + (file != shown), file
+
+
+def drawn(
+    order: Order, picture: Picture, coming: Coming, turn: int, put: Callable[[Shot | int | None], None]
+) -> Iterator[tuple[int, int]]:
+    """Draw those pictures of a film whose turn it is, as `draw`; `put` is handed, one after the other, each picture
+    that is drawn here, and of the others their turns. While a picture is drawn, a thread does that for those before:
+    the plotter leaves Python to others meanwhile."""
+    with ThreadPoolExecutor(1) as beside:
+        before: list[Future[None]] = []
+        since: list[Future[None]] = []  # the last that was drawn here
+        for k, (file, total, whose) in enumerate(turns(coming, order.every, order.painters)):
+            made = picture.shot(Frame(file)) if whose == turn else whose
+            if isinstance(made, Shot):
+                for left in before:  # so that no more than two that were drawn here wait
+                    left.result()
+                before, since = since, []
+            since.append(beside.submit(put, made))
+            yield k + 1, total
+        for left in before + since:
+            left.result()
+
+
+def film(
+    path: Path, order: Order, picture: Picture, coming: Coming, others: Sequence[Painter]
+) -> Iterator[tuple[int, int]]:
+    """H.264 that any player shows, in real time, and a row of small pictures of it."""
     with whole(path) as draft:
-        writer = writer_of(draft, every)
-        shown, moments = None, Moments()
+        moments, image = Moments(), np.zeros(0)
+        with writer_of(draft, order.every) as writer:
 
-        def put(made: Shot | Future[np.ndarray]) -> np.ndarray:
-            image = made.finished() if isinstance(made, Shot) else made.result()
-            writer.append_data(image)
-            moments.see(image)
-            return image
+            def put(made: Shot | int | None) -> None:
+                nonlocal image
+                if made is not None:
+                    image = made.finished() if isinstance(made, Shot) else others[made - 1].picture()
+                writer.append_data(image)
+                moments.see(image)
 
-        with writer, ThreadPoolExecutor(1) as beside:
-            before: Future[np.ndarray] | None = None
-            for k, (file, total) in enumerate(coming.chosen(every)):
-                made = picture.shot(Frame(file)) if before is None or file != shown else before
-                if before is not None:
-                    before.result()  # so that no more than one waits
-                shown, before = file, beside.submit(put, made)
-                yield k + 1, total
-            if before is not None:
-                before.result()
+            yield from drawn(order, picture, coming, 0, put)
     save_png(path.with_name(MOMENTS), moments.row())
+
+
+def hand_over(order: Order, over: threading.Event, turn: int) -> None:
+    """Draw the pictures of a film whose turn it is, and write their pixels to the standard output, as Painter."""
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
+        picture, coming = begun(order, over)
+
+        def put(made: Shot | int | None) -> None:
+            if isinstance(made, Shot):
+                pixels.write(made.finished().data)
+
+        for _ in drawn(order, picture, coming, turn, put):
+            pass
+    picture.close()
 
 
 def join(pictures: list[Path], path: Path, every: float) -> None:
@@ -547,18 +658,31 @@ def save_png(path: Path, image: np.ndarray) -> None:
         imageio.imwrite(draft, image, format="png", compress_level=6)
 
 
+def hurry(over: threading.Event) -> None:
+    """Yield no more once the run is over."""
+    over.wait()
+    yield_to_others(0)
+
+
 def main() -> None:
+    """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
+    pictures of a film; the one with the first, 0, draws all else."""
     over = outlive_no_parent()
     asked = json.loads(sys.argv[1])
-    if asked["goes_on"]:
-        yield_to_others(YIELDING)
-    else:
+    turn = asked["turn"]
+    if not asked["goes_on"]:
         over.set()
+    elif turn == 0:  # the others are as nice as this one
+        yield_to_others(YIELDING)
+        threading.Thread(target=hurry, args=(over,), daemon=True).start()
     try:
-        for order in asked["orders"]:
-            order["size"], order["stills"] = tuple(order["size"]), tuple(order["stills"])
-            for drawn, of in draw(Order(**order), over):
-                print(f"pictures {drawn} of {of}", flush=True)
+        for values in asked["orders"]:
+            order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
+            if turn > 0:
+                hand_over(order, over, turn)
+            else:
+                for done, total in draw(order, over):
+                    print(f"pictures {done} of {total}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ocean_sim.pictures import antialiasing
+
 MOST, SHRUNK = 8, 4  # pictures in the row, and pixels of a picture along a side of one of its
 GAP = 3  # pixels between them
 
@@ -19,7 +21,7 @@ class Moments:
             if len(self.kept) == 2 * MOST:
                 self.kept, self.every = self.kept[::2], 2 * self.every
             if self.seen % self.every == 0:
-                self.kept.append(smaller(image))
+                self.kept.append(antialiasing.mean(image, SHRUNK))
         self.seen += 1
 
     def row(self) -> np.ndarray:
@@ -28,10 +30,3 @@ class Moments:
         pictures = [self.kept[k] for k in chosen]
         between = np.full((pictures[0].shape[0], GAP, 3), 255, np.uint8)
         return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)
-
-
-def smaller(image: np.ndarray) -> np.ndarray:
-    """A picture (height, width, 3), each pixel the mean of SHRUNK x SHRUNK."""
-    height, width = (n // SHRUNK for n in image.shape[:2])
-    blocks = image[: height * SHRUNK, : width * SHRUNK].reshape(height, SHRUNK, width, SHRUNK, 3)
-    return (blocks.mean(axis=(1, 3), dtype=np.float32) + 0.5).astype(np.uint8)

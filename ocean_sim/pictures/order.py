@@ -29,6 +29,7 @@ class Order:
     target: tuple[float, float, float] | None = None
     stills: tuple[float, ...] = ()
     strip: int = 0
+    painters: int = 1  # processes that draw the film by turns
     ship: str | None = None  # the name of the one that the camera follows; None: the first
     preview: bool = True
     caption: bool = True

@@ -21,7 +21,6 @@ NOTHING = dict.fromkeys(
 CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
 FEW = 20_000  # particles, below which most memory of the water does not go with their number
 LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
-DRAWN_ALONE = 0.36  # share of the processor time of pictures that one core takes by itself; measured
 ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
 START, START_OF_PARTICLES = 2.2, 0.8  # [s] imports and kernels out of their cache, and what particles add; measured
 
@@ -75,11 +74,11 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     steps = config.duration / dt
     shared = sum(row.a_step(dt) for row in rows if particles and row.part in ON_ALL_THREADS)
     alone = sum(row.a_step(dt) for row in rows) - shared
-    start, pictures = START + (START_OF_PARTICLES if particles else 0.0), pictures_of(config)
+    start, (pictures, drawn) = START + (START_OF_PARTICLES if particles else 0.0), picture_time(config)
     parts = {
         "start_s": start,
         "steps_s": None if card else steps * (shared / threads + alone),  # that of cards was not measured
-        "pictures_s": drawn_in(pictures),
+        "pictures_s": drawn,
     }
     return {
         "ok": True,
@@ -102,14 +101,10 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     }
 
 
-def pictures_of(config: SceneConfig) -> float:
-    """Processor time [s] of all pictures of a run."""
-    return sum(part.picture_time(config.preflight) for part in config.observers.values())
-
-
-def drawn_in(pictures: float) -> float:
-    """Wall time [s] of so much processor time of pictures, where all cores are idle."""
-    return pictures * (DRAWN_ALONE + (1.0 - DRAWN_ALONE) / machine.cores())
+def picture_time(config: SceneConfig) -> tuple[float, float]:
+    """Processor time [s] of all pictures of a run, and the wall time [s] that they take where all cores are idle."""
+    times = [part.picture_time(config.preflight) for part in config.observers.values()]
+    return sum(processor for processor, _ in times), sum(wall for _, wall in times)
 
 
 def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:

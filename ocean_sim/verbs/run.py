@@ -11,7 +11,7 @@ from ocean_sim.files.claim import MANIFEST, Claim, Claimed, foreign
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
-from ocean_sim.verbs.check import drawn_in, pictures_of, preflight, short
+from ocean_sim.verbs.check import picture_time, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
@@ -52,9 +52,9 @@ def run(
 
 def pictures(config: SceneConfig) -> None:
     """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
-    seconds = pictures_of(config)
+    _, seconds = picture_time(config)
     if seconds:
-        time = f"about {console.duration(drawn_in(seconds))} on an idle machine"
+        time = f"about {console.duration(seconds)} on an idle machine"
         console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
 
 

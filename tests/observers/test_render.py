@@ -1,7 +1,9 @@
 """Pictures are checked where OpenGL is there; everywhere, that its absence is a sentence and never a crash."""
 
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -137,10 +139,7 @@ def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     folder, forgotten = kept(), []
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
     monkeypatch.setattr(opengl, "forget", lambda: forgotten.append(True))
-    dying = tmp_path / "python"
-    dying.write_text("#!/bin/sh\nkill -SEGV $$\n")
-    dying.chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(dying))
+    monkeypatch.setattr(sys, "executable", script(tmp_path, "kill -SEGV $$"))
     with pytest.raises(render.RenderFailed, match="died"):
         render.render_run(folder)
     assert forgotten
@@ -150,10 +149,8 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
     """Its encoder, and the film that is not finished."""
     folder, noted = kept(), tmp_path / "encoder"
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
-    drawing = tmp_path / "python"
-    drawing.write_text(f"#!/bin/sh\nsleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait\n")
-    drawing.chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(drawing))
+    words = f"sleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait"
+    monkeypatch.setattr(sys, "executable", script(tmp_path, words))
     drawer = render.Drawer([render.order_of(folder)], goes_on=True)
     patience = time.monotonic() + 10.0
     while not (noted.exists() and noted.read_text().strip()) and time.monotonic() < patience:
@@ -164,6 +161,20 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
         time.sleep(0.01)
     assert not alive(encoder) and not alive(child)
     assert not list(folder.glob(".film*"))
+
+
+def script(folder, words):
+    """A program of the shell, in place of Python."""
+    file = folder / "python"
+    file.write_text(f"#!/bin/sh\n{words}\n")
+    file.chmod(0o755)
+    return str(file)
+
+
+def led_by(process):
+    """The processes that its threads have started, and their commands."""
+    children = [int(n) for file in Path(f"/proc/{process}/task").glob("*/children") for n in file.read_text().split()]
+    return {n: Path(f"/proc/{n}/cmdline").read_text() for n in children}
 
 
 def alive(process):
@@ -271,7 +282,8 @@ def test_water_is_drawn_and_filmed(kept):
 
 
 @with_opengl
-def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(kept, tmp_path):
+@pytest.mark.parametrize("painters", [1, 2])
+def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_byte(painters, kept, tmp_path):
     folder, going = kept(), tmp_path / "going"
     asked = {"size": (160, 90), "every": 0.1, "stills": (0.2,)}
     after = render.render_run(folder, out=tmp_path / "after", **asked)
@@ -280,7 +292,8 @@ def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_by
     for path in (folder / "frames" / "grid.npz", *files[:2]):
         shutil.copy(path, going / "frames")
     drawn = []
-    drawer = render.Drawer([render.order_of(going, **asked)], lambda done, of: drawn.append((done, of)), goes_on=True)
+    order = render.order_of(going, painters=painters, **asked)
+    drawer = render.Drawer([order], lambda done, of: drawn.append((done, of)), goes_on=True)
     patience = time.monotonic() + 300.0
     while not drawn and time.monotonic() < patience:
         time.sleep(0.02)
@@ -288,9 +301,77 @@ def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_by
         shutil.copy(path, going / "frames" / "coming")
         os.replace(going / "frames" / "coming", going / "frames" / path.name)
     drawer.finish()
-    assert drawn[0] == (1, 0) and drawn[-1] == (5, 5)
+    assert drawn[0] == (1, 0) and drawn[-1] in [(5, 0), (5, 5)]  # the last is told of before the run is over, or after
     for path in after:
         assert path.read_bytes() == (going / path.name).read_bytes(), path.name
+
+
+def test_processes_take_the_pictures_of_a_film_by_turns_and_none_is_drawn_twice(tmp_path):
+    (tmp_path / "frames").mkdir()
+    for k in range(4):
+        np.savez(frame_files.frame_path(tmp_path, k), time=0.1 * k)
+    over = threading.Event()
+    over.set()
+
+    def taken(every, of):
+        return [
+            (int(file.stem[-5:]), whose) for file, _, whose in render.turns(render.Coming(tmp_path, over), every, of)
+        ]
+
+    assert taken(0.1, 1) == [(0, 0), (1, 0), (2, 0), (3, 0)]
+    assert taken(0.1, 3) == [(0, 0), (1, 1), (2, 2), (3, 0)]
+    assert taken(0.06, 2) == [(0, 0), (1, 1), (1, None), (2, 0), (2, None), (3, 1)]
+
+
+@with_opengl
+@pytest.mark.parametrize("painters, asked", [(2, {}), (3, {"camera": "orbit", "stills": (0.2,)})])
+def test_a_film_is_the_same_to_the_byte_however_many_processes_draw_it(painters, asked, kept, tmp_path):
+    """Of five frames, some of them shown twice."""
+    folder, made = kept(), []
+    for n in (1, painters):
+        files = render.render_run(folder, out=tmp_path / str(n), size=(160, 90), every=0.06, painters=n, **asked)
+        made.append([path.read_bytes() for path in files])
+    assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("words, told", [("kill -SEGV $$", r"died \(signal 11\)"), ("echo no >&2; exit 1", "^no$")])
+def test_a_second_drawing_process_that_ends_is_a_sentence(words, told, tmp_path, monkeypatch):
+    monkeypatch.setattr(opengl, "forget", lambda: None)
+    monkeypatch.setattr(sys, "executable", script(tmp_path, words))
+    with render.Painter(render.order_of(tmp_path), threading.Event(), 1) as painter:
+        with pytest.raises(render.RenderFailed, match=told):
+            painter.picture()
+
+
+@with_opengl
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("killed", ["second", "first", "asking"])
+def test_no_drawing_process_outlives_another(killed, kept, tmp_path):
+    """Of two that draw a film, the one that is killed takes the other and the encoder with it, and leaves no film; so
+    does the end of the process that has asked for it."""
+    drawer = render.Drawer([render.order_of(kept(), every=0.1, painters=2)], goes_on=True)
+    first = drawer.child.pid
+    patience = time.monotonic() + 300.0
+    while not any("ffmpeg" in command for command in led_by(first).values()) and time.monotonic() < patience:
+        time.sleep(0.01)
+    led = led_by(first)
+    [second] = [n for n, command in led.items() if "ocean_sim.observers.render" in command]
+    assert len(led) == 2 and all(alive(n) for n in led)
+    if killed == "asking":
+        drawer.child.stdin.close()  # as the system does for a process that has died
+    else:
+        os.kill({"first": first, "second": second}[killed], signal.SIGKILL)
+    patience = time.monotonic() + 10.0
+    while alive(second) and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert not alive(second)
+    if killed == "asking":
+        drawer.stop()
+    else:
+        with pytest.raises(render.RenderFailed, match=r"died \(signal 9\)"):
+            drawer.finish()
+    assert not any(alive(n) for n in led)
+    assert not list(tmp_path.glob("*film*"))
 
 
 @with_opengl
@@ -369,6 +450,25 @@ def holding_balls(folder: Path, middles: list[tuple[float, float, float]]) -> Pa
         }
         np.savez(path, **frame)
     return folder
+
+
+@pytest.mark.parametrize("of, pictures, painters", [(1, 1000, 1), (2, 1000, 2), (16, 1000, 2), (2, 10, 1)])
+def test_short_films_and_films_on_one_core_are_drawn_by_one_process(of, pictures, painters, tmp_path, monkeypatch):
+    """As is a film of a run of unknown length."""
+    monkeypatch.setattr(render, "cores", lambda: of)
+    assert render.order_of(tmp_path).painters == 1
+    (tmp_path / "manifest.json").write_text(json.dumps({"scene": {"duration": 0.1 * pictures}}))
+    assert render.order_of(tmp_path, every=0.1).painters == painters
+
+
+def test_of_a_film_that_processes_draw_by_turns_no_core_idles_but_while_they_start(monkeypatch):
+    sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
+    scene = load(sea | {"duration": 100.0, "frames": {"every": 0.1}, "render": {"every": 0.1, "size": [1280, 720]}})
+    film, first = 1001 * render.PICTURE[3]["draft"], render.FIRST[3]
+    for of, processor, wall in ((1, first + film, first + film), (2, first + film + render.ANOTHER, 0.5 * film)):
+        monkeypatch.setattr(render, "cores", lambda: of)
+        taken = scene.observers["render"].picture_time(scene.preflight)
+        assert taken[0] == pytest.approx(processor) and wall <= taken[1] <= wall + first
 
 
 def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():

@@ -56,6 +56,7 @@ def brute_force(x: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray]:
     return near.sum(axis=1), np.where(near, r2, 0.0).sum(axis=1)
 
 
+SIZES = [(2, 2.0), (3, 2.0), (2, 6.0), (3, 4.0)]  # dimension, and support [spacings]; of the wide ones cells have parts
 CLOUDS = {
     "random": lambda rng, n: rng.uniform(-0.45, 0.45, (n, 3)) * [1.0, 0.5, 1.0],
     "sparse, most cells empty": lambda rng, n: rng.uniform(-0.5, 0.5, (n, 3)) ** 3,
@@ -64,24 +65,27 @@ CLOUDS = {
     "on the borders of cells": lambda rng, n: rng.integers(-2, 3, (n, 3)) * 0.2,
     "far outside the grid": lambda rng, n: rng.uniform(-0.45, 0.45, (n, 3)) + rng.integers(-1, 2, (n, 3)) * 3.0,
 }
+CROWDED = "all in one place", "sparse, most cells empty"  # of more particles more than a list holds
+CASES = [(*size, cloud) for size in SIZES for cloud in CLOUDS if size[1] == 2.0 or cloud not in CROWDED]
 
 
 @pytest.fixture(scope="module")
 def clouds(water):
-    """One fluid a dimension, with its laws, not padded and padded, for all clouds: a new one would be compiled anew."""
+    """One fluid a dimension and support, with its laws, not padded and padded, for all clouds: a new one would be
+    compiled anew."""
     made = {}
-    for dimension in (2, 3):
+    for dimension, ratio in SIZES:
         basin = {"length": 1.0, "depth": 0.5, "width": 1.0 if dimension == 3 else None}
-        fluid = water(basin=basin, particles=300)
-        made[dimension] = fluid, (Count(fluid), Count(fluid, padded=True))
+        fluid = water(basin=basin, particles=300 if ratio == 2.0 else 2000, support_ratio=ratio)
+        assert fluid.grid.parts == (1 if ratio == 2.0 else 2**dimension)
+        made[dimension, ratio] = fluid, (Count(fluid), Count(fluid, padded=True))
     return made
 
 
-@pytest.mark.parametrize("cloud", CLOUDS)
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("dimension", "ratio", "cloud"), CASES)
 @pytest.mark.parametrize("padded", [False, True])
-def test_the_walk_equals_brute_force(clouds, dimension, cloud, padded):
-    fluid, laws = clouds[dimension]
+def test_the_walk_equals_brute_force(clouds, dimension, ratio, cloud, padded):
+    fluid, laws = clouds[dimension, ratio]
     law = laws[padded]
     x = CLOUDS[cloud](np.random.default_rng(3), fluid.particles.n)
     x[:, 2] *= dimension - 2
@@ -108,10 +112,10 @@ def mirrored(x: np.ndarray, fluid) -> np.ndarray:
     return np.concatenate(copies)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("dimension", "ratio"), SIZES)
 @pytest.mark.parametrize("padded", [False, True])
-def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, padded):
-    fluid, laws = clouds[dimension]
+def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, ratio, padded):
+    fluid, laws = clouds[dimension, ratio]
     law = laws[padded]
     rng = np.random.default_rng(8)
     x = rng.uniform(-0.5, 0.5, (fluid.particles.n, 3)) * [1.0, 0.5, 1.0] + [0.0, -0.25, 0.0]
@@ -135,7 +139,7 @@ def test_one_particle_is_its_only_neighbour(water):
 
 
 def test_the_sort_is_stable_and_loses_nobody(clouds):
-    fluid, _ = clouds[3]
+    fluid, _ = clouds[3, 2.0]
     n = fluid.particles.n
     put(fluid, np.full((n, 3), 0.05))
     np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.arange(n))
@@ -152,22 +156,26 @@ def test_a_crowd_that_overflows_the_lists_is_told(water):
         fluid.advance(1e-4)
 
 
-def test_sorting_in_chunks_gives_the_same_order(water):
-    """More particles than one thread sorts: compared with NumPy's stable sort by cell."""
-    fluid = water(basin={"length": 3.0, "width": 3.0, "depth": 1.0}, spacing=0.07)
-    assert fluid.grid.chunks > 1
+@pytest.mark.parametrize(("ratio", "halves"), [(2.0, 1), (4.0, 2)])
+def test_sorting_in_chunks_gives_the_same_order(water, ratio, halves):
+    """More particles than one thread sorts: compared with NumPy's stable sort by cell and, in large cells, by part."""
+    fluid = water(basin={"length": 3.0, "width": 3.0, "depth": 1.0}, spacing=0.07, support_ratio=ratio)
+    assert fluid.grid.chunks > 1 and fluid.grid.halves == halves
     x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
     put(fluid, x)
-    place = np.floor((x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner])).astype(int) + 1
+    along = (x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner])
+    place = np.floor(along).astype(int) + 1
     cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
-    np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(cell, kind="stable"))
+    half = (halves * (along % 1.0)).astype(int)
+    part = ((cell * halves + half[:, 0]) * halves + half[:, 1]) * halves + half[:, 2]
+    np.testing.assert_array_equal(fluid.particles.id.to_numpy(), np.argsort(part, kind="stable"))
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_periodic_sides_equal_shifted_copies_of_all_particles(water, dimension):
+@pytest.mark.parametrize(("dimension", "ratio"), SIZES)
+def test_periodic_sides_equal_shifted_copies_of_all_particles(water, dimension, ratio):
     walls = {"x": "periodic", "y": "periodic"} | ({"z": "periodic"} if dimension == 3 else {})
     basin = {"length": 1.0, "depth": 0.7, "width": 0.8 if dimension == 3 else None, "walls": walls, "floor": "none"}
-    fluid = water(basin=basin, particles=300)
+    fluid = water(basin=basin, particles=300 if ratio == 2.0 else 3000, support_ratio=ratio)
     law, low, period = Count(fluid), np.array(fluid.grid.basin.lower), np.array(fluid.grid.basin.periods)
     x = low + np.random.default_rng(9).uniform(0.0, 1.0, (fluid.particles.n, 3)) * period
     put(fluid, x)

@@ -332,7 +332,7 @@ def test_each_part_of_the_sea_switches_off_by_itself(picture):
 def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, program):
     """VTK would only log it, and leave out the ship."""
     order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
-    asked = json.dumps({"goes_on": False, "orders": [order]})
+    asked = json.dumps({"goes_on": False, "orders": [order], "turn": 0})
     broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
     code = f"import sys; from ocean_sim.observers import render; from ocean_sim.pictures import ship_glsl; {broken}"
     drawing, pipe = opengl.environment(opengl.window()), subprocess.PIPE

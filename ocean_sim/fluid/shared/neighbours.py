@@ -1,8 +1,9 @@
 """Who is near whom: the walk over neighbours, written once.
 
-The unit of work is a cell, as wide as the support: the particles within one support of the bounding box of its
-particles are its candidates, found once a step and kept; a pair law is then summed over them in one long loop without
-branches. Everything is gathered, nothing is scattered, so the result does not depend on the number of threads.
+The unit of work is a cell, as wide as the support, or a part of a large one: the particles within one support of the
+bounding box of its particles are its candidates, found once a step and kept; a pair law is then summed over them in one
+long loop without branches. Everything is gathered, nothing is scattered, so the result does not depend on the number of
+threads.
 """
 
 from dataclasses import dataclass
@@ -41,12 +42,12 @@ class ListSize:
 
     @property
     def capacity(self) -> int:
-        """Candidates that one cell may have: water compressed four times, and a good deal for splashes."""
+        """Candidates that one part of a cell may have: water compressed four times, and a good deal for splashes."""
         return int(4.0 * self.at_rest) + 256
 
     @property
     def segment(self) -> int:
-        """Candidates that one group of cells may have: twice those of water at rest, whose cells are full."""
+        """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
         parts = self.grid.lattice.n / (self.grid.full / self.grid.parts)
         return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
 
@@ -224,8 +225,8 @@ class Neighbours:
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """The same for the particles of a group's cells."""
-        kept = group * self.segment  # where the list of the next cell begins
+        """The same for the particles of a group's parts of cells."""
+        kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
         law.begin(group)
@@ -287,7 +288,7 @@ class Neighbours:
     @ti.func
     def with_images(self, k, law: Template, find: Template, lo, up, group, n, entry, room):
         """Put the images of the n candidates in the scratch after them, behind the gap; how many there are then, and
-        where the list of the next cell begins.
+        where the list of the next part begins.
 
         From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
         """

@@ -36,6 +36,7 @@ def moved(fluid, seed: int = 1) -> dict[str, np.ndarray]:
     """What becomes of water that starts next to its lattice: where it touches a wall nothing hangs on rounding."""
     rng, n = np.random.default_rng(seed), fluid.particles.n
     x = by_id(fluid, fluid.particles.position.to_numpy())
+    fluid.particles.pressure.from_numpy(by_id(fluid, fluid.particles.pressure.to_numpy()))  # in the order of `put`
     axes = np.arange(3) < fluid.smoothing.dimension
     put(fluid, x + axes * rng.uniform(-2e-3, 2e-3, (n, 3)), axes * rng.uniform(-0.1, 0.1, (n, 3)))
     for _ in range(STEPS):

@@ -100,7 +100,7 @@ def knows_processor() -> bool:
     """Whether the library's compiler knows this processor. One that it does not, it takes for the first of its kind,
     which works on four numbers of single precision at once."""
     found = processor()
-    return NAME == QUADRANTS or found.get("vendor_id") != "AuthenticAMD" or int(found["cpu family"]) <= KNOWN
+    return NAME == QUADRANTS or found.get("vendor_id") != "AuthenticAMD" or int(found.get("cpu family", KNOWN)) <= KNOWN
 
 
 def stashed(name: str, value: object) -> bool:

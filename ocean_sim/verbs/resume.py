@@ -20,7 +20,6 @@ from ocean_sim.verbs.shared.progress import Progress
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-LIBRARIES = "taichi", "quadrants"
 SHOWN = 3  # differences that are named
 
 
@@ -117,8 +116,10 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
     """What compiled the kernels of a run; None where its manifest does not say."""
+    from ocean_sim.kernel_library import QUADRANTS, TAICHI
+
     versions = manifest.get("versions")
-    known = [name for name in LIBRARIES if isinstance(versions, dict) and name in versions]
+    known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
 
 

@@ -28,7 +28,7 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
 from ocean_sim.fluid.shared.law import NONE
-from ocean_sim.fluid.shared.neighbours import ListSize
+from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive

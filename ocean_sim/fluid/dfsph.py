@@ -46,7 +46,6 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
-from ocean_sim.fluid.shared.pairs import Pairs
 from ocean_sim.fluid.shared.pairs import size as size_of_pairs
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
@@ -329,8 +328,7 @@ class Dfsph(Sph):
         self.pressing = self.weight * self.stencil.slope
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
         self.base = tuple(Components(n))  # [m/s] before what the pressures gain
-        self.pairs = Pairs(particles, self.grid.images, self.tasks, self.stencil.neighbours)
-        self.neighbours.keep(self.pairs, self.smoothing)
+        self.pairs = self.neighbours.keep(self.smoothing, self.stencil.neighbours, self.tasks)
         self.held_pressure = self.carried[0]  # [Pa]
         if self.closed:
             self.shift = Components(n)  # [1/m] where to

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.basin import Config as BasinConfig
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of
 from ocean_sim.wind.still import Config as Still
@@ -75,6 +76,24 @@ def put(fluid: Any, position: np.ndarray, velocity: np.ndarray | None = None) ->
     )
     fluid.particles.id.from_numpy(np.arange(len(position), dtype=np.int32))
     fluid.begin()
+
+
+def kept(fluid: Any) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Of each particle, in storage order, the names of the neighbours and images that a walk over cells keeps, and with
+    each x_ij times the shape of grad W; only those that are near, and not in the same place."""
+    blocks, x, found = fluid.pairs, fluid.particles.position.to_numpy(), []
+    first, begun, near, seen, names, shape, place = (
+        getattr(blocks, name).to_numpy() for name in ("first", "begun", "near", "seen", "name", "shape", "place")
+    )
+    for k in range(fluid.grid.occupied_count[None]):
+        listed = slice(first[k], first[k] + seen[k])
+        assert (names[listed][: near[k]] < MOST_PARTICLES).all(), "particles come before images"
+        for i in range(fluid.grid.first[k], fluid.grid.first[k + 1]):
+            own = begun[k] + (i - fluid.grid.first[k]) * seen[k]
+            gradient = shape[own : own + seen[k], None] * (x[i] - place[listed])
+            there = gradient.any(axis=1)
+            found.append((names[listed][there], gradient[there]))
+    return found
 
 
 def by_id(fluid: Any, values: np.ndarray) -> np.ndarray:

@@ -6,62 +6,21 @@ long loop without branches. Everything is gathered, nothing is scattered, so the
 threads.
 """
 
-from dataclasses import dataclass
-
-from ocean_sim.columns import vec3
 from ocean_sim.fluid.shared.accounts import Accounts
+from ocean_sim.fluid.shared.blocks import Blocks
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.images import mirrored
 from ocean_sim.fluid.shared.law import NONE
-from ocean_sim.fluid.shared.pairs import Pairs, flips
+from ocean_sim.fluid.shared.list_size import AWAY, ListSize, whole
+from ocean_sim.fluid.shared.pairs import flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
-from ocean_sim.fluid.shared.tasks import TASK
-from ocean_sim.kernel_library import knows_processor, ti, tm
+from ocean_sim.fluid.shared.tasks import TASK, Tasks
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
-# candidates that a processor may sum up at once: eight lanes of f32, four times over, or four lanes twice
-VECTOR = 32 if knows_processor() else 8
 HERE = 13  # code of what is seen where it is, through no periodic side
-AWAY = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
-
-
-@dataclass(frozen=True)
-class ListSize:
-    """How long the candidate lists are, known before anything is allocated."""
-
-    grid: GridSize
-    reads: int  # the most fields that a pair law of this fluid reads of a neighbour
-
-    @property
-    def at_rest(self) -> float:
-        """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
-        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.full
-
-    @property
-    def capacity(self) -> int:
-        """Candidates that one part of a cell may have: water compressed four times, and a good deal for splashes."""
-        return int(4.0 * self.at_rest) + 256
-
-    @property
-    def segment(self) -> int:
-        """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
-        parts = self.grid.lattice.n / (self.grid.full / self.grid.parts)
-        return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
-
-    @property
-    def width(self) -> int:
-        """Numbers of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
-        return self.capacity + 2 * VECTOR
-
-    def bytes(self, word: int) -> int:
-        """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
-        return (
-            4 * (self.grid.occupied + self.grid.groups * self.segment)
-            + word * self.grid.groups * self.width * self.reads
-        )
 
 
 @in_kernels
@@ -77,12 +36,12 @@ class Neighbours:
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
         self.scratch = tuple(ti.field(float, shape=self.groups * self.width) for _ in range(size.reads))
-        self.keeps = False  # whether pairs are kept
+        self.size, self.keeps = size, False  # whether pairs are kept
 
-    def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
-        """From now on a walk that finds its candidates also keeps their pairs."""
-        self.keeps, self.pairs, self.smoothing = True, pairs, smoothing
-        self.name, self.close = (ti.field(int, shape=self.groups * self.width) for _ in range(2))
+    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> Blocks:
+        self.keeps, self.blocks = True, Blocks(self.position, self.grid, self.scratch, smoothing, self.size)
+        self.name = ti.field(int, shape=self.groups * self.width)
+        return self.blocks
 
     @ti.func
     def bounds(self, k):
@@ -184,35 +143,6 @@ class Neighbours:
         return self.kept(self.candidate, first, m, 0)
 
     @ti.func
-    def closest(self, x, begin, end, first, found):
-        """Note which of these candidates lie within a support of x, though not at x itself; how many there are now."""
-        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
-        first += found
-        for a in range(end - begin):
-            at = begin + a
-            away = x - tm.vec3(px[at], py[at], pz[at])
-            r2 = away.dot(away)
-            self.close[first + a] = int(r2 < self.grid.support * self.grid.support) & int(r2 > 0.0)
-        return found + self.kept(self.close, first, end - begin, begin)
-
-    @ti.func
-    def keep_pairs(self, i, x, scratch, n, images, m, group):
-        """Keep the pairs of particle i with the m candidates in the scratch, the first n of them particles; their
-        images begin at `images`."""
-        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
-        near = self.closest(x, scratch, scratch + n, scratch, 0)
-        seen = self.closest(x, images, images + m - n, scratch, near)
-        if seen > self.pairs.room:
-            near, seen = 0, 0
-            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
-        self.pairs.near[i], self.pairs.seen[i] = near, seen
-        for b in range(seen):
-            a, to = self.close[scratch + b], i * self.pairs.room + b
-            away = x - tm.vec3(px[a], py[a], pz[a])
-            self.pairs.name[to] = self.name[a]
-            self.pairs.gradient[to] = self.smoothing.pair_gradient(away)
-
-    @ti.func
     def walk(self, law: Template, find: Template):
         """For every particle i: sum law.pair over its candidates, then law.finish it. Call it at the top of a kernel.
 
@@ -229,6 +159,8 @@ class Neighbours:
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
+            if ti.static(self.keeps):
+                self.blocks.begin(group)
         law.begin(group)
         occupied = self.grid.occupied_count[None]
         for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
@@ -329,7 +261,7 @@ class Neighbours:
     def filled(self, law: Template, count):
         """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
         vectors. What is left over behind those is summed one by one, with four times the instructions each."""
-        return (count + VECTOR - 1) // VECTOR * VECTOR if ti.static(law.padded) else count
+        return whole(count) if ti.static(law.padded) else count
 
     @ti.func
     def gap(self, law: Template, n):
@@ -382,6 +314,7 @@ class Neighbours:
                 total, beyond = self.sums(law, law.pair, own, scratch, middle, end)
             elif ti.static(law.tension != NONE):
                 total, beyond = self.sums(law, law.pressed, own, scratch, middle, end)
-            if ti.static(find and self.keeps):
-                self.keep_pairs(i, vec3(own, law.row.position), scratch, n, images, m, group)
             law.finish(i, own, total, beyond, group)
+        if ti.static(find and self.keeps):
+            crowded = self.blocks.keep(k, group, self.name, n, images, m)
+            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + crowded

@@ -1,14 +1,16 @@
-"""Pairs of neighbours kept for a step: what iterates over them again and again reads each once, with its gradient.
+"""Pairs of neighbours kept for a step: what iterates over them again and again finds each with its gradient.
 
-Each particle has its own slots, pairs with particles first and those with images after them. An image is named by its
-particle and by the axes along which it is mirrored, so its velocity follows that of the particle.
+An image is named by its particle and by the axes along which it is mirrored, so what it has follows its particle.
 """
 
+from abc import ABC, abstractmethod
+from typing import Any, Protocol
+
+from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
-from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.tasks import Tasks
-from ocean_sim.kernel_library import ti, tm
+from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
 ROOM = 2.5  # slots of a particle, over its neighbours on the lattice
@@ -21,40 +23,86 @@ def slots(neighbours: int) -> int:
 
 
 def size(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the pairs of n particles, where `word` is the size of a `float` [bytes]."""
+    """Bytes of the Pairs of n particles, where `word` is the size of a `float` [bytes]."""
     return n * (8 + slots(neighbours) * (4 + 3 * word))
 
 
-@in_kernels
-class Pairs:
-    """Of each particle its neighbours and images, and x_ij times the shape of grad W."""
+class KeptLaw(Protocol):
+    """What is summed over kept pairs. All functions are ti.funcs."""
 
-    def __init__(self, particles: Particles, images: Images, tasks: Tasks, neighbours: int) -> None:
-        self.tasks, self.room = tasks, slots(neighbours)
-        self.name = ti.field(int, shape=particles.n * self.room)
-        self.gradient = ti.Vector.field(3, float, shape=particles.n * self.room)
-        self.near, self.seen = (ti.field(int, shape=particles.n) for _ in range(2))  # particles, and images with them
+    reads: tuple[ti.Field, ...]
+    """What is read of a particle, `own`, and of a neighbour, `other`."""
+    terms: Columns
+    """What a neighbour adds to the sum, `total`, and an image to its own, `beyond`."""
+
+    def begin(self, group: Any) -> None:
+        """Before the first particle of a group."""
+        ...
+
+    def image(self, other: Any, name: Any, away: Any) -> Any:
+        """What is read of a neighbour as the sides show it that its name tells; `away` leads from there into the
+        water."""
+        ...
+
+    def near(self, own: Any, other: Any, gradient: Any) -> Any:
+        """What a neighbour adds; `gradient`: x_ij times the shape of grad W."""
+        ...
+
+    def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
+        """What becomes of the sums of particle i."""
+        ...
+
+
+@in_kernels
+class KeptPairs(ABC):
+    """Of each particle its neighbours and images."""
+
+    def __init__(self, images: Images) -> None:
         self.images = images
         self.pistons = tuple((s, side.axis, side.upper) for s, side, _ in images.pistons)
 
+    @abstractmethod
+    def walk(self, law: Any) -> None:
+        """ti.func, at the top of a kernel: for every particle, sum law.near over its neighbours, and over its images,
+        then law.finish it."""
+
     @ti.func
-    def velocity(self, v: Template, name, gradient):
-        """Of an image [m/s]: only its normal velocity is turned round, whatever the slip."""
-        j, flips = name % MOST_PARTICLES, name // MOST_PARTICLES
-        image = tm.vec3([component[j] for component in ti.static(tuple(v))])
+    def read(self, law: Template, j):
+        """What a law reads of particle j."""
+        return ti.Vector([field[j] for field in ti.static(law.reads)])
+
+    @ti.func
+    def seen_as(self, law: Template, name, away):
+        """The same of an image."""
+        return law.image(self.read(law, name % MOST_PARTICLES), name, away)
+
+    @ti.func
+    def velocity(self, v, name, away):
+        """Of the image of what moves with v [m/s]: only its normal velocity is turned round, whatever the slip."""
+        image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
         for s, axis, upper in ti.static(self.pistons):
-            beyond = gradient[axis] < 0.0 if ti.static(upper) else gradient[axis] > 0.0
+            beyond = away[axis] < 0.0 if ti.static(upper) else away[axis] > 0.0
             image[axis] += ti.select(
                 (flips >> axis & 1) and beyond, self.images.side[s, SIDE.twice_velocity + axis], 0.0
             )
         return image
 
+
+@in_kernels
+class Pairs(KeptPairs):
+    """The same, each particle with slots of its own: pairs with particles first, those with images after them."""
+
+    def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
+        super().__init__(images)
+        self.tasks, self.room = tasks, slots(neighbours)
+        self.name = ti.field(int, shape=n * self.room)
+        self.gradient = ti.Vector.field(3, float, shape=n * self.room)
+        self.near, self.seen = (ti.field(int, shape=n) for _ in range(2))  # particles, and images with them
+
     @ti.func
     def walk(self, law: Template):
-        """For every particle i: sum law.near over its neighbours and law.image over its images, then law.finish it;
-        call it at the top of a kernel."""
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 self.walk_group(t // self.tasks.stride, law)
@@ -64,13 +112,13 @@ class Pairs:
         """The same for the particles of a group."""
         law.begin(group)
         for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
-            own = law.own(i)
-            first = i * self.room
+            own, first = self.read(law, i), i * self.room
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             for a in range(first, first + self.near[i]):
-                total += law.near(own, self.name[a], self.gradient[a])
+                total += law.near(own, self.read(law, self.name[a]), self.gradient[a])
             for a in range(first + self.near[i], first + self.seen[i]):
-                beyond += law.image(own, self.name[a], self.gradient[a])
+                gradient = self.gradient[a]
+                beyond += law.near(own, self.seen_as(law, self.name[a], gradient), gradient)
             law.finish(i, own, total, beyond, group)
 
 

@@ -19,6 +19,7 @@ from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
@@ -195,9 +196,10 @@ class ParticleWalk:
         self.shown: dict[Law, tuple[Around, Seen, Seen]] = {}  # what a law is shown, made when it first walks
         self.keeps = False
 
-    def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
-        """From now on a walk that finds its candidates also keeps their pairs."""
-        self.keeps, self.pairs, self.kept = True, pairs, Kept(pairs, smoothing)
+    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> Pairs:
+        self.keeps, self.pairs = True, Pairs(self.most, self.grid.images, tasks, neighbours)
+        self.kept = Kept(self.pairs, smoothing)
+        return self.pairs
 
     def around(self, law: Law) -> tuple[Around, Seen, Seen]:
         """The water around a particle as a law reads it, and what sees particles and images there."""

@@ -8,9 +8,8 @@ wanted), r <= 0, and r = 0 where p > 0.
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import displaced
-from ocean_sim.fluid.shared.pairs import Pairs
+from ocean_sim.fluid.shared.pairs import KeptPairs
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
@@ -34,7 +33,7 @@ class IncompressibleWater(Protocol):
     particles: Particles
     smoothing: Smoothing
     stencil: Stencil
-    pairs: Pairs
+    pairs: KeptPairs
     boundary: "Boundary | None"
     bodies: bool  # whether there are solid bodies in it
     closed: bool  # whether it has no free surface
@@ -68,7 +67,7 @@ class Compression:
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
-        self.fluid, self.solver, self.pairs = fluid, solver, fluid.pairs
+        self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
         self.relaxation = 1.0 / max(fluid.stencil.stiffest, PILED)
         if fluid.boundary is not None:
@@ -79,17 +78,12 @@ class Compression:
         self.fluid.rows.clear(group)
 
     @ti.func
-    def own(self, i):
-        return tm.vec3([component[i] for component in ti.static(tuple(self.solver.velocity))])
+    def image(self, other, name, away):
+        return self.pairs.velocity(other, name, away)
 
     @ti.func
-    def near(self, own, j, gradient):
-        other = tm.vec3([component[j] for component in ti.static(tuple(self.solver.velocity))])
+    def near(self, own, other, gradient):
         return ti.Vector([gradient.dot(own - other)])
-
-    @ti.func
-    def image(self, own, name, gradient):
-        return ti.Vector([gradient.dot(own - self.pairs.velocity(self.solver.velocity, name, gradient))])
 
     @ti.func
     def sample(self, own, s, d, mirror):
@@ -137,7 +131,7 @@ class Push:
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
-        self.pressure = solver.next
+        self.reads = (solver.next,)
         if fluid.boundary is not None:
             self.solid = fluid.boundary.summed(self)
 
@@ -146,17 +140,13 @@ class Push:
         pass
 
     @ti.func
-    def own(self, i):
-        return self.pressure[i]
+    def image(self, other, name, away):
+        """An image has the pressure of its particle."""
+        return other
 
     @ti.func
-    def near(self, own, j, gradient):
-        return (own + self.pressure[j]) * gradient
-
-    @ti.func
-    def image(self, own, name, gradient):
-        """A neighbour as a side shows it: with its own pressure."""
-        return (own + self.pressure[name % MOST_PARTICLES]) * gradient
+    def near(self, own, other, gradient):
+        return (own[0] + other[0]) * gradient
 
     @ti.func
     def sample(self, own, s, d, mirror):
@@ -175,7 +165,7 @@ class Push:
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
-            total = self.solid.total(x, tm.vec4(x, own))
+            total = self.solid.total(x, tm.vec4(x, own[0]))
         return total
 
     @ti.func
@@ -185,7 +175,7 @@ class Push:
         push = total + beyond + self.solids(i, own)
         for k in ti.static(range(3)):
             solver.velocity[k][i] = fluid.base[k][i] + scale * push[k]
-        solver.gain[i] = own
+        solver.gain[i] = own[0]
 
 
 @in_kernels
@@ -194,7 +184,7 @@ class Account(Push):
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         super().__init__(fluid, solver)
-        self.pressure = solver.gain
+        self.reads = (solver.gain,)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):

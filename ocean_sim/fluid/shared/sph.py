@@ -16,7 +16,7 @@ from ocean_sim.fluid.shared.band import band, cells_of
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.initial import CARRIED, UNCARRIED
-from ocean_sim.fluid.shared.neighbours import ListSize
+from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
 from ocean_sim.fluid.shared.plane_waves import PlaneWaves
 from ocean_sim.fluid.shared.smoothing import Smoothing

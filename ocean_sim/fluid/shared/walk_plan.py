@@ -5,12 +5,13 @@ from typing import Any, Protocol
 from ocean_sim.fluid.shared.accounts import TERMS, Accounts
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.grid_size import GridSize, Plan
-from ocean_sim.fluid.shared.neighbours import ListSize, Neighbours
-from ocean_sim.fluid.shared.pairs import Pairs
+from ocean_sim.fluid.shared.list_size import ListSize
+from ocean_sim.fluid.shared.neighbours import Neighbours
+from ocean_sim.fluid.shared.pairs import KeptPairs
 from ocean_sim.fluid.shared.particle_walk import ParticleWalk, WideAccounts, WideGrid, levels
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
-from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.fluid.shared.tasks import TASK, Tasks
 from ocean_sim.parts import LedgerRow
 from ocean_sim.runtime import CARDS, GRAPHICS
 
@@ -23,8 +24,9 @@ FEW, MANY = 16, 64  # groups of cells for few and many particles: threads share 
 class Walk(Protocol):
     """Sums laws of pairs over the neighbours of every particle."""
 
-    def keep(self, pairs: Pairs, smoothing: Smoothing) -> None:
-        """From now on a walk that finds its candidates also keeps their pairs."""
+    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
+        """From now on a walk that finds its candidates also keeps their pairs; `neighbours`: how many a particle has
+        on the lattice."""
         ...
 
     def walk(self, law: Any, find: Any) -> None:

@@ -1,0 +1,135 @@
+"""Pairs of neighbours kept for a step in blocks: those of the particles of a part of a cell with all candidates of the
+part, whether near or not.
+
+Each costs one number, the shape of grad W, where a pair by itself costs its gradient and a name; and what is read of
+the candidates is fetched once for the part, so that sums run through numbers that lie side by side.
+"""
+
+from ocean_sim.fluid.shared.grid import Grid
+from ocean_sim.fluid.shared.list_size import AWAY, ListSize, whole
+from ocean_sim.fluid.shared.pairs import KeptPairs
+from ocean_sim.fluid.shared.particles import Components
+from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.tasks import TASK
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Template, in_kernels
+
+
+@in_kernels
+class Blocks(KeptPairs):
+    """Of each part its candidates, particles first and images after them, each filled up to whole vectors; then of each
+    of its particles the shapes of grad W."""
+
+    def __init__(
+        self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: ListSize
+    ) -> None:
+        """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
+        super().__init__(grid.images)
+        self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
+        self.groups, self.width, self.segment, self.most = size.grid.groups, size.width, size.segment, size.pairs
+        # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
+        self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
+        self.listed, self.kept = (ti.field(int, shape=self.groups) for _ in range(2))  # where the next part's begin
+        self.name = ti.field(int, shape=self.groups * self.segment)
+        self.place = Components(self.groups * self.segment)  # [m]
+        self.shape = ti.field(float, shape=self.groups * self.most)
+
+    @ti.func
+    def begin(self, group):
+        """Nothing kept yet."""
+        self.listed[group], self.kept[group] = group * self.segment, group * self.most
+
+    @ti.func
+    def keep(self, k, group, names: Template, n, images, m):
+        """Keep part k with the m candidates in the scratch, the first n of them particles; their images begin at
+        `images`. 1 where there is no room."""
+        scratch, first, begun = group * self.width, self.listed[group], self.kept[group]
+        near = whole(n)
+        seen, count = near + whole(m - n), self.grid.first[k + 1] - self.grid.first[k]
+        crowded = first + seen > (group + 1) * self.segment or begun + count * seen > (group + 1) * self.most
+        if crowded:
+            near, seen = 0, 0
+        else:
+            self.copy(names, scratch, first, n, near)
+            self.copy(names, images, first + near, m - n, seen - near)
+            for i in range(self.grid.first[k], self.grid.first[k + 1]):
+                self.shape_all(i, first, seen, begun + (i - self.grid.first[k]) * seen)
+        self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
+        self.listed[group], self.kept[group] = first + seen, begun + count * seen
+        return int(crowded)
+
+    @ti.func
+    def copy(self, names: Template, scratch, first, n, filled):
+        """Put n candidates that begin at `scratch` from `first` on, and fill them up with some out of reach."""
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
+        for a in range(n):
+            at, to = scratch + a, first + a
+            self.name[to] = names[at]
+            x[to], y[to], z[to] = px[at], py[at], pz[at]
+        for a in range(first + n, first + filled):
+            self.name[a], x[a], y[a], z[a] = 0, AWAY, 0.0, 0.0
+
+    @ti.func
+    def shape_all(self, i, first, seen, begun):
+        """Keep the shapes of particle i with all candidates of its part from `begun` on."""
+        own = at(self.position, i)
+        for a in range(seen):
+            away = own - at(self.place, first + a)
+            self.shape[begun + a] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
+
+    @ti.func
+    def walk(self, law: Template):
+        for g in range(self.groups * TASK):
+            if g % TASK == 0:
+                self.walk_group(g // TASK, law)
+
+    @ti.func
+    def walk_group(self, group, law: Template):
+        """The same for the particles of a group's parts of cells."""
+        law.begin(group)
+        occupied = self.grid.occupied_count[None]
+        for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
+            self.gather(k, law, group * self.width)
+            self.sum_up(k, law, group)
+
+    @ti.func
+    def gather(self, k, law: Template, scratch):
+        """Put what the law reads of the candidates of part k into the scratch."""
+        first, near = self.first[k], self.near[k]
+        own = at(self.position, self.grid.first[k])  # of one of them, in the water
+        for a in range(near):
+            other = self.read(law, self.name[first + a])
+            for t in ti.static(range(len(law.reads))):
+                self.scratch[t][scratch + a] = other[t]
+        for a in range(near, self.seen[k]):
+            other = self.seen_as(law, self.name[first + a], own - at(self.place, first + a))
+            for t in ti.static(range(len(law.reads))):
+                self.scratch[t][scratch + a] = other[t]
+
+    @ti.func
+    def sum_up(self, k, law: Template, group):
+        """Sum the law for every particle of part k over its candidates, and finish it."""
+        begun, near, seen = self.begun[k], self.near[k], self.seen[k]
+        for i in range(self.grid.first[k], self.grid.first[k + 1]):
+            place, own = at(self.position, i), self.read(law, i)
+            total = self.summed(law, place, own, k, group, begun, 0, near)
+            beyond = self.summed(law, place, own, k, group, begun, near, seen)
+            law.finish(i, own, total, beyond, group)
+            begun += seen
+
+    @ti.func
+    def summed(self, law: Template, place, own, k, group, begun, begin, end):
+        """What candidates of part k add to the sum of a particle at `place`, whose shapes begin at `begun`."""
+        first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
+        for a in range(begin, end):
+            away = place - at(self.place, first + a)
+            other = ti.Vector([self.scratch[t][scratch + a] for t in ti.static(range(len(law.reads)))])
+            total += law.near(own, other, self.shape[begun + a] * away)
+        return total
+
+
+@ti.func
+def at(places: Template, i):
+    """A place of Components [m]."""
+    return tm.vec3(places.x[i], places.y[i], places.z[i])

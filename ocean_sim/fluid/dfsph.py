@@ -46,7 +46,6 @@ from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.force import Force
 from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, mirrored, turned
 from ocean_sim.fluid.shared.law import PositionLaw
-from ocean_sim.fluid.shared.pairs import size as size_of_pairs
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
@@ -131,13 +130,12 @@ class Config(SphConfig):
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
-        n, neighbours = sizes.grid.lattice.n, Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
+        neighbours = Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
         numbers = 26 + 2 * self.enclosed(basin)
         if "accuracy" in preflight.parts:
             numbers += 3 * len(pushing(absent(basin)))
-        pairs = LedgerRow(
-            "fluid", "pairs", size_of_pairs(n, neighbours, word), f"{neighbours} neighbours on the lattice"
-        )
+        kept = sizes.grid.plan.kept(sizes, neighbours, word)
+        pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*rows(preflight, sizes, numbers, what, PAIR), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":

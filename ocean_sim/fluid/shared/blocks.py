@@ -26,7 +26,7 @@ class Blocks(KeptPairs):
         """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
-        self.groups, self.width, self.segment, self.most = size.grid.groups, size.width, size.segment, size.pairs
+        self.groups, self.width, self.segment, self.most = size.grid.groups, size.width, size.segment, size.kept
         # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
         self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
         self.listed, self.kept = (ti.field(int, shape=self.groups) for _ in range(2))  # where the next part's begin

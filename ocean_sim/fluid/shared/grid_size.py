@@ -38,7 +38,11 @@ class Plan(ABC):
 
     @abstractmethod
     def lists(self, size: Any, word: int) -> int:
-        """Bytes of the lists of a `neighbours.ListSize`, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the lists of a `list_size.ListSize`, where `word` is the size of a `float` [bytes]."""
+
+    @abstractmethod
+    def kept(self, size: Any, neighbours: int, word: int) -> int:
+        """Bytes of the pairs that are kept of particles with so many neighbours on the lattice."""
 
     @abstractmethod
     def rows(self, n: int, word: int, impulses: bool) -> int:

@@ -46,15 +46,22 @@ class ListSize:
         return self.capacity + 2 * VECTOR
 
     @property
-    def pairs(self) -> int:
-        """Pairs of near and far candidates that one group of parts may keep: a quarter more than of water that has lost
-        its lattice, whose candidates fill all that is within one support of a part."""
-        side, support, most = 1.0 / self.grid.halves, self.grid.lattice.basin.dimension, 2 * self.capacity
-        within = (
-            side**2 + 4.0 * side + pi if support == 2 else side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
+    def kept(self) -> int:
+        """Pairs that one group of parts may keep, of all its particles with all candidates of their part: a quarter
+        more than in water that has lost its lattice, where parts are full and candidates fill a support around them."""
+        lattice, side = self.grid.lattice, 1.0 / self.grid.halves
+        around = side**2 + 4.0 * side + pi
+        if lattice.basin.dimension == 3:
+            around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
+        each = int(1.25 * around * self.grid.full) + VECTOR
+        crowd = 2 * self.capacity * int(self.grid.full / self.grid.parts)
+        return each * (lattice.n // self.grid.groups) + crowd
+
+    def bytes_kept(self, word: int) -> int:
+        """Of pairs that are kept, and of their candidates."""
+        return 4 * (4 * self.grid.occupied + self.grid.groups * (self.width + 2)) + self.grid.groups * (
+            self.segment * (4 + 3 * word) + self.kept * word
         )
-        each = int(1.25 * within * self.grid.full) + VECTOR
-        return self.grid.lattice.n // self.grid.groups * each + int(most * self.grid.full / self.grid.parts)
 
     def bytes(self, word: int) -> int:
         """Of lists and scratch, where `word` is the size of a `float` [bytes]."""

@@ -22,7 +22,7 @@ def slots(neighbours: int) -> int:
     return max(LEAST, int(ROOM * neighbours))
 
 
-def size(n: int, neighbours: int, word: int) -> int:
+def bytes_kept(n: int, neighbours: int, word: int) -> int:
     """Bytes of the Pairs of n particles, where `word` is the size of a `float` [bytes]."""
     return n * (8 + slots(neighbours) * (4 + 3 * word))
 

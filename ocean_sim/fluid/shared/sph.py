@@ -269,13 +269,21 @@ class SphConfig(WaterConfig):
                 )
 
 
-def rows(preflight: Preflight, sizes: ListSize, numbers: int, what: str, pair: float, told: int = 0) -> list[LedgerRow]:
-    """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `pair` [s] for
-    each of its neighbours in a step; solid bodies are `told` some more of each."""
+def rows(
+    preflight: Preflight,
+    sizes: ListSize,
+    numbers: int,
+    what: str,
+    pair: float,
+    told: int = 0,
+    particle: float = PARTICLE,
+) -> list[LedgerRow]:
+    """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `particle` [s] for
+    it in a step and `pair` [s] for each of its neighbours; solid bodies are `told` some more of each."""
     n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
     ratio = support / lattice.spacing
     neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
-    each = PARTICLE + pair * neighbours
+    each = particle + pair * neighbours
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),

@@ -62,16 +62,26 @@ class Grid:
     def indices_at(self, x):
         """Of the cell of a point, one for each axis, padding counted; a point beyond the grid belongs to its border
         cell."""
-        last = tm.ivec3(self.cells) - 2
-        return tm.clamp(ti.cast((x - self.lower) * self.per_width + 1.0, int), 1, last)
+        return self.cell_of(self.in_cells(x))
+
+    @ti.func
+    def in_cells(self, x):
+        """A point, counted in cells from the outermost padding on."""
+        return (x - self.lower) * self.per_width + 1.0
+
+    @ti.func
+    def cell_of(self, place):
+        """Indices of the cell in which a point lies that is counted in cells."""
+        return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
 
     @ti.func
     def part_at(self, x):
         """Number of the part of a cell that a point is in."""
-        indices = self.indices_at(x)
+        place = self.in_cells(x)
+        indices = self.cell_of(place)
         part = self.cell_at(indices)
         if ti.static(self.parts > 1):
-            within = (x - self.lower) * self.per_width + 1.0 - ti.cast(indices, float)  # 0 to 1, but beyond the grid
+            within = place - ti.cast(indices, float)  # 0 to 1, but beyond the grid
             for k in ti.static(self.axes):
                 part = self.halves * part + tm.clamp(ti.cast(self.halves * within[k], int), 0, self.halves - 1)
         return part

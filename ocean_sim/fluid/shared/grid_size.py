@@ -26,7 +26,7 @@ class Plan(ABC):
 
     @abstractmethod
     def chunks(self, n: int) -> int:
-        """Parts in which n particles are counted and sorted."""
+        """Chunks in which n particles are counted and sorted."""
 
     @abstractmethod
     def halves(self, full: float, dimension: int) -> int:
@@ -61,7 +61,7 @@ class Plan(ABC):
         """What walks: a `walk_plan.Walk`."""
 
     def tasks(self, particles: Count, groups: int) -> Tasks:
-        """The particles in as many parts as there are rows of accounts."""
+        """The particles in as many groups as there are rows of accounts."""
         return Tasks(particles, groups, self.stride)
 
 
@@ -115,7 +115,7 @@ class GridSize:
 
     @property
     def chunks(self) -> int:
-        """Parts in which the particles are counted and sorted."""
+        """Chunks in which the particles are counted and sorted."""
         return self.plan.chunks(self.lattice.n)
 
     @property

@@ -28,22 +28,22 @@ SUMMED = 64  # rows that are summed one after the other; more are first summed i
 
 @in_kernels
 class Tasks:
-    """The particles in parts, each a task: the same number of each, in storage order."""
+    """The particles in groups, each a task: the same number of each, in storage order."""
 
-    def __init__(self, particles: Count, parts: int, stride: int) -> None:
-        """`stride`: iterations of a parallel loop for each part. As many parts as there may be particles have one
+    def __init__(self, particles: Count, groups: int, stride: int) -> None:
+        """`stride`: iterations of a parallel loop for each group. As many groups as there may be particles have one
         each."""
-        self.particles, self.parts, self.stride = particles, parts, stride
-        self.iterations = parts * stride
-        self.single = parts == particles.most
+        self.particles, self.groups, self.stride = particles, groups, stride
+        self.iterations = groups * stride
+        self.single = groups == particles.most
 
     @ti.func
-    def first(self, part):
-        """Number of the first particle of a part, or of the last and one more."""
+    def first(self, group):
+        """Number of the first particle of a group, or of the last and one more."""
         n = self.particles.there()
-        first = ti.min(part, n)
+        first = ti.min(group, n)
         if ti.static(not self.single):
-            first = part * n // self.parts
+            first = group * n // self.groups
         return first
 
 

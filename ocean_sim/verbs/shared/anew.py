@@ -24,13 +24,13 @@ class Anew(BaseException):
         os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
 
 
-def must_compute_with(library: str | None) -> None:
+def must_compute_with(library: str | None, asked: str = "runtime.library") -> None:
     """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
-    the one that is asked for is not installed. For the command line, before anything is written."""
+    the one that is `asked` for there is not installed. For the command line, before anything is written."""
     from ocean_sim import kernel_library
 
     if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
         return
     if installed(library) is None:
-        raise Lacking(f"runtime.library: {library} is not installed here; pip install {library}, or leave the key out")
+        raise Lacking(f"{asked}: {library} is not installed here; pip install {library}")
     raise Anew(library)

@@ -121,3 +121,35 @@ def test_reading_leaves_nothing_of_what_a_kernel_belongs_to():
     trees = [tree for source in reading._sources.values() for tree in source.trees]
     assert trees
     assert [node for tree in trees for node in tree.nodes if getattr(node, "ptr", None) is not None] == []
+
+
+@ti.func
+def counted(count: ti.template()):
+    count[0] += 1.0
+    return tm.vec2(7.0, 8.0)
+
+
+def test_products_and_sums_are_those_of_what_is_worked_out_once():
+    found = ti.field(float, shape=8)
+
+    @ti.kernel
+    def fill():
+        tall, square = ti.Matrix([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), ti.Matrix([[1.0, 2.0], [3.0, 4.0]])
+        turned, both, back = tall @ counted(found), square @ square, tm.vec2(7.0, 8.0) @ square
+        for k in ti.static(range(3)):
+            found[1 + k] = turned[k]
+        found[4], found[5] = both[0, 1], back[1]
+        found[6] = tm.vec2(1.0, 2.0).dot(counted(found))
+        found[7] = float((tall > 5.5).any()) + 2.0 * float((tall > 0.5).all()) + 4.0 * float((tall > 1.5).all())
+
+    fill()
+    assert found.to_numpy().tolist() == [2.0, 23.0, 53.0, 83.0, 10.0, 46.0, 23.0, 3.0]
+
+
+def test_a_product_of_what_does_not_fit_is_told():
+    @ti.kernel
+    def wrong() -> float:
+        return (ti.Matrix([[1.0, 2.0], [3.0, 4.0]]) @ tm.vec3(0.0))[0]
+
+    with pytest.raises(ti.TaichiCompilationError, match=r"dimension mismatch between \(2, 2\) and \(3,\)"):
+        wrong()

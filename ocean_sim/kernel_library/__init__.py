@@ -32,6 +32,7 @@ __all__ = [
     "impl",
     "kernel_impl",
     "knows_processor",
+    "matrix_ops",
     "stashed",
     "ti",
     "tm",
@@ -75,6 +76,7 @@ try:
     if TYPE_CHECKING or NAME == TAICHI:
         with _imported_quickly():
             import taichi as ti
+            from taichi.lang import matrix_ops
         import taichi.math as tm
         from taichi._snode.fields_builder import FieldsBuilder
         from taichi._snode.snode_tree import SNodeTree

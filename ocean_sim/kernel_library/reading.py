@@ -1,21 +1,22 @@
 """How Taichi 1.7 reads a kernel, made quicker. Before it finds a compiled kernel in its cache it goes through the
 kernel's source, and through that of every function called in it as often as it is called, node by node. What it reads
-and what it makes of that is as it was; what it found anew for each call and each node is found once.
+and what it makes of that is as it was; what it found anew for each call and each node is found once. Its own functions
+that take the elements of a vector together, and multiply it by a matrix, are not read at all, but done.
 """
 
 import ast
 import linecache
 import textwrap
-from functools import cache
+from functools import cache, reduce
 from types import CodeType, FunctionType, MethodType
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ocean_sim.kernel_library import ast_transformer, expr, impl, kernel_impl, ti
+from ocean_sim.kernel_library import ast_transformer, expr, impl, kernel_impl, matrix_ops, ti
 
-core, ScalarField, MatrixField = impl._ti_core, impl.ScalarField, impl.MatrixField
+core, ops, ScalarField, MatrixField = impl._ti_core, matrix_ops.ops_mod, impl.ScalarField, impl.MatrixField
 Context, Transformer = kernel_impl.ASTTransformerContext, ast_transformer.ASTTransformer
 CLOSING = (")", "]", "}")  # with which a line goes on that begins no further to the right than its statement
 
@@ -249,9 +250,33 @@ def _within_range(kind: Any, value: int) -> int:
     return value if _fits(kind, value) else _clamped(kind, value)
 
 
+def _elements(value: Any) -> dict[tuple[int, ...], Any]:
+    """Those of a vector or a matrix, which is worked out once."""
+    builder, held = impl.pytaichi.compiling_callable.ast_builder(), _variable(value)
+    return {at: impl.subscript(builder, held, *at) for at in np.ndindex(*held.get_shape())}
+
+
+def _reduced(value: Any, fun: Any) -> Any:
+    """All elements of a vector or a matrix taken together, one after the other: their sum, or whether any is true."""
+    if not impl.inside_kernel():
+        return _any_reduced(value, fun)
+    return _variable(reduce(fun, _elements(value).values()))
+
+
+def _product(matrix: Any, vector: Any) -> Any:
+    """A matrix times a vector."""
+    (rows, *columns), shape = matrix.get_shape(), vector.get_shape()
+    if not impl.inside_kernel() or (*columns,) != shape:
+        return _any_product(matrix, vector)
+    a, x = _elements(matrix), _elements(vector)
+    sums = [reduce(ops.add, [ops.mul(a[i, k], x[k,]) for k in range(*columns)]) for i in range(rows)]
+    return _variable(ast_transformer.matrix.make_matrix(sums))
+
+
 _tell, _builtin = ast_transformer.Builder.__call__, Transformer.build_call_if_is_builtin
 _any_covered, _any_variable, _any_element = expr.Expr.__init__, impl.expr_init, impl.subscript
 _flattened, _clamped = expr._get_flattened_ptrs, expr._clamp_unsigned_to_range
+_any_reduced, _any_product = matrix_ops._reduce, matrix_ops.matmul
 _decorators = {id(getattr(ti, name)): name for name in ("static", "static_assert", "grouped", "ndrange")}
 
 
@@ -264,3 +289,6 @@ def quicken() -> None:
     expr.Expr.__init__, impl.expr_init, impl.subscript = _covered, _variable, _element
     expr._get_flattened_ptrs, expr._check_in_range = _pointers, _fits
     expr._clamp_unsigned_to_range = _within_range
+    matrix_ops._reduce, matrix_ops.matmul = _reduced, _product
+    ours: Any = _reduced
+    ours._is_taichi_function = False  # without which it would warn that it does not read it

@@ -285,18 +285,18 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
 def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
     where there is none in the cells around it."""
-    high = copied.position[:, 1] > top.min()  # the others lie under all of them
-    x, v = copied.position[high].astype(float), copied.velocity[high]
+    high = np.flatnonzero(copied.position[:, 1] > top.min())  # the others lie under all of them
+    x = copied.position.take(high, axis=0).astype(float)
     if any(period):
         x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], top.shape
     cell = (points[-1] - low) / np.maximum(np.array([nx, nz]) - 1, 1)
     i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
-    i, k = np.clip(i, 0, nx - 1), np.clip(k, 0, nz - 1)
-    above = x[:, 1] > top[i, k]
-    at = (i * nz + k)[above]
+    at = np.clip(i, 0, nx - 1) * nz + np.clip(k, 0, nz - 1)
+    above = np.flatnonzero(x[:, 1] > top.take(at))
+    at, v = at.take(above), copied.velocity.take(high.take(above), axis=0)
     count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
-    parts = [np.bincount(at, weights=v[above, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
+    parts = [np.bincount(at, weights=v[:, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
     return filled(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
 
 
@@ -328,4 +328,4 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
 
 def single(array: np.ndarray) -> np.ndarray:
     """Floating-point numbers in single precision, which is plenty for a picture; anything else as it is."""
-    return array.astype(np.float32) if array.dtype.kind == "f" else array
+    return array.astype(np.float32, copy=False) if array.dtype.kind == "f" else array

@@ -96,13 +96,11 @@ class Distance:
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)
         if (a >= 0.0).all() and (a <= self.last + 1).all():
             f = a - c
-            distance = 0.0
-            for di, dj, dk in ti.static(ti.ndrange(2, 2, 2)):
-                x = f.x if ti.static(di == 1) else 1.0 - f.x
-                y = f.y if ti.static(dj == 1) else 1.0 - f.y
-                z = f.z if ti.static(dk == 1) else 1.0 - f.z
-                here = self.nodes[c.x + di, c.y + dj, c.z + dk]
-                rise = tm.vec3((2 * di - 1) * y * z, (2 * dj - 1) * x * z, (2 * dk - 1) * x * y)
+            shares, distance = (1.0 - f, f), 0.0
+            for i, j, k in ti.static(ti.ndrange(2, 2, 2)):
+                x, y, z = shares[i].x, shares[j].y, shares[k].z
+                here = self.nodes[c.x + i, c.y + j, c.z + k]
+                rise = tm.vec3((2 * i - 1) * y * z, (2 * j - 1) * x * z, (2 * k - 1) * x * y)
                 distance += x * y * z * here[0]
                 normal += here[0] * rise
                 thinning -= here[1] * rise

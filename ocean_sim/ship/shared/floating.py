@@ -344,7 +344,7 @@ class FloatingHull:
         self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water
-            self.contact.hull.place(self.body)
+            self.contact.begin(self.body)
             water.meet(self.contact)
         self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
         self.moorings: Moorings | None = None

@@ -11,11 +11,10 @@ turned back each time: density would follow a speed that is not there, and no fo
 import numpy as np
 
 from ocean_sim.columns import Columns
-from ocean_sim.kernel_library import ti, tm, to_numpy_type
+from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
-from ocean_sim.ship.shared.pose import POSE, write_pose
-from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.shared.pose import POSE
 from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
 
 BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
@@ -34,14 +33,6 @@ class MovingHull:
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
         self.pose = ti.field(float, shape=BOXED.size)
         self.water: SurroundingWater | SurroundingSea
-
-    def place(self, body: RigidBody) -> None:
-        """Put it where it is at the beginning."""
-        pose = np.zeros(BOXED.size)
-        write_pose(pose, body)
-        pose[BOXED.middle : BOXED.half] = body.matrix @ np.array(self.middle)
-        pose[BOXED.half :] = np.abs(body.matrix) @ np.array(self.half)
-        self.pose.from_numpy(pose.astype(to_numpy_type(self.pose.dtype)))
 
     @ti.func
     def take(self, table: Template):

@@ -76,7 +76,12 @@ class WaveContact:
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
-        self.collisions.push(self.table)  # of none: it is compiled now, not where the first particle collides in a run
+
+    def begin(self, body: RigidBody) -> None:
+        """Put the hull where it is at the beginning, by a push of none: that is compiled now, not where the first
+        particle collides in a run."""
+        write_pose(self.table[0], body)
+        self.collisions.push(self.table)
 
     def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body

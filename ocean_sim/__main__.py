@@ -241,7 +241,7 @@ def bench(
         list[Path] | None,
         typer.Option(
             help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
-            "give it again for another."
+            "may be given several times."
         ),
     ] = None,
     json: Json = False,

@@ -353,7 +353,7 @@ def test_peers_are_measured_by_turns_with_the_same_water(ask, one_dam_each, monk
 
 
 def test_a_peer_that_is_not_there_is_named(ask, one_dam_each, tmp_path):
-    packages = ("pysplishsplash", "pysph")
+    packages = ("pysplishsplash", "pysph setuptools")
     for pythons in ((), ("--peer-python", sys.executable)):
         code, out, _ = ask("bench", "--peers", *pythons)
         assert code == 0
@@ -389,7 +389,9 @@ def peer_that(does: str, folder: Path) -> Any:
     """A program of others whose dam break is these lines."""
     file = folder / "peer.py"
     file.write_text("import os, sys, time\ndef main(order, watch):\n" + textwrap.indent(does, "    "))
-    return SimpleNamespace(PEER="other", PACKAGE="pip", ENVIRONMENT={"HALF": "0.5"}, __file__=str(file))
+    return SimpleNamespace(
+        PEER="other", PACKAGE="pip", INSTALLED="pip", ENVIRONMENT={"HALF": "0.5"}, __file__=str(file)
+    )
 
 
 def test_another_python_takes_the_time_of_steps_alone(tmp_path):

@@ -23,7 +23,9 @@ class Peer(Protocol):
     PEER: str
     """Its name."""
     PACKAGE: str
-    """What is installed and imported."""
+    """What is imported."""
+    INSTALLED: str
+    """What pip installs for it."""
     ENVIRONMENT: dict[str, str]
     """Variables without which it does not run."""
     __file__: str | None
@@ -33,10 +35,10 @@ def measured(peer: Peer, python: Path, order: dict[str, Any]) -> dict[str, Any]:
     """`particles`, `walls`, particles of which walls consist, `steps`, `wall`, `cpu` of all threads and `simulated`
     [s] of a dam break.
 
-    `order`: `method`; `lattice`, particles along x, y and z; `spacing` [m]; `support` [spacings], None for the peer's
-    own; `begin`, simulated time from which it counts [s]; `seconds` of wall time and simulated time `end`, to which it
-    goes at least [s]; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or ValueError where that
-    Python cannot.
+    `order`: `method`; `lattice`, particles along x, y and z; `spacing` [m]; `support` [spacings], for a peer that has
+    a choice; `begin`, simulated time from which it counts [s]; `seconds` of wall time and simulated time `end`, to
+    which it goes at least [s]; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or ValueError
+    where that Python cannot.
     """
     return said(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], PATIENCE)
 
@@ -92,7 +94,7 @@ def run(file: str, order: str) -> NoReturn:
     sys.exit("its run ended before it was measured")
 
 
-def look(package: str) -> str | None:
+def installed(package: str) -> str | None:
     """The version of a package, which is imported."""
     try:
         found = version(package)
@@ -105,4 +107,4 @@ def look(package: str) -> str | None:
 if __name__ == "__main__":
     if len(sys.argv) > 2:
         run(*sys.argv[1:])
-    print(json.dumps(look(sys.argv[1])))
+    print(json.dumps(installed(sys.argv[1])))

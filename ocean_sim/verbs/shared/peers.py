@@ -340,5 +340,5 @@ def remedy(peer: str) -> str:
     """How a peer is installed."""
     for other, _ in OTHERS:
         if peer == other.PEER:
-            return f"pip install {other.PACKAGE} into an environment of its own, and name its --peer-python"
+            return f"pip install {other.INSTALLED} into an environment of its own, and name its --peer-python"
     return "pip install 'ocean-sim[peers]' brings it"

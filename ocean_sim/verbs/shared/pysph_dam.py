@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ocean_sim.verbs.shared.another_python import Watch
 
 PEER, PACKAGE = "PySPH", "pysph"
+INSTALLED = "pysph setuptools"  # it imports distutils, which Python has no more
 ENVIRONMENT: dict[str, str] = {}
 DENSITY, GRAVITY = 1000.0, 9.81  # [kg/m3], [m/s2]
 LAYERS = 2  # of particles in its walls, as in its own dam_break_3d
@@ -26,7 +27,7 @@ def main(order: dict[str, Any], watch: "Watch") -> None:
     where the order has an `end`. Viscosity is artificial: nu = alpha h c / 10.
     """
     import_module("compyle.ext_module")  # reads the user's options, which are at home
-    os.environ["HOME"] = order["folder"]  # where it keeps what it compiles
+    os.environ |= dict.fromkeys(("HOME", "TMPDIR"), order["folder"])  # where it keeps what it compiles
     import numpy as np
     from pysph.base.kernels import WendlandQuintic  # type: ignore[import-not-found]
     from pysph.base.nnps_base import get_number_of_threads  # type: ignore[import-not-found]

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ocean_sim.verbs.shared.another_python import Watch
 
 PEER, PACKAGE = "SPlisHSPlasH", "pysplishsplash"
+INSTALLED = PACKAGE
 ENVIRONMENT = {"LD_PRELOAD": "libGLdispatch.so.0"}  # without which the wheel for Linux dies as it is imported
 WCSPH, DFSPH = 0, 4  # numbers of its methods
 CUBE = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]

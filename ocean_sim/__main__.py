@@ -238,17 +238,20 @@ def bench(
         bool, typer.Option("--peers", help="Also time pysplashsurf and Capytaine on the same tasks, where installed.")
     ] = False,
     peer_python: Annotated[
-        Path | None,
-        typer.Option(help="With --peers: the Python of an environment that has pysplishsplash, for dam breaks."),
+        list[Path] | None,
+        typer.Option(
+            help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
+            "may be given several times."
+        ),
     ] = None,
     json: Json = False,
 ) -> None:
     """Speed alone: milliseconds a step, particle-steps per second, time to the first step, peak memory."""
     from ocean_sim.verbs.bench import bench
 
-    if peer_python is not None and not peers:
+    if peer_python and not peers:
         raise typer.BadParameter("--peer-python goes with --peers")
-    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, peer_python, json)
+    bench(scenes or [], profile, sets or [], threads, repeats, cold, peers, peer_python or [], json)
 
 
 @app.command()

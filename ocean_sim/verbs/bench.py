@@ -34,7 +34,7 @@ def bench(
     repeats: int,
     cold: bool,
     with_peers: bool,
-    peer_python: Path | None,
+    peer_pythons: list[Path],
     as_json: bool,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
@@ -55,7 +55,7 @@ def bench(
     if with_peers:
         from ocean_sim.verbs.shared import peers
 
-        for row in peers.peers(peer_python, threads):
+        for row in peers.peers(peer_pythons, threads):
             rows.append(row)
             if not as_json:
                 console.say(peers.sentence(row))

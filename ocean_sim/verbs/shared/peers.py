@@ -6,13 +6,15 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any, NamedTuple, Self, TypeAlias, cast
 
 import numpy as np
 
 from ocean_sim.machine import cores
-from ocean_sim.verbs.shared import console, splishsplash
+from ocean_sim.verbs.shared import another_python, console, pysph_dam, splishsplash
+from ocean_sim.verbs.shared.another_python import Peer
 
 REPEATS, TURNS = 5, 3
 PATIENCE = 300.0  # with a peer [s]
@@ -43,7 +45,7 @@ class Dam(NamedTuple):
     lattice: tuple[int, int, int]
     method: str
     kind: str
-    support: float | None  # of ours [spacings]; theirs is 2
+    support: float | None  # of ours [spacings], by default its own; of theirs where it has a choice
     seconds: float = 0.0  # of wall time that a measurement takes [s], at least
     end: float = 0.0  # simulated time to which it goes [s], at least
 
@@ -59,34 +61,87 @@ class Dam(NamedTuple):
         return Spent(found["wall"] / count, found["cpu"] / count)
 
 
+class Others(NamedTuple):
+    """What a program of others computes beside this one."""
+
+    peer: Peer
+    dams: tuple[Dam, ...]
+
+
 SPACING, BEGIN = 0.05, 0.01  # [m]; simulated time that is not measured [s]
-DAMS = (
-    Dam("dam_break_6k", (20, 15, 20), "wcsph", "mueller", 2.0, seconds=1.0),
-    Dam("dam_break_50k", (37, 37, 37), "wcsph", "mueller", 2.0, seconds=2.0),
-    Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", 2.82, seconds=2.0),
-    Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", None, seconds=2.0),
-    Dam("dam_break_250k", (63, 63, 63), "wcsph", "mueller", 2.0, seconds=4.0),
-    Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", 2.0, end=0.5),
-    Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", None, end=0.5),
+VISCOSITY = 0.01  # of theirs, and of ours where steps are as long as each can make them, which it bounds [m2/s]
+OTHERS = (
+    Others(
+        splishsplash,
+        (
+            Dam("dam_break_6k", (20, 15, 20), "wcsph", "mueller", 2.0, seconds=1.0),
+            Dam("dam_break_50k", (37, 37, 37), "wcsph", "mueller", 2.0, seconds=2.0),
+            Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", 2.82, seconds=2.0),
+            Dam("dam_break_50k", (37, 37, 37), "wcsph", "delta_sph", None, seconds=2.0),
+            Dam("dam_break_250k", (63, 63, 63), "wcsph", "mueller", 2.0, seconds=4.0),
+            Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", 2.0, end=0.5),
+            Dam("dam_break_6k", (20, 15, 20), "dfsph", "dfsph", None, end=0.5),
+        ),
+    ),
+    Others(
+        pysph_dam,
+        (
+            Dam("dam_break_6k", (20, 15, 20), "wcsph", "mueller", 2.0, seconds=1.0),
+            Dam("dam_break_50k", (37, 37, 37), "wcsph", "mueller", 2.0, seconds=2.0),
+            Dam("dam_break_50k", (37, 37, 37), "delta-sph", "delta_sph", 2.6, seconds=4.0),
+            Dam("dam_break_250k", (63, 63, 63), "wcsph", "mueller", 2.0, seconds=4.0),
+            Dam("dam_break_6k", (20, 15, 20), "delta-sph", "delta_sph", 2.6, end=0.3),
+        ),
+    ),
 )
 
 
-def peers(python: Path | None, threads: int | None) -> Iterator[dict[str, Any]]:
+def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
     """One row of each as soon as it is known: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over
-    theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; no numbers where it is
-    not installed or where it `failed`, whose sentence says why. `python`: of the environment that has SPlisHSPlasH;
-    both then run on so many threads, by default on all cores. What is about to be measured is said on standard
-    error."""
+    theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; `peer_walls`, the
+    particles of which its walls consist, which are not counted as water; no numbers where it is not installed or where
+    it `failed`, whose sentence says why. `pythons`: of the environments that have SPlisHSPlasH and PySPH; all then run
+    on so many threads, by default on all cores. What is about to be measured is said on standard error."""
     yield row("pysplashsurf", "surface of 6144 particles", surface)
     yield row("capytaine", "response of a barge", response)
-    if python is None:
-        yield numbers(splishsplash.PEER, None, "dam breaks", [])
+    for others in OTHERS:
+        yield from dam_breaks(others, pythons, threads or cores())
+
+
+def dam_breaks(others: Others, pythons: list[Path], threads: int) -> Iterator[dict[str, Any]]:
+    """Under the first of some Pythons that has the peer; one that fails is the last."""
+    peer = others.peer
+    try:
+        place = found_in(peer, pythons)
+    except (OSError, ValueError) as error:
+        yield numbers(peer.PEER, None, "dam breaks", [], str(error))
         return
-    for dam in DAMS:
-        found = dam_break(dam, python, threads or cores())
-        yield found
-        if found["failed"] is not None:  # nor would it do the others
-            return
+    if place is None:
+        yield numbers(peer.PEER, None, "dam breaks", [])
+        return
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # where a compiler may outlive its program
+        for dam in others.dams:
+            found = dam_break(peer, dam, *place, threads, folder)
+            yield found
+            if found["failed"] is not None:
+                return
+
+
+def found_in(peer: Peer, pythons: list[Path]) -> tuple[Path, str] | None:
+    """The first of some Pythons that has a peer, and its version there; raises ValueError where none has it and one
+    does not run."""
+    failed = ""
+    for python in pythons:
+        try:
+            found = another_python.version_in(peer, python)
+        except (OSError, ValueError) as error:
+            failed = failed or f"it does not run under {python}: {error}"
+            continue
+        if found is not None:
+            return python, found
+    if failed:
+        raise ValueError(failed)
+    return None
 
 
 def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
@@ -136,9 +191,11 @@ def answer(measured: Callable[[], Pairs], there: Connection) -> None:
         there.send(f"{type(error).__name__}: {error}")
 
 
-def numbers(peer: str, found: str | None, task: str, times: Pairs, failed: str | None = None) -> dict[str, Any]:
+def numbers(
+    peer: str, found: str | None, task: str, times: Pairs, failed: str | None = None, walls: int = 0
+) -> dict[str, Any]:
     """Medians of what was measured by turns; `failed`: why there is nothing."""
-    row = {"peer": peer, "version": found, "task": task, "failed": failed}
+    row = {"peer": peer, "version": found, "task": task, "peer_walls": walls, "failed": failed}
     for head, what in (("", "wall"), ("cpu_", "cpu")):
         pairs = [(getattr(theirs, what), getattr(ours, what)) for theirs, ours in times]
         medians = [median(column) for column in zip(*((a, b, b / a) for a, b in pairs))] or [None] * 3
@@ -146,23 +203,23 @@ def numbers(peer: str, found: str | None, task: str, times: Pairs, failed: str |
     return row
 
 
-def dam_break(dam: Dam, python: Path, threads: int) -> dict[str, Any]:
-    """Both by turns, each time from the beginning."""
-    order = {"method": dam.method, "lattice": dam.lattice, "spacing": SPACING, "begin": BEGIN}
-    order |= {"seconds": dam.seconds, "end": dam.end}
+def dam_break(peer: Peer, dam: Dam, python: Path, version: str, threads: int, folder: str) -> dict[str, Any]:
+    """Both by turns, each time from the beginning. `folder`: for the files of theirs."""
+    order = {"method": dam.method, "lattice": dam.lattice, "spacing": SPACING, "support": dam.support}
+    order |= {"begin": BEGIN, "seconds": dam.seconds, "end": dam.end, "viscosity": VISCOSITY}
+    order |= {"threads": threads, "folder": folder}
     times: Pairs = []
-    announce(splishsplash.PEER, dam.task)
+    announce(peer.PEER, dam.task)
     try:
-        found = splishsplash.version_in(python)
         here(dam, threads)  # which compiles
         for _ in range(TURNS):
-            theirs, ours = splishsplash.measured(python, order, threads), here(dam, threads)
+            theirs, ours = another_python.measured(peer, python, order), here(dam, threads)
             if theirs["particles"] != ours["particles"]:
                 raise ValueError(f"{theirs['particles']} particles there, {ours['particles']} here")
             times.append((dam.each(theirs), dam.each(ours)))
     except (OSError, ValueError) as error:
-        return numbers(splishsplash.PEER, None, dam.task, [], f"it does not run under {python}: {error}")
-    return numbers(splishsplash.PEER, found, dam.task, times)
+        return numbers(peer.PEER, version, dam.task, [], f"it does not run under {python}: {error}")
+    return numbers(peer.PEER, version, dam.task, times, walls=theirs["walls"])
 
 
 def unobserved() -> dict[str, Any]:
@@ -173,7 +230,7 @@ def unobserved() -> dict[str, Any]:
 
 
 def here(dam: Dam, threads: int) -> dict[str, Any]:
-    """What `splishsplash.measured` gives, of this program."""
+    """What `another_python.measured` gives, of this program, whose walls have no particles."""
     from ocean_sim.fluid import with_particles
     from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
@@ -184,7 +241,7 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
         "fluid.support_ratio": dam.support,
     }
     if dam.end:
-        laid |= {"time_step": "courant", "fluid.kinematic_viscosity": splishsplash.VISCOSITY}  # which bounds steps
+        laid |= {"time_step": "courant", "fluid.kinematic_viscosity": VISCOSITY}
     with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
         simulation.run(BEGIN)
         time, steps, began = simulation.time, simulation.steps, Spent.now()
@@ -269,12 +326,19 @@ def sentence(row: dict[str, Any]) -> str:
     """A row for people."""
     if row["failed"] is not None:
         return f"{row['peer']}, {row['task']}: not measured: {row['failed']}"
-    if row["version"] is None and row["peer"] == splishsplash.PEER:
-        return f"{row['peer']}: pip install pysplishsplash into an environment of its own, and name its --peer-python"
     if row["version"] is None:
-        return f"{row['peer']}: not installed; pip install 'ocean-sim[peers]' brings it"
+        return f"{row['peer']}: not installed; {remedy(row['peer'])}"
     theirs, ours = (
         f"{row[key]:.3g} s" if row[key] > 1.0 else f"{1e3 * row[key]:.3g} ms" for key in ("peer_s", "ours_s")
     )
     times = f"{row['ratio']:.3g} times, of processor time {row['cpu_ratio']:.3g}"
-    return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {times}"
+    walls = f"; its walls are {row['peer_walls']} particles more" if row["peer_walls"] else ""
+    return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {times}{walls}"
+
+
+def remedy(peer: str) -> str:
+    """How a peer is installed."""
+    for other, _ in OTHERS:
+        if peer == other.PEER:
+            return f"pip install {other.INSTALLED} into an environment of its own, and name its --peer-python"
+    return "pip install 'ocean-sim[peers]' brings it"

@@ -1,0 +1,110 @@
+"""What a program of others takes under the Python of another environment, where nothing of ours is installed.
+
+This file is also the program that runs there: it hands a peer's `main` the order, and a `Watch` that takes the time.
+"""
+
+import json
+import os
+import runpy
+import subprocess
+import sys
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any, NoReturn, Protocol
+
+PATIENCE, IMPORTING = 300.0, 60.0  # with a dam break, and with an import [s]
+
+
+class Peer(Protocol):
+    """A module that imports nothing of ours and has, beside these, a `main(order, watch)`, which runs a dam break."""
+
+    PEER: str
+    """Its name."""
+    PACKAGE: str
+    """What is imported."""
+    INSTALLED: str
+    """What pip installs for it."""
+    ENVIRONMENT: dict[str, str]
+    """Variables without which it does not run."""
+    __file__: str | None
+
+
+def measured(peer: Peer, python: Path, order: dict[str, Any]) -> dict[str, Any]:
+    """`particles`, `walls`, particles of which walls consist, `steps`, `wall`, `cpu` of all threads and `simulated`
+    [s] of a dam break.
+
+    `order`: `method`; `lattice`, particles along x, y and z; `spacing` [m]; `support` [spacings], for a peer that has
+    a choice; `begin`, simulated time from which it counts [s]; `seconds` of wall time and simulated time `end`, to
+    which it goes at least [s]; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or ValueError
+    where that Python cannot.
+    """
+    return said(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], PATIENCE)
+
+
+def version_in(peer: Peer, python: Path) -> str | None:
+    """The version that a Python has and can import, None where it has none; raises OSError or ValueError."""
+    return said(peer, python, [peer.PACKAGE], 1, IMPORTING)
+
+
+def said(peer: Peer, python: Path, arguments: list[str], threads: int, patience: float) -> Any:
+    """What this file answers under another Python, whose threads are bound to cores, as ours are."""
+    environment = os.environ | peer.ENVIRONMENT
+    environment |= {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "OMP_PROC_BIND": "true"}
+    command = [str(python), "-I", __file__, *arguments]
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=patience, check=False)
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"it was not done after {patience:g} s") from None
+    if done.returncode or not done.stdout.strip():
+        raise ValueError((done.stderr.strip().splitlines() or [f"it ended with {done.returncode}"])[-1])
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+class Watch:
+    """Takes the time of a run that calls `look` between steps, and ends its process once it has been measured."""
+
+    def __init__(self, order: dict[str, Any]) -> None:
+        self.order = order
+        self.began: dict[str, float] = {}
+        self.steps = 0
+        self.answer = os.dup(1)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for programs print as they go
+
+    def look(self, time: float, particles: int, walls: int) -> None:
+        """At a simulated time [s]."""
+        now = {"wall": perf_counter(), "cpu": process_time(), "simulated": time}
+        if not self.began:
+            if time >= self.order["begin"]:
+                self.began = now
+            return
+        self.steps += 1
+        spent = {name: now[name] - self.began[name] for name in now}
+        if spent["wall"] >= self.order["seconds"] and time >= self.order["end"]:
+            found = {"particles": particles, "walls": walls, "steps": self.steps, **spent}
+            os.write(self.answer, json.dumps(found).encode())
+            os._exit(0)
+
+
+def run(file: str, order: str) -> NoReturn:
+    """A peer's dam break in this process, which its watch ends."""
+    told = json.loads(order)
+    runpy.run_path(file)["main"](told, Watch(told))
+    sys.exit("its run ended before it was measured")
+
+
+def installed(package: str) -> str | None:
+    """The version of a package, which is imported."""
+    try:
+        found = version(package)
+    except PackageNotFoundError:
+        return None
+    import_module(package)
+    return found
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        run(*sys.argv[1:])
+    print(json.dumps(installed(sys.argv[1])))

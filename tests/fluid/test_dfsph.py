@@ -1,10 +1,15 @@
 """Incompressible water: what the two solvers promise, momentum, still water, and what becomes of it without them."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY, Diverged
+from ocean_sim.fluid.dfsph import LEAST
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.smoothing import NEUTRAL, Smoothing
+from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from tests.conftest import quickly
@@ -62,6 +67,43 @@ def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
     x = fluid.particles.position.to_numpy()
     with pytest.raises(Diverged, match="more neighbours than their lists hold"):
         put(fluid, x.mean(axis=0) + 0.4 * (x - x.mean(axis=0)), np.zeros_like(x))
+
+
+BOUND = 4.0 / 3.0  # of the relaxation times A / A_ii: up to there steps that Nesterov's momentum carries on are stable
+
+
+def stiffness(x: np.ndarray, stencil: Stencil, crowded: bool) -> float:
+    """Largest eigenvalue of A / A_ii of particles at x [spacings], with mirrors in the planes x, y and z = 0, over that
+    of a lattice. `crowded`: whether A_ii counts for more where there are more of them than at rest."""
+    smoothing, n = stencil.smoothing, len(x)
+    rates, sums, squares, density = np.zeros((n, n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+    for axes in product(*[(1.0, -1.0)] * smoothing.dimension, *[(1.0,)] * (3 - smoothing.dimension)):
+        away = x[:, None] - axes * x[None]
+        t = np.maximum(1.0 - np.linalg.norm(away, axis=2) / smoothing.support, 0.0)
+        gradient = smoothing.kernel.gradient(t)[..., None] * away
+        rates -= axes * gradient
+        sums += gradient.sum(axis=1)
+        squares += (gradient**2).sum(axis=(1, 2))
+        density += smoothing.kernel.value(t).sum(axis=1)
+    rates[np.arange(n), np.arange(n)] += sums
+    diagonal = np.maximum((sums**2).sum(axis=1) + squares, LEAST * stencil.squares / stencil.slope**2)
+    diagonal *= np.maximum(density / stencil.value.sum(), 1.0) if crowded else 1.0
+    return float(np.linalg.norm(rates.reshape(n, -1) / np.sqrt(diagonal)[:, None], 2) ** 2 / stencil.stiffest)
+
+
+@pytest.mark.parametrize(("dimension", "support"), [(2, 2.0), (2, 4.0), (3, 2.0), (3, 2.82), (3, 4.0)])
+def test_iterations_are_stable_for_particles_in_disorder_and_piled_up(dimension, support):
+    stencil, rng = Stencil(Smoothing(dimension, support, NEUTRAL), 1.0), np.random.default_rng(3)
+    flat = np.array([1.0, 1.0, float(dimension == 3)])
+    side = [5 if dimension == 3 else 11] * dimension
+    lattice = flat * (np.stack(np.indices([*side, *[1] * (3 - dimension)]), axis=-1).reshape(-1, 3) + 0.5)
+    for shaken in (0.1, 0.3, 0.5):
+        x = np.abs(lattice + flat * rng.uniform(-shaken, shaken, lattice.shape))
+        assert stiffness(x, stencil, True) < BOUND
+    for place in ([2.2, 2.3, 2.1], [0.05, 2.0, 2.0], [0.05, 0.05, 0.05]):
+        pile = flat * (np.array(place) + 1.0e-3 * rng.uniform(-1.0, 1.0, (20, 3)))
+        assert stiffness(np.concatenate([lattice, pile]), stencil, True) < BOUND
+    assert stiffness(np.concatenate([lattice, flat * np.full((20, 3), 2.2)]), stencil, False) > 2.0, "A_ii alone"
 
 
 MOST = {"max_density_iterations": 90, "max_divergence_iterations": 80}

@@ -192,7 +192,7 @@ def in_the_time_domain(omega: float, together: bool) -> tuple[np.ndarray, float]
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fits = np.linalg.lstsq(base, rows, rcond=None)[0]
     height, *motions = fits[0] + 1j * fits[1]
-    return np.array(motions) / height, float(body.resistance.linear[5])
+    return np.array(motions) / height, float(body.resistance.linear["roll"])
 
 
 @pytest.mark.slow

@@ -20,7 +20,6 @@ from ocean_sim.runtime import in_kernels
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
 
-PILED = 4.0  # largest eigenvalue of A / A_ii for particles piled up in one position next to a wall
 REPORT = 3  # numbers that an iteration reports: sums over all particles
 TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
 # Of the error that a step begins with: in calm water iterations go on until it is less, so that it comes to rest.
@@ -69,7 +68,9 @@ class Compression:
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
-        self.relaxation = 1.0 / max(fluid.stencil.stiffest, PILED)
+        self.relaxation = (
+            1.0 / fluid.stencil.stiffest
+        )  # in disorder, or piled up, particles are up to 1.31 times as stiff
         if fluid.boundary is not None:
             self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
 

@@ -131,7 +131,7 @@ class Config(SphConfig):
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
         neighbours = Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
-        numbers = 26 + 2 * self.enclosed(basin)
+        numbers = 27 + self.enclosed(basin)
         if "accuracy" in preflight.parts:
             numbers += 3 * len(pushing(absent(basin)))
         kept = sizes.grid.plan.kept(sizes, neighbours, word)
@@ -332,6 +332,7 @@ class Dfsph(Sph):
             self.shift = Components(n)  # [1/m] where to
         else:
             self.closing = ti.field(float, shape=n)  # what a gap may gain in density in a step [kg/m3]
+            self.rate = ti.field(float, shape=n)  # what the velocities that are left compress, a sum over pairs
         self.diagonal = ti.field(float, shape=n)  # A_ii / dt^2
         kept = self.accounts.pushing if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
@@ -434,7 +435,8 @@ class Dfsph(Sph):
 
     @ti.kernel
     def compress(self, speed: float, report: Array):
-        """The density that these velocities, and shifts of particles as fast as `speed`, lead to."""
+        """The density that these velocities, and shifts of particles as fast as `speed`, lead to. Without shifts it has
+        been found before: the velocities are those that the solver for the divergence has left."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -445,8 +447,20 @@ class Dfsph(Sph):
                     way[i] = way[i] + speed * self.smoothing.support * shift[i]
             for base, way in ti.static(zip(self.base, self.way)):
                 base[i] = way[i]
-        self.pairs.walk(self.incompressible.compression)
+        if ti.static(self.closed):
+            self.pairs.walk(self.incompressible.compression)
+        else:
+            for t in range(self.tasks.iterations):
+                if t % self.tasks.stride == 0:
+                    self.judge_group(t // self.tasks.stride)
         self.rows.sum_into(report)
+
+    @ti.func
+    def judge_group(self, group):
+        """Begin with the density of a group's particles by what the solver for the divergence has left."""
+        self.incompressible.compression.begin(group)
+        for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
+            self.incompressible.compression.judge(i, self.rate[i], group)
 
     @ti.kernel
     def move(self):

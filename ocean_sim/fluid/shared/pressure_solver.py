@@ -42,6 +42,7 @@ class IncompressibleWater(Protocol):
     pressing: float  # what a pair's sum of pressures accelerates, over x_ij times the shape of grad W
     diagonal: ti.Field  # A_ii / dt^2
     base: tuple[ti.Field, ...]  # velocity before what the pressures gain [m/s]
+    rate: ti.Field  # of a surface's water: what the velocities that are left compress, a sum over pairs
     rows: Rows  # what a group of particles reports, REPORT columns
 
     def surplus(self, i: Any) -> Any:
@@ -100,11 +101,18 @@ class Compression:
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
-        rate = total[self.terms.rate] + beyond[self.terms.rate]
+        fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
         if ti.static(fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
             rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[self.terms.rate]
+        if ti.static(not self.solver.restores and not fluid.closed):
+            fluid.rate[i] = rate
+        self.judge(i, rate, group)
+
+    @ti.func
+    def judge(self, i, rate, group):
+        """Find the residual of particle i and its next pressure, by its sum over pairs."""
+        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
             r += fluid.particles.density[i] - fluid.level[None]

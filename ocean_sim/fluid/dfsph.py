@@ -147,7 +147,7 @@ class Density(PositionLaw):
     """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
     eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
 
-    apart, terms = False, Columns(density=1, gradient=3, squares=1)
+    apart, padded, terms = True, True, Columns(density=1, gradient=3, squares=1)
 
     def __init__(self, fluid: "Dfsph") -> None:
         self.fluid = fluid
@@ -176,6 +176,7 @@ class Density(PositionLaw):
     @ti.func
     def finish(self, i, own, total, beyond, group):
         fluid, rest = self.fluid, ti.static(self.fluid.particles.rest_density)
+        total += beyond
         if ti.static(fluid.bodies):
             solid = self.solid.total(own, own)
             solid[self.terms.squares] = 0.0  # no pressure moves a body

@@ -6,7 +6,7 @@ the candidates is fetched once for the part, so that sums run through numbers th
 """
 
 from ocean_sim.fluid.shared.grid import Grid
-from ocean_sim.fluid.shared.list_size import AWAY, ListSize, whole
+from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.pairs import KeptPairs
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -40,43 +40,29 @@ class Blocks(KeptPairs):
         self.listed[group], self.kept[group] = group * self.segment, group * self.most
 
     @ti.func
-    def keep(self, k, group, names: Template, n, images, m):
-        """Keep part k with the m candidates in the scratch, the first n of them particles; their images begin at
-        `images`. 1 where there is no room."""
+    def keep(self, k, group, names: Template, n, images, m, end):
+        """Keep the m candidates of part k that are in the scratch, where the first n of them are particles; their
+        images begin at `images`, and what fills both up ends at `end`. Where the shapes of its first particle's pairs
+        go, and how many those are: 0 where there is no room."""
         scratch, first, begun = group * self.width, self.listed[group], self.kept[group]
-        near = whole(n)
-        seen, count = near + whole(m - n), self.grid.first[k + 1] - self.grid.first[k]
-        crowded = first + seen > (group + 1) * self.segment or begun + count * seen > (group + 1) * self.most
-        if crowded:
-            near, seen = 0, 0
-        else:
-            self.copy(names, scratch, first, n, near)
-            self.copy(names, images, first + near, m - n, seen - near)
-            for i in range(self.grid.first[k], self.grid.first[k + 1]):
-                self.shape_all(i, first, seen, begun + (i - self.grid.first[k]) * seen)
-        self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
-        self.listed[group], self.kept[group] = first + seen, begun + count * seen
-        return int(crowded)
-
-    @ti.func
-    def copy(self, names: Template, scratch, first, n, filled):
-        """Put n candidates that begin at `scratch` from `first` on, and fill them up with some out of reach."""
-        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        near, seen = images - scratch, end - scratch
+        count = self.grid.first[k + 1] - self.grid.first[k]
+        if first + seen > (group + 1) * self.segment or begun + count * seen > (group + 1) * self.most:
+            begun, near, seen, n, m = group * self.most, 0, 0, 0, 0
         x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
-        for a in range(n):
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        for a in range(seen):
             at, to = scratch + a, first + a
-            self.name[to] = names[at]
             x[to], y[to], z[to] = px[at], py[at], pz[at]
-        for a in range(first + n, first + filled):
-            self.name[a], x[a], y[a], z[a] = 0, AWAY, 0.0, 0.0
+            self.name[to] = names[at] if a < n or near <= a < near + m - n else 0
+        self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
+        self.listed[group], self.kept[group] = first + seen, self.kept[group] + count * seen
+        return begun, seen
 
     @ti.func
-    def shape_all(self, i, first, seen, begun):
-        """Keep the shapes of particle i with all candidates of its part from `begun` on."""
-        own = at(self.position, i)
-        for a in range(seen):
-            away = own - at(self.place, first + a)
-            self.shape[begun + a] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
+    def keep_pair(self, away, to):
+        """Keep the shape of a pair that is so far apart."""
+        self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
     def walk(self, law: Template):

@@ -6,6 +6,7 @@ long loop without branches. Everything is gathered, nothing is scattered, so the
 threads.
 """
 
+from ocean_sim.columns import vec3
 from ocean_sim.fluid.shared.accounts import Accounts
 from ocean_sim.fluid.shared.blocks import Blocks
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
@@ -284,16 +285,24 @@ class Neighbours:
         return int(least < 0.0)
 
     @ti.func
-    def sums(self, law: Template, pair: Template, own, begin, middle, end):
+    def sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
         """What the candidates from `begin` to `middle` in the scratch add up to, each by `pair`, and the images from
-        there to `end`."""
+        there to `end`. Where pairs are kept their shapes go from `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
-            total += pair(own, ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))]))
+            total += self.added(law, pair, own, a, find, to + a - begin)
         if ti.static(law.apart):
             for a in range(middle, end):
-                beyond += pair(own, ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))]))
+                beyond += self.added(law, pair, own, a, find, to + a - begin)
         return total, beyond
+
+    @ti.func
+    def added(self, law: Template, pair: Template, own, a, find: Template, to):
+        """What candidate a in the scratch adds."""
+        other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
+        if ti.static(find and self.keeps):
+            self.blocks.keep_pair(vec3(own, law.row.position) - vec3(other, law.row.position), to)
+        return pair(own, other)
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
@@ -307,14 +316,17 @@ class Neighbours:
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
         tense = self.negative(self.scratch[law.tension], scratch, end) if ti.static(law.tension != NONE) else 1
+        to, apart = 0, 0  # where the shapes of a particle's pairs go, and how far apart those of two particles are
+        if ti.static(find and self.keeps):
+            ti.static_assert(law.apart and law.padded, "pairs are kept of whole vectors")
+            to, apart = self.blocks.keep(k, group, self.name, n, images, m, end)
+            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + int(apart == 0)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             if tense == 1:
-                total, beyond = self.sums(law, law.pair, own, scratch, middle, end)
+                total, beyond = self.sums(law, law.pair, own, scratch, middle, end, find, to)
             elif ti.static(law.tension != NONE):
-                total, beyond = self.sums(law, law.pressed, own, scratch, middle, end)
+                total, beyond = self.sums(law, law.pressed, own, scratch, middle, end, find, to)
             law.finish(i, own, total, beyond, group)
-        if ti.static(find and self.keeps):
-            crowded = self.blocks.keep(k, group, self.name, n, images, m)
-            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + crowded
+            to += apart

@@ -234,7 +234,9 @@ class Frames(Observer):
         """Bring the white water to a time [s], at which water of these heights (nx, nz) [m], None where none is due,
         moves at (nx, nz, 3) [m/s]; as much of it as a wind [m/s] calls for."""
         assert self.white is not None
-        source = None if elevation is None else foam.convergence(elevation, *self.cell)
+        source = None
+        if elevation is not None and velocity.any():  # the edge of a column of water that is let go does not break
+            source = foam.convergence(elevation, *self.cell)
         wanted = None if source is None else foam.called_for(source, wind)
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 

@@ -75,6 +75,7 @@ class Manifest(Concluding):
             "reason": simulation.reason,
             "steps": simulation.steps,
             "simulated_s": round(simulation.time, 9),
+            "particles": self.facts["particles"] | {"count": simulation.fluid.count},
             "state_sha256": state_sha256(simulation) if simulation.outcome != "failed" else None,
         }
         self.write()

@@ -120,6 +120,7 @@ def vectors() -> dict[str, Any]:
     library, width = fact["detail"].split()
     if room is None or int(width) >= min(room, USUAL):
         return {"ok": True, "detail": f"{library} works on {width} numbers at once"}
-    cure = "; particles are quicker with runtime.library=quadrants, after `pip install quadrants`"
+    after = "" if machine.installed("quadrants") else ", after `pip install quadrants`"
+    cure = f"; particles are quicker with runtime.library=quadrants{after}"
     does = f"{library} does not know this processor, and works on {width} numbers at once, not {room}"
     return {"ok": False, "detail": does + (cure if library == "taichi" else "")}

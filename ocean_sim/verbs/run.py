@@ -166,13 +166,19 @@ def summary(facts: dict[str, Any]) -> str:
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
     span = f"t = {since:.3g} s to {end}" if since else end
     lines = [
-        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps, {span} in "
+        f"{facts['particles'] or 'no'} particles, {facts['steps']} steps{' in all' if since else ''}, {span} in "
         f"{console.duration(facts['wall_s']['start'] + facts['wall_s']['steps'])}, start included; {factor}",
         f"time step limited by {', '.join(f'{name} {share:.0%}' for name, share in limits.items())}",
     ]
     if worst := facts["worst_compression"]:
         named = ", ".join(f"{name} {share:.2%}" for name, share in worst.items())
         lines.append(f"worst density error (compression): {named}")
+    lines += [
+        f"{count} of {facts['steps']} steps ended with a {name} above fluid.{name}_tolerance, after as many iterations "
+        f"as fluid.max_{name}_iterations allows"
+        for name, count in facts["unsolved"].items()
+        if count
+    ]
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")

@@ -331,7 +331,7 @@ def sentence(row: dict[str, Any]) -> str:
     theirs, ours = (
         f"{row[key]:.3g} s" if row[key] > 1.0 else f"{1e3 * row[key]:.3g} ms" for key in ("peer_s", "ours_s")
     )
-    times = f"{row['ratio']:.3g} times, of processor time {row['cpu_ratio']:.3g}"
+    times = f"by turns {row['ratio']:.3g} times, of processor time {row['cpu_ratio']:.3g} (medians)"
     walls = f"; its walls are {row['peer_walls']} particles more" if row["peer_walls"] else ""
     return f"{row['peer']} {row['version']}, {row['task']}: {theirs}, here {ours}: {times}{walls}"
 
@@ -340,5 +340,5 @@ def remedy(peer: str) -> str:
     """How a peer is installed."""
     for other, _ in OTHERS:
         if peer == other.PEER:
-            return f"pip install {other.INSTALLED} into an environment of its own, and name its --peer-python"
+            return f"pip install {other.INSTALLED} into an environment of its own, and name that by --peer-python"
     return "pip install 'ocean-sim[peers]' brings it"

@@ -24,6 +24,7 @@ class Progress(Concluding):
         self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
         self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
         self.limits: Counter[str] = Counter()
+        self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
 
     def observe(self, simulation: "Simulation") -> None:
         now = perf_counter()
@@ -31,8 +32,9 @@ class Progress(Concluding):
         self.wall = now - self.began
         if not self.attending:
             self.attending = True
-            self.particles = simulation.fluid.count
             self.attend(simulation)
+        self.particles = simulation.fluid.count
+        self.unsolved = {name: solver.unsolved for name, solver in simulation.fluid.solvers.items()}
         if self.steps == 0:
             return
         self.limits[simulation.time_step.limited_by] += 1
@@ -83,6 +85,7 @@ class Progress(Concluding):
             "wall_s": wall,
             "real_time_factor": self.factor,
             "limited_by": shares,
+            "unsolved": self.unsolved,
         }
 
     def close(self) -> None:

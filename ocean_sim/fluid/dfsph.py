@@ -145,7 +145,7 @@ class Config(SphConfig):
         numbers = 27 + self.enclosed(basin)
         if "accuracy" in preflight.parts:
             numbers += 3 * len(pushing(absent(basin)))
-        kept = sizes.grid.plan.kept(sizes, neighbours, word)
+        kept = sizes.grid.plan.pairs(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*rows(preflight, sizes, numbers, what, PAIR, particle=PARTICLE), pairs]
 
@@ -373,7 +373,7 @@ class Dfsph(Sph):
     def make_room(self) -> None:
         """Move particles apart that are pressed together next to a body, without a velocity: the first step would do it
         within its own time, and so the faster the shorter it is."""
-        self.dt[None] = 1.0  # of no consequence: only the way counts
+        self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
         for _ in range(ROOM):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
                 break

@@ -40,7 +40,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         finished(folder, manifest, as_json)
         return
-    must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with")
+    must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
     else:

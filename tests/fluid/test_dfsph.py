@@ -8,10 +8,14 @@ import pytest
 from ocean_sim.conventions import GRAVITY, Diverged
 from ocean_sim.fluid.dfsph import LEAST
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, Smoothing
 from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.reading.scene import load
+from ocean_sim.result import run
 from ocean_sim.simulation import Simulation
+from ocean_sim.verbs.run import summary, written
+from ocean_sim.verbs.shared.progress import Progress
 from tests.conftest import quickly
 from tests.fluid.conftest import box, by_id, kept, put
 
@@ -62,11 +66,57 @@ def test_kept_pairs_are_all_neighbours_and_all_images(again):
         np.testing.assert_allclose(sorted(found), sorted(expected), atol=1e-12)
 
 
-def test_more_neighbours_than_there_are_slots_for_stop_the_run(water):
-    fluid = water("dfsph", basin=OPEN, **box(10, 10, 10, spacing=0.05))
+def moved(fluid, x: np.ndarray, steps: int = 3) -> np.ndarray:
+    """Positions, in the order of their ids, after some steps from x."""
+    put(fluid, x, np.zeros_like(x))
+    for _ in range(steps):
+        fluid.advance(2e-3)
+    return by_id(fluid, fluid.particles.position.to_numpy())
+
+
+def test_shapes_that_find_no_room_are_found_anew(water, monkeypatch):
+    """Half of a tank of shaken water next to three sides and a floor; negative control: a kernel's other shapes."""
+    keys = {"basin": TANK, "spacing": 0.05, "fill": COLUMN, "kinematic_viscosity": 0.005}
+    fluid = water("dfsph", **keys)
+    x = fluid.particles.position.to_numpy()
+    x += 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, x.shape)
+    kept = moved(fluid, x)
+    monkeypatch.setattr(ListSize, "each", 0)
+    without = water("dfsph", **keys)
+    assert without.pairs.shape.shape[0] < 0.5 * fluid.pairs.shape.shape[0]
+    found = moved(without, x)
+    begun, last = without.pairs.begun.to_numpy(), without.pairs.shape.shape[0] - without.pairs.width
+    assert (np.bincount(begun) > 1).any() and begun.max() <= last, "parts without room share a row"
+    np.testing.assert_allclose(found, kept, atol=1e-13)
+    assert np.abs(kept - by_id(fluid, x)).max() > 1e-5
+
+
+@pytest.mark.parametrize(("dimension", "support"), [(2, 4.0), (3, 4.0), (3, 6.0)])
+def test_spray_and_jets_beyond_the_grid_find_room(water, dimension, support):
+    """A pool, of which one in ten particles is alone in a cell, and one in ten in a jet high over the grid."""
+    wide = dimension == 3
+    basin = {"length": 3.0, "width": 1.0 if wide else None, "depth": 1.0}
+    low = [-1.5, -1.0, *([-0.5] if wide else [])]
+    fill = [{"min": low, "max": [1.5, -0.7, *([0.5] if wide else [])]}]
+    fluid = water("dfsph", basin=basin, spacing=0.08 if wide else 0.02, fill=fill, support_ratio=support)
+    rng, x = np.random.default_rng(4), fluid.particles.position.to_numpy()
+    tenth = len(x) // 10
+    x[:tenth] = rng.uniform([-1.5, -0.6, -0.5], [1.5, 1.0, 0.5], (tenth, 3))
+    x[tenth : 2 * tenth] = rng.uniform([0.0, 1.5, 0.0], [0.1, 9.0, 0.1], (tenth, 3))
+    put(fluid, x * [1.0, 1.0, float(wide)], np.zeros_like(x))
+    fluid.advance(1e-3)
+    assert np.isfinite(fluid.particles.position.to_numpy()).all()
+
+
+def test_more_neighbours_than_lists_hold_stop_the_run(water):
+    fluid = water("dfsph", basin=OPEN | {"width": None}, spacing=0.025)
+    x = fluid.particles.position.to_numpy()
+    assert len(x) == 800
+    put(fluid, x.mean(axis=0) + 0.4 * (x - x.mean(axis=0)), np.zeros_like(x))
+    fluid = water("dfsph", basin=OPEN | {"width": None}, spacing=0.0125)
     x = fluid.particles.position.to_numpy()
     with pytest.raises(Diverged, match="more neighbours than their lists hold"):
-        put(fluid, x.mean(axis=0) + 0.4 * (x - x.mean(axis=0)), np.zeros_like(x))
+        put(fluid, x.mean(axis=0) + 0.02 * (x - x.mean(axis=0)), np.zeros_like(x))
 
 
 BOUND = 4.0 / 3.0  # of the relaxation times A / A_ii: up to there steps that Nesterov's momentum carries on are stable
@@ -297,3 +347,29 @@ def test_bodies_off_the_lattice_set_no_water_in_motion(name):
     with Simulation(load(scene)) as simulation:
         simulation.step()
         assert simulation.fluid.status.max_speed < 1.5 * GRAVITY * dt
+
+
+def test_a_support_too_narrow_for_still_water_is_warned_of():
+    for width, still in ((None, 3.0), (0.5, 3.5)):
+        scene = {"basin": {"length": 1.0, "depth": 0.5, "width": width}, "duration": 1.0}
+        for support, warned in ((still, False), (still - 0.1, True), (1.2, True)):
+            fluid = {"kind": "dfsph", "spacing": 0.05, "support_ratio": support}
+            assert (
+                any("still water of dfsph stirs" in said for said in load(scene | {"fluid": fluid}).warnings())
+                == warned
+            )
+
+
+def test_the_closing_lines_count_emitted_particles_and_steps_above_tolerance(tmp_path):
+    emitter = {"position": [-0.4, -0.1], "velocity": [1.0, 0.0], "rate": 0.2, "cap": 400}
+    fluid = {"kind": "dfsph", "spacing": 0.05, "emitter": emitter, "max_density_iterations": 0}
+    fluid |= {"fill": [{"min": [0.0, -0.5], "max": [0.4, 0.0]}]}
+    scene = {"basin": {"length": 1.0, "depth": 0.5}, "fluid": fluid, "duration": 0.2, "render": None}
+    progress = Progress(0.2, quiet=True)
+    result = run(load(scene), tmp_path / "run", (progress,))
+    facts = progress.summary()
+    assert facts["particles"] == result.manifest["particles"]["count"] > 80
+    assert 0 < facts["unsolved"]["density"] <= facts["steps"] and facts["unsolved"]["divergence"] == 0
+    told = summary(facts | written(result, load(scene)))
+    count = facts["unsolved"]["density"]
+    assert f"{count} of {facts['steps']} steps ended with a density above fluid.density_tolerance" in told

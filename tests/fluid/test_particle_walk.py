@@ -19,10 +19,13 @@ POOL = {"basin": {"length": 2.0, "width": 1.0, "depth": 0.5}, "duration": 0.1}
 SLOWER = [pytest.param(kind, marks=pytest.mark.slow) for kind in ("delta_sph", "dfsph")]
 SLICE = {"width": None, "walls": {"x_min": "no_slip", "x_max": "reflecting"}}
 TANK = {"width": 0.6, "walls": {"x_min": "no_slip", "x_max": "reflecting", "z": "periodic"}, **BOX}
+FLUME = {"width": None, "wavemaker": {"wall": "x_min", "height": 0.1, "period": 0.8}}
 CASES = [
     pytest.param("mueller", SLICE),
-    *(pytest.param(kind, place, marks=pytest.mark.slow) for kind in ("delta_sph", "dfsph") for place in (SLICE, TANK)),
-    pytest.param("mueller", TANK, marks=pytest.mark.slow),
+    pytest.param("dfsph", SLICE),
+    pytest.param("dfsph", FLUME),
+    pytest.param("delta_sph", SLICE, marks=pytest.mark.slow),
+    *(pytest.param(kind, TANK, marks=pytest.mark.slow) for kind in ("mueller", "delta_sph", "dfsph")),
 ]
 
 
@@ -49,9 +52,9 @@ def moved(fluid, seed: int = 1) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize(("kind", "place"), CASES)
 def test_equals_the_walk_of_cells(water, by_particles, kind, place):
-    """To rounding in f64, before a rough wall and a slippery floor; in space with a box, across a period, and with
-    accounts."""
-    low, high = ([-0.5, -0.5], [-0.1, -0.1]) if place is SLICE else ([-0.5, -0.5, -0.3], [-0.1, -0.1, 0.3])
+    """To rounding in f64, before a rough wall, a slippery floor and a wavemaker; in space with a box, across a period,
+    and with accounts."""
+    low, high = ([-0.5, -0.5, -0.3], [-0.1, -0.1, 0.3]) if place is TANK else ([-0.5, -0.5], [-0.1, -0.1])
     keys = {
         "basin": place,
         "accounts": place is TANK,

@@ -26,29 +26,42 @@ class Blocks(KeptPairs):
         """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
-        self.groups, self.width, self.segment, self.most = size.grid.groups, size.width, size.segment, size.kept
+        self.groups, self.width, self.segment = size.grid.groups, size.width, size.kept
+        self.each, self.spare = size.each, size.spare
         # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
         self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
-        self.listed, self.kept = (ti.field(int, shape=self.groups) for _ in range(2))  # where the next part's begin
+        self.next_first, self.next_begun = (ti.field(int, shape=self.groups) for _ in range(2))  # of the next part
         self.name = ti.field(int, shape=self.groups * self.segment)
         self.place = Components(self.groups * self.segment)  # [m]
-        self.shape = ti.field(float, shape=self.groups * self.most)
+        self.shape = ti.field(float, shape=size.grid.lattice.n * self.each + self.groups * self.spare)
 
     @ti.func
     def begin(self, group):
         """Nothing kept yet."""
-        self.listed[group], self.kept[group] = group * self.segment, group * self.most
+        self.next_first[group], self.next_begun[group] = group * self.segment, self.room(group)
+
+    @ti.func
+    def room(self, group):
+        """Where the shapes of a group begin: by its particles, since groups have the same number of parts."""
+        return self.each * self.grid.first[group * self.grid.occupied_count[None] // self.groups] + group * self.spare
+
+    @ti.func
+    def anew(self, group):
+        """Where the shapes of a particle go that found no room."""
+        return self.room(group + 1) - self.width
 
     @ti.func
     def keep(self, k, group, names: Template, n, images, m, end):
         """Keep the m candidates of part k that are in the scratch, where the first n of them are particles; their
         images begin at `images`, and what fills both up ends at `end`. Where the shapes of its first particle's pairs
-        go, and how many those are: 0 where there is no room."""
-        scratch, first, begun = group * self.width, self.listed[group], self.kept[group]
-        near, seen = images - scratch, end - scratch
-        count = self.grid.first[k + 1] - self.grid.first[k]
-        if first + seen > (group + 1) * self.segment or begun + count * seen > (group + 1) * self.most:
-            begun, near, seen, n, m = group * self.most, 0, 0, 0, 0
+        go, how far from there those of the next, and whether the candidates found room."""
+        scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
+        near, seen, room = images - scratch, end - scratch, 1
+        if first + seen > (group + 1) * self.segment:
+            near, seen, n, m, room = 0, 0, 0, 0, 0
+        further = seen
+        if begun + (self.grid.first[k + 1] - self.grid.first[k]) * seen > self.anew(group):
+            begun, further = self.anew(group), 0
         x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(seen):
@@ -56,8 +69,9 @@ class Blocks(KeptPairs):
             x[to], y[to], z[to] = px[at], py[at], pz[at]
             self.name[to] = names[at] if a < n or near <= a < near + m - n else 0
         self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
-        self.listed[group], self.kept[group] = first + seen, self.kept[group] + count * seen
-        return begun, seen
+        self.next_first[group] = first + seen
+        self.next_begun[group] += (self.grid.first[k + 1] - self.grid.first[k]) * further
+        return begun, further, room
 
     @ti.func
     def keep_pair(self, away, to):
@@ -97,12 +111,23 @@ class Blocks(KeptPairs):
     def sum_up(self, k, law: Template, group):
         """Sum the law for every particle of part k over its candidates, and finish it."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
+        kept = begun < self.anew(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
             place, own = at(self.position, i), self.read(law, i)
+            if not kept:
+                self.keep_anew(place, k, begun)
             total = self.summed(law, place, own, k, group, begun, 0, near)
             beyond = self.summed(law, place, own, k, group, begun, near, seen)
             law.finish(i, own, total, beyond, group)
-            begun += seen
+            if kept:
+                begun += seen
+
+    @ti.func
+    def keep_anew(self, place, k, begun):
+        """Find the shapes of a particle at `place` that found no room, for the moment."""
+        first = self.first[k]
+        for a in range(self.seen[k]):
+            self.keep_pair(place - at(self.place, first + a), begun + a)
 
     @ti.func
     def summed(self, law: Template, place, own, k, group, begun, begin, end):

@@ -41,7 +41,7 @@ class Plan(ABC):
         """Bytes of the lists of a `list_size.ListSize`, where `word` is the size of a `float` [bytes]."""
 
     @abstractmethod
-    def kept(self, size: Any, neighbours: int, word: int) -> int:
+    def pairs(self, size: Any, neighbours: int, word: int) -> int:
         """Bytes of the pairs that are kept of particles with so many neighbours on the lattice."""
 
     @abstractmethod
@@ -120,7 +120,7 @@ class GridSize:
 
     @property
     def groups(self) -> int:
-        """Blocks of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
+        """Groups of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
         return self.plan.groups(self.lattice.n)
 
     @property

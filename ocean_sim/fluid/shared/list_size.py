@@ -8,6 +8,7 @@ from ocean_sim.kernel_library import knows_processor, ti
 
 # candidates that a processor may sum up at once: eight lanes of f32, four times over, or four lanes twice
 VECTOR = 32 if knows_processor() else 8
+MOST = 2**30  # shapes that are kept: they are counted in 32 bits
 AWAY = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
 
 
@@ -46,22 +47,31 @@ class ListSize:
         return self.capacity + 2 * VECTOR
 
     @property
-    def kept(self) -> int:
-        """Pairs that one group of parts may keep, of all its particles with all candidates of their part: a quarter
-        more than in water that has lost its lattice, where parts are full and candidates fill a support around them."""
+    def each(self) -> int:
+        """Shapes of pairs that are kept a particle: a quarter more than in water that has lost its lattice, where parts
+        are full and candidates fill a support around them. What finds no room is found again when it is read."""
         lattice, side = self.grid.lattice, 1.0 / self.grid.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
             around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
-        each = int(1.25 * around * self.grid.full) + VECTOR
-        crowd = 2 * self.capacity * int(self.grid.full / self.grid.parts)
-        return each * (lattice.n // self.grid.groups) + crowd
+        return min(int(1.25 * around * self.grid.full) + VECTOR, MOST // lattice.n)
+
+    @property
+    def spare(self) -> int:
+        """Shapes of a group beyond those, the last `width` of them those of a particle that found no room."""
+        return 4 * self.capacity + self.width
+
+    @property
+    def kept(self) -> int:
+        """Candidates that one group of parts may keep: those that it lists, filled up where half of its particles are
+        alone."""
+        return self.segment + VECTOR * (self.grid.lattice.n // self.grid.groups)
 
     def bytes_kept(self, word: int) -> int:
         """Of pairs that are kept, and of their candidates."""
-        return 4 * (4 * self.grid.occupied + self.grid.groups * (self.width + 2)) + self.grid.groups * (
-            self.segment * (4 + 3 * word) + self.kept * word
-        )
+        groups = self.grid.groups
+        names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept))
+        return names + word * (self.grid.lattice.n * self.each + groups * (self.spare + 3 * self.kept))
 
     def bytes(self, word: int) -> int:
         """Of lists and scratch, where `word` is the size of a `float` [bytes]."""

@@ -316,11 +316,11 @@ class Neighbours:
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
         tense = self.negative(self.scratch[law.tension], scratch, end) if ti.static(law.tension != NONE) else 1
-        to, apart = 0, 0  # where the shapes of a particle's pairs go, and how far apart those of two particles are
+        to, further = 0, 0  # where the shapes of a particle's pairs go, and how far from there those of the next
         if ti.static(find and self.keeps):
             ti.static_assert(law.apart and law.padded, "pairs are kept of whole vectors")
-            to, apart = self.blocks.keep(k, group, self.name, n, images, m, end)
-            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + int(apart == 0)
+            to, further, room = self.blocks.keep(k, group, self.name, n, images, m, end)
+            self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1 - room
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
@@ -329,4 +329,4 @@ class Neighbours:
             elif ti.static(law.tension != NONE):
                 total, beyond = self.sums(law, law.pressed, own, scratch, middle, end, find, to)
             law.finish(i, own, total, beyond, group)
-            to += apart
+            to += further

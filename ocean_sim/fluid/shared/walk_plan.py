@@ -55,7 +55,7 @@ class OfCells(Plan):
     def lists(self, size: ListSize, word: int) -> int:
         return size.bytes(word)
 
-    def kept(self, size: ListSize, neighbours: int, word: int) -> int:
+    def pairs(self, size: ListSize, neighbours: int, word: int) -> int:
         return size.bytes_kept(word)
 
     def rows(self, n: int, word: int, impulses: bool) -> int:
@@ -91,7 +91,7 @@ class OfParticles(Plan):
     def lists(self, size: ListSize, word: int) -> int:
         return 0
 
-    def kept(self, size: ListSize, neighbours: int, word: int) -> int:
+    def pairs(self, size: ListSize, neighbours: int, word: int) -> int:
         return bytes_kept(size.grid.lattice.n, neighbours, word)
 
     def rows(self, n: int, word: int, impulses: bool) -> int:

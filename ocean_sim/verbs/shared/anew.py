@@ -24,7 +24,9 @@ class Anew(BaseException):
         os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
 
 
-def must_compute_with(library: str | None, asked: str = "runtime.library") -> None:
+def must_compute_with(
+    library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
+) -> None:
     """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
     the one that is `asked` for there is not installed. For the command line, before anything is written."""
     from ocean_sim import kernel_library
@@ -32,5 +34,5 @@ def must_compute_with(library: str | None, asked: str = "runtime.library") -> No
     if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
         return
     if installed(library) is None:
-        raise Lacking(f"{asked}: {library} is not installed here; pip install {library}")
+        raise Lacking(f"{asked}: {library} is not installed here; pip install {library}{cure}")
     raise Anew(library)

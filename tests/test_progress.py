@@ -36,7 +36,7 @@ def at(time: float, steps: int) -> SimpleNamespace:
         time=time,
         steps=steps,
         observers=[],
-        fluid=SimpleNamespace(count=0),
+        fluid=SimpleNamespace(count=0, solvers={}),
         time_step=SimpleNamespace(limited_by="acoustic"),
     )
 
@@ -105,7 +105,7 @@ def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
 
 
 @pytest.mark.parametrize(
-    "since, span", [(0.0, "200 steps, 4 s simulated in "), (1.0, "200 steps, t = 1 s to 4 s simulated in ")]
+    "since, span", [(0.0, "200 steps, 4 s simulated in "), (1.0, "200 steps in all, t = 1 s to 4 s simulated in ")]
 )
 def test_a_run_that_went_on_says_from_when(since, span):
     progress = Progress(4.0, quiet=True, since=since)

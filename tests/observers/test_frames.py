@@ -13,6 +13,8 @@ from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures import foam
+from ocean_sim.reading.scene import load
+from ocean_sim.result import run
 
 
 def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
@@ -165,6 +167,18 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     later = frames.Config().build(tmp_path, simulation)
     later.whiten_before(simulation, points)
     assert not later.white.white.any()
+
+
+def test_water_at_rest_is_not_white_however_steep_its_edge(tmp_path):
+    """A column that is let go; a moment later its edge falls, and is."""
+    basin = {"length": 3.0, "width": 1.0, "depth": 1.0}
+    fluid = {"kind": "mueller", "spacing": 0.1, "fill": [{"min": [-1.5, -1.0, -0.5], "max": [-0.5, 0.0, 0.5]}]}
+    scene = {"basin": basin, "fluid": fluid, "duration": 0.3, "frames": {"every": 0.1}, "render": None}
+    run(load(scene), tmp_path / "run")
+    first, later = (np.load(tmp_path / f"run/frames/frame_{k:05d}.npz") for k in (0, 3))
+    assert not first["velocity"].any() and not first["foam"].any()
+    assert foam.convergence(first["elevation"].astype(float), 0.1, 0.1).max() > foam.BREAKING
+    assert later["foam"].any()
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.6])

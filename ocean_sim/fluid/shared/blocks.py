@@ -43,7 +43,7 @@ class Blocks(KeptPairs):
     @ti.func
     def room(self, group):
         """Where the shapes of a group begin: by its particles, since groups have the same number of parts."""
-        return self.each * self.grid.first[group * self.grid.occupied_count[None] // self.groups] + group * self.spare
+        return self.each * self.grid.first[self.grid.first_part(group)] + group * self.spare
 
     @ti.func
     def anew(self, group):
@@ -65,9 +65,9 @@ class Blocks(KeptPairs):
         x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(seen):
-            at, to = scratch + a, first + a
-            x[to], y[to], z[to] = px[at], py[at], pz[at]
-            self.name[to] = names[at] if a < n or near <= a < near + m - n else 0
+            listed, to = scratch + a, first + a
+            x[to], y[to], z[to] = px[listed], py[listed], pz[listed]
+            self.name[to] = names[listed] if a < n or near <= a < near + m - n else 0
         self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
         self.next_first[group] = first + seen
         self.next_begun[group] += (self.grid.first[k + 1] - self.grid.first[k]) * further
@@ -88,8 +88,7 @@ class Blocks(KeptPairs):
     def walk_group(self, group, law: Template):
         """The same for the particles of a group's parts of cells."""
         law.begin(group)
-        occupied = self.grid.occupied_count[None]
-        for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
+        for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             self.gather(k, law, group * self.width)
             self.sum_up(k, law, group)
 

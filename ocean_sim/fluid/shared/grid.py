@@ -87,6 +87,11 @@ class Grid:
         return part
 
     @ti.func
+    def first_part(self, group):
+        """Number of the first occupied part of a group, or of the last and one more: groups have as many each."""
+        return group * self.occupied_count[None] // ti.static(self.size.groups)
+
+    @ti.func
     def cell_at(self, indices):
         """Number of a cell."""
         return (indices.z * self.cells[1] + indices.y) * self.cells[0] + indices.x

@@ -163,8 +163,7 @@ class Neighbours:
             if ti.static(self.keeps):
                 self.blocks.begin(group)
         law.begin(group)
-        occupied = self.grid.occupied_count[None]
-        for k in range(group * occupied // self.groups, (group + 1) * occupied // self.groups):
+        for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             room = ti.min(self.capacity, (group + 1) * self.segment - kept - self.images.sides)
             lo, up = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):

@@ -33,6 +33,7 @@ from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.water import Lattice
 from ocean_sim.kernel_library import ti, tm
@@ -418,7 +419,7 @@ class DeltaSph(Sph):
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
-        self.excess, self.rate = (ti.field(float, shape=particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
+        self.excess, self.rate = (staggered(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = Copy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
@@ -427,7 +428,7 @@ class DeltaSph(Sph):
         else:
             graded = self.carried[CARRIED : CARRIED + GRADED]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(ti.field(float, shape=particles.n) for _ in range(GRADED))  # the same at its end
+            self.fresh = tuple(staggered(float, particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = BLOWN if wind.blows else CALM

@@ -50,6 +50,7 @@ from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
 from ocean_sim.fluid.shared.tasks import Rows
 from ocean_sim.kernel_library import ti, tm
@@ -343,9 +344,9 @@ class Dfsph(Sph):
         if self.closed:
             self.shift = Components(n)  # [1/m] where to
         else:
-            self.closing = ti.field(float, shape=n)  # what a gap may gain in density in a step [kg/m3]
-            self.rate = ti.field(float, shape=n)  # what the velocities that are left compress, a sum over pairs
-        self.diagonal = ti.field(float, shape=n)  # A_ii / dt^2
+            self.closing = staggered(float, n)  # what a gap may gain in density in a step [kg/m3]
+            self.rate = staggered(float, n)  # what the velocities that are left compress, a sum over pairs
+        self.diagonal = staggered(float, n)  # A_ii / dt^2
         kept = self.accounts.pushing if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
         self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))

@@ -19,6 +19,7 @@ from ocean_sim.fluid.shared.law import PositionLaw
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import SphConfig, rows
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
@@ -175,7 +176,7 @@ class Mueller(PairSph):
         super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
-        self.specific_volume = ti.field(float, shape=self.particles.n)  # 1 / density [m3/kg]
+        self.specific_volume = staggered(float, self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self)
         self.densities = Copy(self.particles.density)
         self.stiffness = self.sound_speed**2

@@ -8,8 +8,10 @@ import pytest
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import mirrored as mirrored_position
 from ocean_sim.fluid.shared.law import NONE
+from ocean_sim.fluid.shared.staggered import PAGE
 from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, kept, put
 
@@ -130,6 +132,24 @@ def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, ratio,
         squares = np.where(near, r2, 0.0).sum(axis=1)
         np.testing.assert_allclose(by_id(fluid, law.image_squares.to_numpy()), squares, atol=1e-12)
     assert near.any()
+
+
+@ti.kernel
+def address(field: ti.template()) -> ti.u64:
+    return ti.get_addr(field, [0])
+
+
+@pytest.mark.parametrize(("along", "n"), [(32, 1024), (31, 961)])
+def test_what_fields_have_of_a_particle_lies_in_lines_of_the_cache_that_do_not_compete(water, along, n):
+    """1024 numbers are whole pages: fields one behind the other would all begin on the same line of their pages."""
+    basin = {"length": 0.1 * along, "depth": 3.2, "width": None}
+    fluid = water(
+        basin=basin, spacing=0.1, fill=[{"min": [-0.05 * along, -0.1 * n / along], "max": [0.05 * along, 0.0]}]
+    )
+    assert fluid.particles.n == n
+    for together in (fluid.grid.state[: STATE.id], fluid.grid.moved[: STATE.id], fluid.neighbours.scratch):
+        lines = {address(field) % PAGE // 64 for field in together}
+        assert len(lines) == len(together)
 
 
 def test_one_particle_is_its_only_neighbour(water):

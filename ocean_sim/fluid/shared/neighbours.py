@@ -17,6 +17,7 @@ from ocean_sim.fluid.shared.list_size import AWAY, ListSize, whole
 from ocean_sim.fluid.shared.pairs import flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing, positive
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.tasks import TASK, Tasks
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
@@ -36,7 +37,7 @@ class Neighbours:
         self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
-        self.scratch = tuple(ti.field(float, shape=self.groups * self.width) for _ in range(size.reads))
+        self.scratch = tuple(staggered(float, self.groups * self.width) for _ in range(size.reads))
         self.size, self.keeps = size, False  # whether pairs are kept
 
     def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> Blocks:

@@ -20,6 +20,7 @@ from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particles import Particles, seeded
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.fluid.shared.totals import Summing
 from ocean_sim.fluid.shared.walls import Walls
@@ -56,7 +57,7 @@ class ParticleWater(ParticleFluid):
         self.particles = seeded(lattice)
         self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
-        self.carried = tuple(ti.field(float, shape=self.particles.n) for _ in range(size.carried))
+        self.carried = tuple(staggered(float, self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))

@@ -8,6 +8,7 @@ import numpy as np
 from ocean_sim.fluid import Copied
 from ocean_sim.fluid.shared.initial import started
 from ocean_sim.fluid.shared.lattice import Lattice
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, alone, in_kernels
 
@@ -54,7 +55,7 @@ class Growing(ScalarField):
 
 def numbers(dtype: type, count: Count) -> ti.Field:
     """A number per particle."""
-    field = ti.field(dtype, shape=count.most)
+    field = staggered(dtype, count.most)
     return Growing(field, count) if count.grows else field
 
 
@@ -64,7 +65,7 @@ class Components:
 
     def __init__(self, n: int, count: Count | None = None) -> None:
         """`count`: how many of the n are there, where that changes."""
-        self.x, self.y, self.z = (ti.field(float, shape=n) for _ in range(3))
+        self.x, self.y, self.z = (staggered(float, n) for _ in range(3))
         self.count = count
 
     def __iter__(self) -> Iterator[ti.Field]:

@@ -12,6 +12,7 @@ from ocean_sim.fluid.shared.images import displaced
 from ocean_sim.fluid.shared.pairs import KeptPairs
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.stencil import Stencil
 from ocean_sim.fluid.shared.tasks import Rows
 from ocean_sim.kernel_library import ti, tm
@@ -222,7 +223,7 @@ class Solver:
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
         self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
-        self.gain, self.next, self.best = (ti.field(float, shape=fluid.particles.n) for _ in range(3))
+        self.gain, self.next, self.best = (staggered(float, fluid.particles.n) for _ in range(3))
         self.compression, self.push = Compression(fluid, self), Push(fluid, self)
         self.account = Account(fluid, self)
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density

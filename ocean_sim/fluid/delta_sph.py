@@ -31,7 +31,7 @@ from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive
+from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive, smaller
 from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
@@ -157,7 +157,7 @@ class Momentum(MomentumLaw):
         self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
         self.inside = fluid.shifting  # whether there is no free surface
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.rest_density
-        self.meeting = not self.inside
+        self.meeting, self.impact = not self.inside, IMPACT / fluid.rest_density
         self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or self.meeting
         self.tiny = 1e-6 * h * h  # [m2]
         super().__init__(fluid)
@@ -196,17 +196,17 @@ class Momentum(MomentumLaw):
         rub, shear = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
-            along = v_ij.dot(x_ij) / (r2 + self.tiny)
-            lost = float(self.artificial)
+            closing = -v_ij.dot(x_ij) / (r2 + self.tiny)  # rate at which they near each other [1/s]
+            lost, met = float(self.artificial), positive(closing)
             if ti.static(self.meeting):
-                lost += ti.min(-IMPACT * r * along, self.fluid.sound_speed) * r * self.fluid.per_density
-            strength = ti.select(along < 0.0, lost, 0.0)
+                lost += smaller(r * met, self.fluid.sound_speed / IMPACT) * r * self.impact
+            strength = lost * met
             if ti.static(self.inside):
                 rub = shear = -self.laminar * v_ij
-            else:
-                strength += self.laminar * self.central
-                shear = -self.laminar * self.central * along * x_ij
-            rub -= strength * along * x_ij
+            elif ti.static(self.laminar > 0.0):
+                shear = self.laminar * self.central * closing * x_ij
+                strength += self.laminar * self.central * closing
+            rub += strength * x_ij
         return self.added(weight, push, rub, shear)
 
     @ti.func
@@ -281,18 +281,19 @@ class Continuity:
         x_own, smoothing = vec3(own, self.row.position), self.fluid.smoothing
         x_ij = smoothing.between(own, other, self.row.position)
         v_ij = smoothing.between(own, other, self.row.velocity)
-        r = ti.sqrt(x_ij.dot(x_ij))
+        r2 = x_ij.dot(x_ij)
+        r = ti.sqrt(r2)
         weight = smoothing.shape_gradient(r)
         total = ti.Vector.zero(float, self.terms.size)
         total[self.terms.rate] = -weight * v_ij.dot(x_ij)
         between = x_own - 0.5 * x_ij
         still = self.heavier * self.fluid.pull.at_rest(between)  # gradient of the density at rest [kg/m4]
         more = other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
-        total[self.terms.diffusion] = weight * self.diffusion * more
+        total[self.terms.diffusion] = weight * more
         if ti.static(not self.fluid.shifting):
-            total[self.terms.diffusion] *= tm.min(own[self.row.share], other[self.row.share])
+            total[self.terms.diffusion] *= smaller(own[self.row.share], other[self.row.share])
         if ti.static(not self.fluid.shifting or self.fluid.bodies):
-            total[self.terms.filled] = weight * r * r
+            total[self.terms.filled] = weight * r2
         if ti.static(self.fluid.shifting):
             near = self.fluid.closeness(r)
             weight *= 1.0 + CROWDING * near * near * near * near
@@ -320,7 +321,7 @@ class Continuity:
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
             fluid.steady(i, fluid.slope * solid[self.terms.filled] / self.whole)
-        compressed, diffused = total[self.terms.rate], total[self.terms.diffusion]
+        compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
         rate = fluid.slope * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
@@ -433,7 +434,6 @@ class DeltaSph(Sph):
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = BLOWN if wind.blows else CALM
             self.calm = (calm * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
-        self.per_density = 1.0 / particles.rest_density  # [m3/kg]
         self.per_reach = 1.0 / (NEAR * particles.spacing)  # [1/m]
         q = 1.0 - 1.0 / NEAR
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))

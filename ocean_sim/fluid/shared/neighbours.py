@@ -47,31 +47,32 @@ class Neighbours:
 
     @ti.func
     def bounds(self, k):
-        """Lowest and highest coordinates of the particles of occupied part k."""
+        """Middle of the box around the particles of occupied part k, and half its sides [m]."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
         lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, without which those of `listed` are slow
         up = lo
         for i in range(first + 1, self.grid.first[k + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
-        return lo, up
+        return 0.5 * (lo + up), 0.5 * (up - lo)
 
     @ti.func
-    def near(self, x, lo, up):
-        """1 within one support of the box from lo to up, else 0."""
-        ex = positive(ti.max(lo.x - x.x, x.x - up.x))
-        ey = positive(ti.max(lo.y - x.y, x.y - up.y))
-        ez = positive(ti.max(lo.z - x.z, x.z - up.z))
-        return int(ex * ex + ey * ey + ez * ez < self.grid.support * self.grid.support)
+    def near(self, x, middle, half):
+        """1 within one support of a box, else 0."""
+        squared = 0.0
+        for k in ti.static(self.grid.axes):
+            away = positive(ti.abs(x[k] - middle[k]) - half[k])
+            squared += away * away
+        return int(squared < self.grid.support * self.grid.support)
 
     @ti.func
-    def listed(self, begin, end, code, shift, lo, up, first):
+    def listed(self, begin, end, code, shift, middle, half, first):
         """Keep those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
         their code, from `first` on; their number. First all are judged, several at a time, then they are listed."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
-            self.candidate[first + a] = self.near(tm.vec3(x[at], y[at], z[at]) + shift, lo, up)
+            self.candidate[first + a] = self.near(tm.vec3(x[at], y[at], z[at]) + shift, middle, half)
         return self.kept(self.candidate, first, end - begin, begin + code)
 
     @ti.func
@@ -86,7 +87,7 @@ class Neighbours:
         return kept
 
     @ti.func
-    def found(self, c, code, lo, up, first, room):
+    def found(self, c, code, middle, half, first, room):
         """Keep the particles near the box, and their code, from `first` on; their number, or -1 where they do not find
         `room`."""
         grid = self.grid
@@ -98,11 +99,11 @@ class Neighbours:
                 if m + end - begin > room:
                     full = 1
                     end = begin
-                m += self.listed(begin, end, code, tm.vec3(0.0), lo, up, first + m)
+                m += self.listed(begin, end, code, tm.vec3(0.0), middle, half, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
-    def found_around(self, indices, lo, up, first, room):
+    def found_around(self, indices, middle, half, first, room):
         """The same next to a periodic side: a candidate is a particle and a code of the period it is seen through."""
         grid = self.grid
         m, full = 0, 0
@@ -118,7 +119,7 @@ class Neighbours:
             if m + end - begin > room:
                 full = 1
                 end = begin
-            m += self.listed(begin, end, code * MOST_PARTICLES, shift, lo, up, first + m)
+            m += self.listed(begin, end, code * MOST_PARTICLES, shift, middle, half, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
@@ -136,12 +137,12 @@ class Neighbours:
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
-    def found_images(self, mirror, lo, up, scratch, n, gap, m, first):
+    def found_images(self, mirror, middle, half, scratch, n, gap, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
-            self.candidate[first + a] = self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), lo, up)
+            self.candidate[first + a] = self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), middle, half)
         return self.kept(self.candidate, first, m, 0)
 
     @ti.func
@@ -166,25 +167,25 @@ class Neighbours:
         law.begin(group)
         for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             room = ti.min(self.capacity, (group + 1) * self.segment - kept - self.images.sides)
-            lo, up = tm.vec3(0.0), tm.vec3(0.0)
+            middle, half = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
-                lo, up = self.bounds(k)
-                self.list_candidates(k, lo, up, group, kept, room)
+                middle, half = self.bounds(k)
+                self.list_candidates(k, middle, half, group, kept, room)
             n = self.gathered(k, law, find, group, kept)
-            m, end = self.with_images(k, law, find, lo, up, group, n, kept + n, room)
+            m, end = self.with_images(k, law, find, middle, half, group, n, kept + n, room)
             self.sum_up(k, law, find, group, n, m)
             kept = end
 
     @ti.func
-    def list_candidates(self, k, lo, up, group, first, room):
+    def list_candidates(self, k, middle, half, group, first, room):
         """Find the candidates of occupied part k, and list them from `first` on; none where there is no room."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
-            self.candidates[k] = self.found(c, 0, lo, up, first, room)
+            self.candidates[k] = self.found(c, 0, middle, half, first, room)
         elif self.inside(c):
-            self.candidates[k] = self.found(c, HERE * MOST_PARTICLES, lo, up, first, room)
+            self.candidates[k] = self.found(c, HERE * MOST_PARTICLES, middle, half, first, room)
         else:
-            self.candidates[k] = self.found_around(self.grid.indices_of(c), lo, up, first, room)
+            self.candidates[k] = self.found_around(self.grid.indices_of(c), middle, half, first, room)
         if self.candidates[k] < 0:
             self.candidates[k] = 0
             self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
@@ -219,7 +220,7 @@ class Neighbours:
                 self.scratch[t][scratch + a] = field[j]
 
     @ti.func
-    def with_images(self, k, law: Template, find: Template, lo, up, group, n, entry, room):
+    def with_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
         """Put the images of the n candidates in the scratch after them, behind the gap; how many there are then, and
         where the list of the next part begins.
 
@@ -235,7 +236,7 @@ class Neighbours:
                         if ti.static(find):
                             self.candidate[entry] = 0
                             if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
-                                found = self.found_images(mirror, lo, up, scratch, n, gap, m, entry + 1)
+                                found = self.found_images(mirror, middle, half, scratch, n, gap, m, entry + 1)
                                 self.candidate[entry] = found
                             else:
                                 self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1

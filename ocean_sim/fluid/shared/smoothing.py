@@ -21,6 +21,12 @@ def positive(x):
 
 
 @ti.func
+def smaller(a, b):
+    """Of two numbers: one instruction, where `ti.min` also asks whether either is not a number."""
+    return ti.select(a < b, a, b)
+
+
+@ti.func
 def polynomial(t, power: Template, terms: Template):
     """t^power (terms[0] + terms[1] t + ...)."""
     total = float(terms[-1])

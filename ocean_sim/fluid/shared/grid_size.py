@@ -88,6 +88,11 @@ class GridSize:
         return nx, ny, nz
 
     @property
+    def sky(self) -> int:
+        """Layers of cells over still water, or the uppermost one at least: they hold what flies above the grid, too."""
+        return max(1, self.inner[1][0] // 2)
+
+    @property
     def cell_count(self) -> int:
         nx, ny, nz = self.cells
         return nx * ny * nz

@@ -48,7 +48,7 @@ class Grid:
         )
         self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
         self.part = ti.field(int, shape=self.n)  # of which cell: its number times `parts`, and more
-        self.count = ti.field(int, shape=self.cell_count * self.parts * self.chunks)
+        self.count = ti.field(int, shape=size.counts)
         self.start = ti.field(int, shape=self.cell_count + 1)
         self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles
         self.first = ti.field(int, shape=size.occupied + 1)  # particle of each of these

@@ -32,7 +32,7 @@ from ocean_sim.wind import Wind
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
 
-PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
+PARTICLE = 2.2e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
 COUNTED = 2**31 - 1  # the highest number that kernels count up to
 STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives

@@ -241,6 +241,10 @@ class FluidConfig(KindConfig):
         """The lattice that its particles start on; None for water in closed form."""
         return None
 
+    def most_particles(self, preflight: Preflight) -> int:
+        """The most particles, about, that it can count with their neighbours; 0 where there are none."""
+        return 0
+
     def ratio(self, basin: Basin) -> float:
         """Support radius over spacing; 0 where there are no particles."""
         return 0.0

@@ -1,6 +1,7 @@
 """What `check` and `run` estimate of a scene's time, against what it takes."""
 
 import sys
+from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from subprocess import run
 from time import process_time
@@ -113,13 +114,21 @@ def children() -> float:
     return used.ru_utime + used.ru_stime
 
 
+RUNS = {"showcase": 4.0, "gallery/yacht_in_waves": 2.0}  # until [s]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("scene, until", [("showcase", 4.0), ("gallery/yacht_in_waves", 2.0)])
-def test_a_run_takes_the_processor_time_that_it_was_said_to_take(scene, until, tmp_path):
-    """Pictures included; kernels in the cache, so the first of two runs does not count."""
-    command = [sys.executable, "-m", "ocean_sim", "run", scene, "--quiet", "--out"]
-    run([*command, str(tmp_path / "first"), "--until", "0.1", "--set", "render=null"], check=True)
-    before = children()
-    run([*command, str(tmp_path / "run"), "--until", f"{until:g}", "--set", "render.every=0.1"], check=True)
-    expected = preflight(load(scene, {"duration": until, "render.every": 0.1}))["estimated_processor_s"]
-    assert 1.0 / 1.5 < (children() - before) / expected < 1.5
+def test_a_run_takes_the_processor_time_that_it_was_said_to_take(tmp_path):
+    """Pictures included; kernels in the cache, so the first of two runs does not count. The estimates are of one
+    machine: on another all runs take more, or less, by one factor."""
+    factors = {}
+    for scene, until in RUNS.items():
+        folder, command = tmp_path / Path(scene).name, [sys.executable, "-m", "ocean_sim", "run", scene, "--quiet"]
+        run([*command, "--out", str(folder / "first"), "--until", "0.1", "--set", "render=null"], check=True)
+        before = children()
+        until_then = ["--until", f"{until:g}", "--set", "render.every=0.1"]
+        run([*command, "--out", str(folder / "run"), *until_then], check=True)
+        expected = preflight(load(scene, {"duration": until, "render.every": 0.1}))["estimated_processor_s"]
+        factors[scene] = (children() - before) / expected
+    assert max(factors.values()) < 1.5 * min(factors.values()), factors
+    assert all(1.0 / 3.0 < factor < 3.0 for factor in factors.values()), factors

@@ -89,6 +89,29 @@ def test_a_megabyte_of_values_and_thousands_of_obstacles_are_judged_soon(ask):
     assert (code, said) == (2, "values.yaml:1:1: more than 60000 values; a CSV file holds a table\n") and took < SOON
 
 
+WIDE = "duration: 1.0\nbasin: {length: 200.0, width: 200.0, depth: 10.0}\nfluid: "
+
+
+@pytest.mark.parametrize(
+    "fluid, arch, sentence",
+    [
+        ("kind: dfsph, particles: 8000000", "cpu", "of about 7611499 at most can be counted in 32 bits"),
+        ("kind: dfsph, particles: 4000000", "cuda", "of about 3435973 at most can be counted in 32 bits"),
+        ("kind: delta_sph, particles: 9000000", "cpu", "of about 8585748 at most can be counted in 32 bits"),
+        ("kind: mueller, particles: 40000000", "cpu", "of about 33554431 at most can be counted in 32 bits"),
+        (
+            "kind: mueller, spacing: 0.03, fill: [{min: [0, -10, 0], max: [1, -9, 1]}]",
+            "cpu",
+            "too many to be counted in 32 bits with their parts",
+        ),
+    ],
+)
+def test_more_than_32_bits_can_count_is_refused_at_once(fluid, arch, sentence, ask):
+    Path("s.yaml").write_text(f"{WIDE}{{{fluid}}}\nruntime: {{arch: {arch}}}\n")
+    code, said, took = ask("check", "s.yaml")
+    assert code == 2 and took < SOON and said.count("\n") == 1 and sentence in said, said
+
+
 def test_both_readers_of_yaml_are_of_one_mind(monkeypatch):
     start = yaml_file.Location("f", 1, 1)
     for path in [*library("scenes").rglob("*.yaml"), *library("configs").rglob("*.yaml")]:

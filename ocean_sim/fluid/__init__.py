@@ -212,6 +212,7 @@ class Cells(Protocol):
     support: float  # [m] of the kernels
     quantum: float  # [m] positions are multiples of it
     cells: tuple[int, int, int]  # along x, y and z
+    sky: int  # uppermost layers in which what flies above them is, too
     lower: Any  # vec3 [m] where the first inner cell begins
     per_width: Any  # vec3 [1/m] one over the width of a cell
     start: ti.Field  # first particle of each cell

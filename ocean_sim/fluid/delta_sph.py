@@ -42,7 +42,7 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PAIR = 9.2e-9  # [s] of processor time a neighbour
+PAIR = 5.5e-9  # [s] of processor time a neighbour
 TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not

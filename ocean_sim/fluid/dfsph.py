@@ -138,11 +138,14 @@ class Config(SphConfig):
         notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
+    def neighbours_kept(self, basin: Basin) -> int:
+        return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
+
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
         sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
-        neighbours = Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours
+        neighbours = self.neighbours_kept(basin)
         numbers = 27 + self.enclosed(basin)
         if "accuracy" in preflight.parts:
             numbers += 3 * len(pushing(absent(basin)))

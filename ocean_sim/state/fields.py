@@ -1,6 +1,7 @@
 """What Taichi fields hold, many at a time: one kernel for each would take longer to compile than a run to
 start."""
 
+from collections.abc import Iterator
 from math import prod
 
 import numpy as np
@@ -9,6 +10,7 @@ from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
 TOGETHER = 32  # fields of a kernel; Taichi warns of more
+LONGEST = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 
 @in_kernels
@@ -90,10 +92,23 @@ class Contents:
         self.known, self.bundles = list(fields.values()), []
         scalar = {name: field for name, field in fields.items() if isinstance(field, ti.ScalarField)}
         for kind in sorted({str(field.dtype) for field in scalar.values()}):
-            names = [name for name, field in scalar.items() if str(field.dtype) == kind]
-            for first in range(0, len(names), TOGETHER):
-                some = names[first : first + TOGETHER]
-                self.bundles.append((some, Bundle([scalar[name] for name in some])))
+            sizes = {name: prod(field.shape) for name, field in scalar.items() if str(field.dtype) == kind}
+            self.bundles += [(names, Bundle([scalar[name] for name in names])) for names in parted(sizes)]
+
+
+def parted(sizes: dict[str, int]) -> Iterator[list[str]]:
+    """The names of fields of so many numbers each, in their order: as many together as a kernel takes and a row
+    holds."""
+    together: list[str] = []
+    length = 0
+    for name, size in sizes.items():
+        if together and (len(together) == TOGETHER or length + size > LONGEST):
+            yield together
+            together, length = [], 0
+        together.append(name)
+        length += size
+    if together:
+        yield together
 
 
 def shape(field: ti.Field) -> tuple[int, ...]:

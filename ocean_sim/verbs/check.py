@@ -110,7 +110,6 @@ def picture_time(config: SceneConfig) -> tuple[float, float]:
 def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
     into nine tenths of this machine's, with the copies of them that observers make; on a card into CARD."""
-    from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
     from ocean_sim.runtime import BASE_MEMORY, CARDS, COPIES
 
     if not particles:
@@ -121,7 +120,8 @@ def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str
     free, taken = CARD - others, each
     if config.runtime.arch not in CARDS:
         free, taken = 0.9 * machine.memory() - others - BASE_MEMORY, each + COPIES
-    return {"bytes_a_particle": each, "most_particles": max(0, min(int(free / taken), MOST_PARTICLES))}
+    most = min(int(free / taken), config.fluid.most_particles(config.preflight))
+    return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
 
 def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:

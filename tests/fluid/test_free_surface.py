@@ -41,6 +41,15 @@ def test_a_lone_drop_is_not_the_surface_and_a_dry_place_shows_the_bed(sea):
     assert dry == -1.0
 
 
+@pytest.mark.parametrize("top", [1.3, 1.7, 2.5, 3.6])
+def test_water_thrown_higher_than_the_grid_is_the_surface(sea, top):
+    """A metre of it, and a drop in the uppermost cells, which end at 1 m."""
+    x = sea.grid.size.lattice.positions() + [0.0, top, 0.0]
+    x[0] = [0.05, 0.95, 0.05]
+    put(sea, x)
+    np.testing.assert_allclose(sea.elevations(np.array([[0.0, 0.0], [1.0, -0.5]])), top, atol=0.03)
+
+
 def test_in_a_slice_too(water):
     slice_ = water(basin={"length": 4.0, "width": None, "depth": 1.0}, spacing=0.1)
     line = np.stack([np.linspace(-2.0, 2.0, 50), np.zeros(50)], axis=1)

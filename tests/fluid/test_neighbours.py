@@ -115,14 +115,8 @@ def mirrored(x: np.ndarray, fluid) -> np.ndarray:
     return np.concatenate(copies)
 
 
-@pytest.mark.parametrize(("dimension", "ratio"), SIZES)
-@pytest.mark.parametrize("padded", [False, True])
-def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, ratio, padded):
-    fluid, laws = clouds[dimension, ratio]
-    law = laws[padded]
-    rng = np.random.default_rng(8)
-    x = rng.uniform(-0.5, 0.5, (fluid.particles.n, 3)) * [1.0, 0.5, 1.0] + [0.0, -0.25, 0.0]
-    x[:, 2] *= dimension - 2
+def assert_images_are_mirrored_copies(fluid, law, x: np.ndarray) -> None:
+    """Of particles at x, those near each as many as brute force finds, found anew and from the lists."""
     put(fluid, x)
     for find in (True, False):
         walk(fluid.neighbours, law, find)
@@ -132,6 +126,41 @@ def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, ratio,
         squares = np.where(near, r2, 0.0).sum(axis=1)
         np.testing.assert_allclose(by_id(fluid, law.image_squares.to_numpy()), squares, atol=1e-12)
     assert near.any()
+
+
+@pytest.mark.parametrize(("dimension", "ratio"), SIZES)
+@pytest.mark.parametrize("padded", [False, True])
+def test_images_equal_mirrored_copies_of_all_particles(clouds, dimension, ratio, padded):
+    fluid, laws = clouds[dimension, ratio]
+    rng = np.random.default_rng(8)
+    x = rng.uniform(-0.5, 0.5, (fluid.particles.n, 3)) * [1.0, 0.5, 1.0] + [0.0, -0.25, 0.0]
+    x[:, 2] *= dimension - 2
+    assert_images_are_mirrored_copies(fluid, laws[padded], x)
+
+
+@pytest.mark.parametrize("height", [2.0, 20.0])
+def test_a_jet_along_a_wall_that_rises_above_the_grid_finds_room(clouds, height):
+    """All of the water, from the bed on, in a fifth of a support: no list has room for as much in one cell and for its
+    images."""
+    fluid, laws = clouds[2, 2.0]
+    x = np.random.default_rng(6).uniform([0.485, -0.5, 0.0], [0.5, height, 0.0], (fluid.particles.n, 3))
+    assert 2 * fluid.particles.n > fluid.neighbours.capacity
+    assert_images_are_mirrored_copies(fluid, laws[True], x)
+    count, _ = brute_force(x, fluid.smoothing.support)
+    np.testing.assert_array_equal(by_id(fluid, laws[True].count.to_numpy()), count)
+    assert not fluid.accounts.overflow.to_numpy()[:, 0].any()
+
+
+def test_room_is_asked_for_images_that_are_there_not_for_all_that_could_be(clouds):
+    """A crowd in the cells along a wall, too far from it to be seen there."""
+    fluid, laws = clouds[2, 2.0]
+    n = fluid.particles.n
+    x = np.random.default_rng(7).uniform([0.4168, -0.2, 0.0], [0.4182, -0.199, 0.0], (n, 3))
+    put(fluid, x)
+    walk(fluid.neighbours, laws[True], True)
+    assert 2 * n > fluid.neighbours.capacity and len(np.unique(fluid.grid.part.to_numpy())) == 1
+    assert (laws[True].count.to_numpy() == n).all() and not laws[True].images.to_numpy().any()
+    assert not fluid.accounts.overflow.to_numpy()[:, 0].any()
 
 
 @ti.kernel

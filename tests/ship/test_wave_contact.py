@@ -161,6 +161,23 @@ def test_a_hull_across_periodic_sides_meets_what_one_in_the_middle_meets(pressin
     np.testing.assert_allclose(*impulses, rtol=1e-6, atol=1e-6)
 
 
+def test_a_hull_above_the_cells_meets_what_one_among_them_meets(pressing):
+    """At heights that lie in other cells than those under which they are filed."""
+    simulation, start = pressing
+    impulses = []
+    for rise in (0.0, 2.5, 3.25):
+        start.put_back()
+        position, ship = simulation.fluid.particles.position, simulation.ships["ship"]
+        position.from_numpy(position.to_numpy() + [0.0, rise, 0.0])
+        simulation.fluid.begin()
+        ship.body = replace(ship.body, position=ship.body.position + rise * np.array([0.0, 1.0, 0.0]))
+        simulation.run(0.1)
+        impulses.append(ship.contact.impulse.copy())
+    assert abs(impulses[0][0]).max() > 10.0
+    for impulse in impulses[1:]:
+        np.testing.assert_allclose(impulse, impulses[0], rtol=1e-6, atol=1e-6)
+
+
 def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypatch):
     """A tenth as heavy as the water that it hits: impulses one by one would return its speed several times. In f32,
     layer after layer, and side by side on one thread and on two."""

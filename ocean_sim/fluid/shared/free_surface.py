@@ -54,7 +54,7 @@ class FreeSurface:
                 for down in range(grid.cells[1] - 2):
                     there = tm.ivec3(home.x + dx, grid.cells[1] - 2 - down, home.z + dz)
                     c = grid.cell_at(self.around.home(there)[0])
-                    if found == 0 and grid.start[c + 1] > grid.start[c]:
+                    if (found == 0 or down < grid.sky) and grid.start[c + 1] > grid.start[c]:
                         found = 1
                         for j in range(grid.start[c], grid.start[c + 1]):
                             top = ti.max(top, p.y[j])

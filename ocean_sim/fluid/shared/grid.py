@@ -2,8 +2,9 @@
 within large cells by their parts.
 
 Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
-of threads. Particles beyond the grid belong to its border cells, which keeps every pair within reach of neighbouring
-cells: clamping never moves two cells further apart.
+of threads. Particles beyond the grid belong to its border cells; those above it, since a jet would crowd these, to the
+layers over still water, down and up again as they fly higher. Neither moves two particles further apart, so every pair
+is within reach of neighbouring cells.
 
 Far from the origin a position in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
 particles move by whole quanta, which positions hold without rounding, and what is left of a way is kept for the next
@@ -36,6 +37,7 @@ class Grid:
         self.particles = particles.count
         self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
+        self.sky, self.top = size.sky, self.cells[1] - 1  # layers over still water, and where the last of them ends
         self.halves, self.parts = size.halves, size.parts
         self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
         self.axes = range(self.basin.dimension)
@@ -47,7 +49,7 @@ class Grid:
         )
         self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
         self.part = staggered(int, self.n)  # of which cell: its number times `parts`, and more
-        self.count = ti.field(int, shape=self.cell_count * self.parts * self.chunks)
+        self.count = ti.field(int, shape=size.counts)
         self.start = ti.field(int, shape=self.cell_count + 1)
         self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles
         self.first = ti.field(int, shape=size.occupied + 1)  # particle of each of these
@@ -61,14 +63,18 @@ class Grid:
 
     @ti.func
     def indices_at(self, x):
-        """Of the cell of a point, one for each axis, padding counted; a point beyond the grid belongs to its border
-        cell."""
+        """Of the cell of a point, one for each axis, padding counted."""
         return self.cell_of(self.in_cells(x))
 
     @ti.func
     def in_cells(self, x):
-        """A point, counted in cells from the outermost padding on."""
-        return (x - self.lower) * self.per_width + 1.0
+        """A point, counted in cells from the outermost padding on; one above the grid is folded into its sky."""
+        place = (x - self.lower) * self.per_width + 1.0
+        above = place.y - self.top
+        if above > 0.0:
+            along = above - 2.0 * self.sky * ti.floor(above / (2.0 * self.sky))
+            place.y = self.top - (self.sky - ti.abs(along - self.sky))
+        return place
 
     @ti.func
     def cell_of(self, place):

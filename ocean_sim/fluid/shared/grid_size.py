@@ -45,6 +45,11 @@ class Plan(ABC):
         """Bytes of the pairs that are kept of particles with so many neighbours on the lattice."""
 
     @abstractmethod
+    def counted(self, size: Any, neighbours: int) -> int:
+        """The highest number by which walks count, with the pairs that are kept of particles with so many neighbours on
+        the lattice, if any."""
+
+    @abstractmethod
     def rows(self, n: int, word: int, impulses: bool) -> int:
         """Bytes of the accounts of n particles that are worth telling."""
 
@@ -88,9 +93,19 @@ class GridSize:
         return nx, ny, nz
 
     @property
+    def sky(self) -> int:
+        """Layers of cells over still water, or the uppermost one at least: they hold what flies above the grid, too."""
+        return max(1, self.inner[1][0] // 2)
+
+    @property
     def cell_count(self) -> int:
         nx, ny, nz = self.cells
         return nx * ny * nz
+
+    @property
+    def counts(self) -> int:
+        """Numbers in which the particles of every part and chunk are counted."""
+        return self.cell_count * self.parts * self.chunks
 
     @property
     def full(self) -> float:
@@ -131,7 +146,7 @@ class GridSize:
     def bytes(self, word: int) -> int:
         """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
         return (
-            4 * (2 * self.lattice.n + self.cell_count * (self.parts * self.chunks + 1) + 2 * self.occupied + 3)
+            4 * (2 * self.lattice.n + self.counts + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
             + 4 * self.plan.sorting(self.lattice.n, self.cell_count)
         )

@@ -234,12 +234,14 @@ class Neighbours:
                     if self.images.adjoins(side, indices):
                         mirror = self.images.mirror(side)
                         if ti.static(find):
-                            self.candidate[entry] = 0
-                            if entry + 1 + m + self.images.sides <= last and 2 * m <= self.capacity:
+                            found, fits = 0, entry + 1 + m + self.images.sides <= last
+                            if fits:
                                 found = self.found_images(mirror, middle, half, scratch, n, gap, m, entry + 1)
-                                self.candidate[entry] = found
-                            else:
+                                fits = m + found <= self.capacity
+                            if not fits:
+                                found = 0
                                 self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
+                            self.candidate[entry] = found
                         run = self.candidate[entry]
                         self.add_images(law, find, mirror, scratch, n, gap, m, entry + 1, run)
                         m, entry = m + run, entry + 1 + run

@@ -13,6 +13,7 @@ from ocean_sim.fluid.shared.absorption import warnings as of_zones
 from ocean_sim.fluid.shared.absorption import zones
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.shared.band import band, cells_of
+from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.initial import CARRIED, UNCARRIED
@@ -31,8 +32,9 @@ from ocean_sim.wind import Wind
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.shared.boundary import Boundary
 
-PARTICLE = 1.8e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
+PARTICLE = 2.2e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
+COUNTED = 2**31 - 1  # the highest number that kernels count up to
 STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
 SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
@@ -113,9 +115,36 @@ class SphConfig(WaterConfig):
                         f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m",
                     )
                 )
+        if not found:
+            found += [((self.sized_by,), sentence) for sentence in self.uncountable(preflight)]
         if basin.rough_bed is not None:
             found += [(("spacing",), s) for s in basin.rough_bed.problems(self.lattice(basin).row)]
         return found
+
+    def most_particles(self, preflight: Preflight) -> int:
+        lattice = self.began(preflight)
+        sizes = self.sized(lattice, preflight.arch, 1)
+        counted = sizes.grid.plan.counted(sizes, self.neighbours_kept(preflight.tank))
+        return min(MOST_PARTICLES, lattice.n * COUNTED // max(counted, 1))
+
+    def neighbours_kept(self, basin: Basin) -> int:
+        """Neighbours on the lattice of a particle whose pairs are kept; 0 where none are."""
+        return 0
+
+    def uncountable(self, preflight: Preflight) -> Iterator[str]:
+        """Whether there are more neighbours, or cells, than 32 bits can count."""
+        lattice, ratio, most = self.began(preflight), self.ratio(preflight.tank), self.most_particles(preflight)
+        if lattice.n > most:
+            yield (
+                f"makes {lattice.n} particles; at a support of {ratio:g} spacings the neighbours of about {most} at "
+                "most can be counted in 32 bits"
+            )
+        grid = self.sized(lattice, preflight.arch, 1).grid
+        if grid.counts > COUNTED:
+            yield (
+                f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts: the "
+                "basin is too large for so small a spacing"
+            )
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, basin = super().warnings(preflight), preflight.tank

@@ -7,7 +7,7 @@ from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.grid_size import GridSize, Plan
 from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.neighbours import Neighbours
-from ocean_sim.fluid.shared.pairs import KeptPairs, bytes_kept
+from ocean_sim.fluid.shared.pairs import KeptPairs, bytes_kept, slots
 from ocean_sim.fluid.shared.particle_walk import ParticleWalk, WideAccounts, WideGrid, levels
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -58,6 +58,9 @@ class OfCells(Plan):
     def pairs(self, size: ListSize, neighbours: int, word: int) -> int:
         return size.bytes_kept(word)
 
+    def counted(self, size: ListSize, neighbours: int) -> int:
+        return size.grid.groups * max(size.grid.lattice.n, size.kept if neighbours else size.segment)
+
     def rows(self, n: int, word: int, impulses: bool) -> int:
         return 0
 
@@ -93,6 +96,9 @@ class OfParticles(Plan):
 
     def pairs(self, size: ListSize, neighbours: int, word: int) -> int:
         return bytes_kept(size.grid.lattice.n, neighbours, word)
+
+    def counted(self, size: ListSize, neighbours: int) -> int:
+        return size.grid.lattice.n * (slots(neighbours) if neighbours else 1)
 
     def rows(self, n: int, word: int, impulses: bool) -> int:
         return n * (5 * word + 8 + (8 * 4 * len(TERMS) if impulses else 0))

@@ -123,6 +123,14 @@ class WaterConfig(FluidConfig):
         assert isinstance(lattice, Lattice)
         return lattice
 
+    @property
+    def sized_by(self) -> str:
+        """The key that says how fine the water is."""
+        return "spacing" if self.spacing is not None else "particles"
+
+    def most_particles(self, preflight: Preflight) -> int:
+        return MOST_PARTICLES
+
     def lattice(self, basin: Basin) -> Lattice:
         """Where the particles are at first, counted but not yet made."""
         return Lattice(self, basin)

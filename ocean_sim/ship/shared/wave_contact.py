@@ -154,6 +154,9 @@ class Collisions:
             end = ti.min(end, first + last - 1)
         else:
             first, end = tm.clamp(first, 1, last), tm.clamp(end, 1, last)
+            if ti.static(k == 1):
+                if end == last:  # and with it what flies above the grid
+                    first = ti.min(first, last + 1 - self.grid.sky)
         return first, end - first + 1
 
     @ti.func

@@ -571,3 +571,17 @@ def test_a_run_that_is_stopped_before_it_has_written_anything_names_no_folder(as
     monkeypatch.setattr("ocean_sim.verbs.run.simulated", interrupted)
     code, _, err = ask("run", "small.yaml", "--out", "early")
     assert (code, err) == (1, "stopped at t = 0.000 s; nothing was written\n") and not Path("early").exists()
+    code, out, err = ask("run", "small.yaml", "--out", "early", "--json")
+    assert (code, err, json.loads(out)["error"]) == (1, "", "stopped at t = 0.000 s; nothing was written")
+
+
+def test_a_run_that_leaves_the_physical_world_tells_programs_why(ask):
+    code, out, err = ask(
+        "run", "small.yaml", "--out", "far", "--until", "5", "--set", "time_step={kind: fixed, dt: 0.1}", "--json"
+    )
+    reason = json.loads(Path("far/manifest.json").read_text())["reason"]
+    assert (code, err, json.loads(out)) == (
+        1,
+        "",
+        {"error": f"diverged: {reason}", "problems": []},
+    ) and "t = " in reason

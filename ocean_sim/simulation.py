@@ -82,6 +82,10 @@ class ObserverConfig(PartConfig):
         time [s] that they take where all cores are idle."""
         return 0.0, 0.0
 
+    def bytes_a_particle(self, preflight: Preflight) -> int:
+        """Bytes of each particle in what its ledger states."""
+        return 0
+
     @abstractmethod
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
         """`folder`: that of the run, which one that writes nothing does not touch."""

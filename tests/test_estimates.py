@@ -1,17 +1,22 @@
-"""What `check` and `run` estimate of a scene's time, against what it takes."""
+"""What `check` and `run` estimate of a scene's time and memory, against what it takes."""
 
+import json
 import sys
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
-from subprocess import run
-from time import process_time
+from subprocess import Popen, run
+from time import process_time, sleep
 
 import numpy as np
 import pytest
 
+from ocean_sim.observers import render
+from ocean_sim.pictures import opengl
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.check import preflight, wall_time
+from ocean_sim.verbs.check import memory_taken, preflight, wall_time
 
 OPEN = {"length": 60.0, "width": 60.0, "depth": 30.0, "walls": "none"}
 JONSWAP = {"kind": "jonswap", "significant_wave_height": 0.5, "peak_period": 4.0}
@@ -106,6 +111,84 @@ def test_a_picture_in_2d_takes_less_than_one_in_3d():
         ]
 
     assert 0.0 < pictures() < 0.25 * pictures(width=4.0)
+
+
+COLUMN = {  # a tank with a box in it
+    "basin": {
+        "length": 3.2,
+        "width": 1.0,
+        "depth": 1.0,
+        "obstacles": [{"min": [0.6, -1.0, -0.2], "max": [0.8, -0.8, 0.2]}],
+    },
+    "fluid": {"kind": "mueller", "spacing": 0.1, "fill": [{"min": [-1.6, -1.0, -0.5], "max": [-0.4, -0.4, 0.5]}]},
+    "surface": "marching_cubes",
+}
+SEA = {"basin": OPEN, "fluid": {"kind": "linear_waves", "spectrum": JONSWAP}}
+DRAWN = {"duration": 0.3, "frames": {"every": 0.01}, "render": {"every": 0.01, "size": [640, 360]}}  # 31 pictures
+
+
+def of_pictures(scene: dict, **overrides: object) -> int:
+    """Bytes that the pictures of a run are said to take."""
+    [row] = [row for row in load(scene | DRAWN, overrides).ledger() if row.part == "render"]
+    return row.bytes
+
+
+def test_memory_has_a_row_of_the_processes_that_draw(monkeypatch):
+    """Without pictures nothing; the larger and the finer they are, the more; as much again for a second process."""
+    monkeypatch.setattr(render, "cores", lambda: 1)
+    one, whole = of_pictures(COLUMN), preflight(load(COLUMN | DRAWN))
+    without = preflight(load(COLUMN | DRAWN, {"render": None}))
+    assert whole["memory_mb"] - without["memory_mb"] == pytest.approx(one / 1e6) == whole["pictures_mb"]
+    assert memory_taken(whole).endswith(f" MB ({one / 1e6:.0f} of them for pictures)")
+    assert memory_taken(without).endswith(" MB")
+    assert of_pictures(COLUMN, frames=None) == 0 and of_pictures(COLUMN, **{"render.film": False}) < one
+    assert one < of_pictures(COLUMN, **{"render.size": [1280, 720]})
+    assert one < of_pictures(COLUMN, **{"render.quality": "final"})
+    assert of_pictures(SEA, **{"render.far_sea": False}) < of_pictures(SEA)
+    monkeypatch.setattr(render, "cores", lambda: 2)
+    assert 1.7 * one < of_pictures(COLUMN) < 2.0 * one
+    assert preflight(load(COLUMN | DRAWN))["most_particles"] < without["most_particles"]
+    card = {"runtime.arch": "cuda"}
+    rooms = [preflight(load(COLUMN | DRAWN, card | more))["most_particles"] for more in ({}, {"render": None})]
+    assert rooms[0] == rooms[1]  # what is drawn does not lie where the water does
+
+
+def tree(process: int) -> Iterator[int]:
+    """A process and all below it."""
+    yield process
+    with suppress(OSError):
+        for file in Path(f"/proc/{process}/task").glob("*/children"):
+            for child in file.read_text().split():
+                yield from tree(int(child))
+
+
+def resident(process: int) -> int:
+    """Bytes of a process, its share of what it holds together with others; 0 once it has ended."""
+    with suppress(OSError):
+        rows = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
+        return sum(1024 * int(row.split()[1]) for row in rows if row.startswith("Pss:"))
+    return 0
+
+
+@pytest.mark.slow  # half a minute each
+@pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="only Linux tells the memory of others")
+@pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
+@pytest.mark.parametrize("size", [(640, 360), (1280, 720)])
+@pytest.mark.parametrize("scene", [COLUMN, SEA, TANK], ids=["tank", "sea", "slice"])
+def test_a_run_takes_the_memory_that_it_was_said_to_take(scene, size, tmp_path):
+    """With its film, all processes together, at their peak."""
+    config = load(scene | DRAWN, {"render.size": list(size)})
+    file, most = tmp_path / "scene.yaml", 0
+    file.write_text(json.dumps(config.resolved()))
+    command = [sys.executable, "-m", "ocean_sim", "run", str(file), "--quiet", "--out", str(tmp_path / "run")]
+    with Popen(command) as child:
+        while child.poll() is None:
+            most = max(most, sum(map(resident, tree(child.pid))))
+            sleep(0.1)
+    assert child.returncode == 0 and (tmp_path / "run" / "film.mp4").exists()
+    told = 1e6 * preflight(config)["memory_mb"]
+    print(f"\n{most / 1e6:.0f} MB, {told / 1e6:.0f} MB told: {most / told:.2f}")
+    assert 1.0 / 1.5 < most / told < 1.5
 
 
 def children() -> float:

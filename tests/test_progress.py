@@ -7,6 +7,7 @@ import pytest
 from ocean_sim import result as result_module
 from ocean_sim.observers.render import FIRST, PICTURE
 from ocean_sim.reading.scene import load
+from ocean_sim.state import file
 from ocean_sim.verbs import run as run_verb
 from ocean_sim.verbs.check import picture_time
 from ocean_sim.verbs.shared import bar as bar_module
@@ -65,8 +66,22 @@ def test_a_resumed_run_counts_from_where_it_goes_on(clock):
     ]
 
 
-def test_the_time_left_is_never_negative(clock):
-    assert shown(Progress(1.0, quiet=False), clock, [(0.9, 1), (1.02, 2)])[-1].endswith(" 0.0 s left")
+def test_no_time_is_left_once_the_last_step_is_taken_but_pictures_may_be(clock):
+    """However soon after the line before."""
+    progress = Progress(1.0, quiet=False)
+    lines = shown(progress, clock, [(0.5, 1), (0.9, 2)])
+    assert lines[-1].endswith(" s left")
+    progress.observe(at(1.02, 3))
+    assert lines[-1] == "t = 1.02 of 1 s, writing and drawing what is left"
+
+
+def test_a_film_whose_pictures_are_drawn_says_so(clock, monkeypatch):
+    drawing, lines = Drawing(quiet=False), []
+    monkeypatch.setattr(drawing.bar, "show", lambda done, text: lines.append(text))
+    for done in (8, 9, 10):
+        clock.wall += 1.0
+        drawing(done, 10)
+    assert lines == ["drawing picture 8 of 10", "drawing picture 9 of 10, 1.0 s left", "10 pictures drawn, finishing"]
 
 
 def test_pictures_that_are_drawn_while_a_run_goes_on_are_counted_in_its_line(clock, capsys):
@@ -120,8 +135,11 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     assert str(run_verb.stopped(progress, tmp_path)) == "stopped at t = 4.000 s; nothing was written"
     (tmp_path / "gauges.csv").touch()
     assert str(run_verb.stopped(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
-    (tmp_path / "checkpoint_000004.000000.h5").touch()
-    assert str(run_verb.stopped(progress, tmp_path)).endswith(f"; `ocean-sim resume {tmp_path}` continues it")
+    for kept, told in ((3.5, 4.0), (4.01, 4.01)):  # a second Ctrl-C stops at once, the first once the state is kept
+        (tmp_path / file.name(kept)).touch()
+        sentence = str(run_verb.stopped(progress, tmp_path))
+        cure = f"`ocean-sim resume {tmp_path}` continues it from t = {kept:.3f} s"
+        assert sentence == f"stopped at t = {told:.3f} s; {tmp_path} holds what was written; {cure}"
     progress.time = 10.0
     sentence = str(run_verb.stopped(progress, tmp_path))
     later = f"`ocean-sim render {tmp_path}` draws them"

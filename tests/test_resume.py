@@ -14,6 +14,7 @@ from random import Random
 import pytest
 
 from ocean_sim.__main__ import answered
+from ocean_sim.kernel_library import NAME
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
@@ -157,6 +158,13 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     kept = file.read(newest(there))
     file.written(kept._replace(made=kept.made | {"taichi": "1.6.0"}), there)
     assert 'another version: taichi is "1.6.0" in the checkpoint and' in refused(there)
+    other = {"taichi": "quadrants", "quadrants": "taichi"}[NAME]
+    file.written(
+        kept._replace(made={name: kept.made[name] for name in kept.made if name != NAME} | {other: "1.0"}), there
+    )
+    sentence = refused(there)
+    assert f"another library: {other} 1.0 compiled its kernels, and OCEAN_SIM_LIBRARY is {NAME}; " in sentence
+    assert sentence.endswith("; without OCEAN_SIM_LIBRARY it goes on as it began\n") and "null" not in sentence
     file.written(kept, there)
     gauges = (there / "gauges.csv").read_bytes()
     (there / "gauges.csv").write_bytes(gauges[:-20])
@@ -253,7 +261,9 @@ def test_the_command_says_how_to_go_on(number, tmp_path):
     waited(lambda: any((tmp_path / "run").glob("checkpoint_*")), child)
     child.send_signal(number)
     _, err = child.communicate(timeout=120)
-    assert child.returncode == 1 and f"`ocean-sim resume {tmp_path / 'run'}` continues it" in err, err
+    time = f"t = {file.time_of(newest(tmp_path / 'run')):.3f} s"
+    cure = f"`ocean-sim resume {tmp_path / 'run'}` continues it from {time}"
+    assert child.returncode == 1 and f"stopped at {time}" in err and cure in err, err
 
 
 def begun(*words: str) -> "subprocess.Popen[str]":

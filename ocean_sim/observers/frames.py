@@ -176,7 +176,8 @@ class Frames(Observer):
         origin: np.ndarray,
         copied: Copied | None,
     ) -> dict[str, np.ndarray]:
-        """The white water at the points, how far its grain has been carried, and the velocity of the surface."""
+        """The white water at the points, how far its grain has been carried, and the velocity of the surface; and the
+        cover that is called for, where the water does not know of crests that break."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
@@ -197,7 +198,7 @@ class Frames(Observer):
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape))
         shown = {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
-        return shown | ({} if self.white.called == 0.0 else {"cover": np.array(self.white.cover)})
+        return shown | ({"cover": np.array(self.white.cover)} if made is None else {})
 
     def crests(
         self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray

@@ -28,7 +28,7 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cores, end_led, outlive_no_parent, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
-from ocean_sim.parts import SEVERAL, Preflight, Problems, key_of
+from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures import opengl
 from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import (
@@ -44,8 +44,8 @@ from ocean_sim.pictures.frame_files import (
 )
 from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
-from ocean_sim.pictures.picture import Picture, Shot, foreseen
-from ocean_sim.pictures.sea_state import scene_of
+from ocean_sim.pictures.picture import MAPS, SAMPLES, Picture, Shot, foreseen
+from ocean_sim.pictures.sea_state import DRY, FITTINGS, scene_of
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
 
 if TYPE_CHECKING:
@@ -58,6 +58,13 @@ PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics 
 FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
 ANOTHER = 3.0  # of starting another process that draws [s]
 ALONE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
+DRAWS = {  # bytes of a process that draws, and of each of its pixels, by what it draws; without a graphics card
+    "particles": (330e6, 50.0),
+    "tank": (370e6, 150.0),
+    "sea": (600e6, 65.0),
+}
+SEEN = 400  # bytes of each particle in such a process
+ENCODES = (30e6, 60.0)  # bytes of the encoder of a film, and of each pixel of a picture
 GAP = 6  # pixels between the pictures of a strip
 YIELDING = 13  # by which what draws is nicer than a run that goes on: two processes so take of it what one does at 10
 MOMENTS = "moments.png"  # next to the film
@@ -153,16 +160,48 @@ class Config(PeriodicConfig):
         film."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
-    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
+    def pictures(self, preflight: Preflight) -> int | None:
+        """How many the film of a run has; None where there is nothing to draw."""
         frames = preflight.parts.get("frames")
-        if not isinstance(frames, PeriodicConfig):  # there is nothing to draw
-            return 0.0, 0.0
+        return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
+
+    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
-        each, pictures = PICTURE[dimension][self.quality] * pixels, self.film_pictures(preflight.duration, frames.every)
+        each, pictures = PICTURE[dimension][self.quality] * pixels, self.pictures(preflight)
+        if pictures is None:
+            return 0.0, 0.0
         by_turns, of = pictures * each, painters(pictures)
         alone = FIRST[dimension] + (len(self.stills) + self.strip) * each
         wall, wall_by_turns = (ALONE / n + (1.0 - ALONE) / cores() for n in (1, of))
         return alone + by_turns + (of - 1) * ANOTHER, alone * wall + by_turns * wall_by_turns
+
+    def scenery(self, preflight: Preflight) -> str:
+        """What of DRAWS is drawn, as far as that is known without a frame."""
+        tank, water = preflight.tank, preflight.untouched
+        if self.particles or tank.dimension == 2:
+            return "particles"
+        fitted = any(getattr(tank.config, key) for key in FITTINGS)
+        area = (tank.upper[0] - tank.lower[0]) * (tank.upper[2] - tank.lower[2])
+        mean = tank.depth if water is None else water.n * water.spacing**3 / area
+        at_sea = self.far_sea and self.camera not in MAPS and not fitted and mean > DRY * tank.depth
+        return "sea" if at_sea else "tank"
+
+    def bytes_a_particle(self, preflight: Preflight) -> int:
+        pictures = self.pictures(preflight)
+        return 0 if pictures is None else SEEN * painters(pictures)
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        """The memory of the processes that draw and of the encoder, without a graphics card."""
+        [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
+        if pictures is None:
+            return [row]
+        of, (base, each) = painters(pictures), DRAWS[self.scenery(preflight)]
+        taken = of * (base + each * pixels * SAMPLES[self.quality] ** 2)
+        taken += self.bytes_a_particle(preflight) * preflight.particles
+        why = f"{of} processes that draw" if of > 1 else "a process that draws"
+        if self.film:
+            taken, why = taken + ENCODES[0] + ENCODES[1] * pixels, f"{why}, and the encoder of the film"
+        return [row._replace(bytes=int(taken), why=why)]
 
     def build(self, folder: Path, simulation: "Simulation") -> "Render":
         return Render(self, folder, simulation)

@@ -16,6 +16,7 @@ NEIGHBOURS = 24  # of a particle, itself among them
 NEIGHBOURHOOD, TORN = 1.6, (12.0, 6.0)  # [spacings], and neighbours in it below which water comes apart, and wholly so
 COLUMN, GAP = 2.0, (2.2, 3.5)  # [spacings] breadth of a column, and of air in it below a particle that flies
 RISEN, WIDE = (1.5, 5.0), 6.0  # [spacings] over the mean height of the water so far around it, at which it splashes
+GONE = 0.5, 2.0  # [spacings] from where the first picture had it: from where water may splash up, and wholly may
 BEHIND = 5  # neighbours that a particle lacks at a side
 AROUND, NEAR = 8, 2.5  # particles that a vertex asks, and how far away [spacings] they have nothing to say
 DROPS, MOST = 20, 500  # that fly around a particle of water wholly torn, and particles that have any
@@ -95,6 +96,15 @@ def risen(
         mean, ((position[:, [0, 2]] - lower) / cell - 0.5).T, order=1, mode="nearest"
     )
     return ramp(over / spacing, RISEN)
+
+
+def set_off(
+    position: np.ndarray, number: np.ndarray, birth: np.ndarray, first: np.ndarray, spacing: float
+) -> np.ndarray:
+    """(n,) 0 to 1, how far particles (n, 3) [m] with these numbers (n,) have gone from their births (n, 3) [m]: the
+    edge of a column that still stands is over the water around it, too; 1 of those that were not among the first."""
+    gone = ramp(np.linalg.norm(position - birth, axis=1) / spacing, GONE)
+    return np.where(np.isin(number, first), gone, 1.0)
 
 
 def splash(

@@ -78,9 +78,10 @@ class Shell(Content):
             splashing.flying(position, floor, self.spacing),
             splashing.risen(position, frame.elevation, low, cell, self.spacing),
         )
+        birth = splashing.born(position, number, np.asarray(start[0], float), np.asarray(start[1]))
+        up *= splashing.set_off(position, number, birth, np.asarray(start[1]), self.spacing)
         beside = np.abs(position[:, None, [0, 2]] - np.stack(self.sides)) < self.spacing
         found = splashing.splash(position, velocity, up, beside.sum(axis=(1, 2)), self.spacing, self.depth)
-        birth = splashing.born(position, number, np.asarray(start[0], float), np.asarray(start[1]))
         known = np.column_stack([found.air, found.torn, found.rough, birth])
         traits = splashing.at_vertices(skin.vertices, position, known, self.spacing)
         on = sides_at(skin.vertices, self.lower, self.upper).any(axis=(0, 2))

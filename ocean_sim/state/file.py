@@ -100,12 +100,17 @@ def mapping(value: Any) -> dict[str, Any]:
     return value
 
 
+def time_of(path: Path) -> float:
+    """The time [s] that the name of a checkpoint tells; raises ValueError."""
+    return float(path.stem.removeprefix("checkpoint_"))
+
+
 def kept(folder: Path) -> Iterator[Path]:
     """The checkpoints of a run folder, newest first."""
     times = {}
     for path in folder.glob(PATTERN):
         try:
-            times[path] = float(path.stem.removeprefix("checkpoint_"))
+            times[path] = time_of(path)
         except ValueError:
             continue
     return iter(sorted(times, key=lambda path: times[path], reverse=True))

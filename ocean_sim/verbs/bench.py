@@ -38,9 +38,10 @@ def bench(
     as_json: bool,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
-    from ocean_sim.verbs.shared import history
+    from ocean_sim.verbs.shared import history, peers
 
     console.settings(sets)
+    peers.must_have_one(peer_pythons)
     rows = []
     for scene in scenes or (() if with_peers else DEFAULT):
         order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
@@ -53,8 +54,6 @@ def bench(
         if slower is not None:
             console.complain(slower)
     if with_peers:
-        from ocean_sim.verbs.shared import peers
-
         for row in peers.peers(peer_pythons, threads):
             rows.append(row)
             if not as_json:

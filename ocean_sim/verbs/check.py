@@ -14,7 +14,7 @@ from ocean_sim.verbs.shared import console
 
 NOTHING = dict.fromkeys(
     (
-        *("particles", "memory_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
+        *("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
         *("estimated_wall_s", "estimated_processor_s"),
     )
 )
@@ -88,6 +88,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "statements": config.fluid.statements(known),
         "particles": particles,
         "memory_mb": console.megabytes(memory),
+        "pictures_mb": console.megabytes(sum(row.bytes for row in rows if row.part in config.observers)),
         **room(config, rows, particles),
         "time_step": dt,
         "limited_by": time_step.limited_by,
@@ -109,17 +110,21 @@ def picture_time(config: SceneConfig) -> tuple[float, float]:
 
 def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
-    into nine tenths of this machine's, with the copies of them that observers make; on a card into CARD."""
+    into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
+    nothing, into CARD."""
     from ocean_sim.runtime import BASE_MEMORY, CARDS, COPIES
 
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
     water = sum(row.bytes for row in rows if row.part == "fluid")
-    others = sum(row.bytes for row in rows) - water
+    watched = sum(row.bytes for row in rows if row.part in config.observers)
+    others = sum(row.bytes for row in rows) - water - watched
     each = -(-water // particles)
     free, taken = CARD - others, each
     if config.runtime.arch not in CARDS:
-        free, taken = 0.9 * machine.memory() - others - BASE_MEMORY, each + COPIES
+        seen = sum(part.bytes_a_particle(config.preflight) for part in config.observers.values())
+        free = 0.9 * machine.memory() - others - (watched - seen * particles) - BASE_MEMORY
+        taken = each + COPIES + seen
     most = min(int(free / taken), config.fluid.most_particles(config.preflight))
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
@@ -173,6 +178,12 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     )
 
 
+def memory_taken(found: dict[str, Any]) -> str:
+    """What a run takes with the processes that draw its pictures."""
+    pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
+    return f"{found['memory_mb']:.0f} MB{pictures}"
+
+
 def fitting(found: dict[str, Any], config: SceneConfig) -> str:
     """What a particle takes, and how many fit."""
     from ocean_sim.runtime import CARDS
@@ -191,7 +202,7 @@ def fitting(found: dict[str, Any], config: SceneConfig) -> str:
 def short(found: dict[str, Any], config: SceneConfig) -> str:
     """The preflight in a few lines, for `run`."""
     lines = [
-        f"{config.title or 'untitled'}: {found['particles']} particles, {found['memory_mb']:.0f} MB, "
+        f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
         f"{wall_time(found, config)}"
     ]
@@ -208,7 +219,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         ["", ""],
         [
             ["particles", f"{found['particles']}"],
-            ["memory", f"about {found['memory_mb']:.0f} MB at the peak"],
+            ["memory", f"about {memory_taken(found)} at the peak"],
             ["room", fitting(found, config)],
             ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],

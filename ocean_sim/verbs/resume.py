@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.kernel_library import NAME, QUADRANTS, TAICHI, VARIABLE
 from ocean_sim.machine import sources, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result, simulated
@@ -116,8 +117,6 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
     """What compiled the kernels of a run; None where its manifest does not say."""
-    from ocean_sim.kernel_library import QUADRANTS, TAICHI
-
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
@@ -169,6 +168,8 @@ def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: flo
     changed = changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
+        if other_library(kept.made):
+            cure = f"{cure}; without {VARIABLE} it goes on as it began"
         raise console.Refused(f"{folder}: the checkpoint is of {changed}; {cure}")
     other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:
@@ -182,13 +183,21 @@ def changes(made: dict[str, Any]) -> str:
     """The versions and the files in which this program differs from the one that made a checkpoint, in words."""
     from ocean_sim.observers.checkpoint import versions
 
-    now, then = versions(), made.get("sources") or {}
-    versions_differ = differences({name: made.get(name) for name in now}, now)
+    now, then, library = versions(), made.get("sources") or {}, other_library(made)
+    compared = [name for name in now if name != NAME or not library]
+    versions_differ = differences({name: made.get(name) for name in compared}, {name: now[name] for name in compared})
     files = [name for name in sorted({*then, *sources()}) if then.get(name) != sources().get(name)]
     more = f" and {len(files) - SHOWN} more" if len(files) > SHOWN else ""
-    differ = [f"another version: {versions_differ}"] if versions_differ else []
+    differ = [f"another library: {library} compiled its kernels, and {VARIABLE} is {NAME}"] if library else []
+    differ += [f"another version: {versions_differ}"] if versions_differ else []
     differ += [f"other sources: {', '.join(files[:SHOWN])}{more}"] if files else []
     return ", and of ".join(differ)
+
+
+def other_library(made: dict[str, Any]) -> str:
+    """What compiled the kernels of the run of a checkpoint, with its version; empty where this process computes with it
+    too, as it does unless a person has chosen another."""
+    return next((f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and NAME not in made), "")
 
 
 def differences(kept: Any, now: Any) -> str:

@@ -11,6 +11,7 @@ from ocean_sim.files.claim import MANIFEST, Claim, Claimed, foreign
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import Result, simulated
+from ocean_sim.state import file
 from ocean_sim.verbs.check import picture_time, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
@@ -82,12 +83,15 @@ def report(
 def stopped(progress: Progress, folder: Path) -> console.Stopped:
     """The message for a run that was interrupted."""
     progress.close()
-    if progress.time >= progress.duration * (1.0 - 1e-12):
+    if progress.over:
         later = f"`ocean-sim render {folder}` draws them"
         return console.Stopped(f"stopped while its pictures were drawn; {folder} holds everything else; {later}")
-    cure = f"; `ocean-sim resume {folder}` continues it" if any(folder.glob("checkpoint_*.h5")) else ""
     left = f"{folder} holds what was written" if any(folder.glob("[!.]*")) else "nothing was written"
-    return console.Stopped(f"stopped at t = {progress.time:.3f} s; {left}{cure}")
+    time, cure, kept = progress.time, "", next(file.kept(folder), None)
+    if kept is not None:
+        since = file.time_of(kept)
+        time, cure = max(time, since), f"; `ocean-sim resume {folder}` continues it from t = {since:.3f} s"
+    return console.Stopped(f"stopped at t = {time:.3f} s; {left}{cure}")
 
 
 def until_node(until: float) -> Node:
@@ -130,8 +134,8 @@ def clear(folder: Path) -> None:
     for name in ("frames", "preview"):
         shutil.rmtree(folder / name, ignore_errors=True)
     for pattern in WRITTEN:
-        for file in folder.glob(pattern):
-            file.unlink()
+        for path in folder.glob(pattern):
+            path.unlink()
 
 
 def kernels() -> str:

@@ -1,6 +1,7 @@
 import hashlib
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +11,13 @@ from scipy.spatial.transform import Rotation
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import pairs
-from ocean_sim.observers import frames, manifest
+from ocean_sim.observers import frames, manifest, render
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures import foam
+from ocean_sim.pictures import foam, opengl
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
+
+with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
 
 def test_a_frame_is_the_first_state_at_or_after_its_time(tmp_path, watched):
@@ -169,16 +172,36 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     assert not later.white.white.any()
 
 
+COLUMN, LEDGE = [[-1.5, -1.0, -0.5], [-0.5, 0.0, 0.5]], [[-0.5, -1.0, -0.5], [1.5, -0.4, 0.5]]  # [m] corners
+
+
+def let_go(folder: Path, *boxes: list[list[float]], duration: float, surface: str | None = None) -> Path:
+    """The run of water that begins at rest in these boxes."""
+    basin = {"length": 3.0, "width": 1.0, "depth": 1.0}
+    fluid = {"kind": "mueller", "spacing": 0.1, "fill": [dict(zip(("min", "max"), box, strict=True)) for box in boxes]}
+    scene = {"basin": basin, "fluid": fluid, "duration": duration, "frames": {"every": 0.1}, "render": None}
+    run(load(scene | ({} if surface is None else {"surface": surface})), folder)
+    return folder
+
+
 def test_water_at_rest_is_not_white_however_steep_its_edge(tmp_path):
     """A column that is let go; a moment later its edge falls, and is."""
-    basin = {"length": 3.0, "width": 1.0, "depth": 1.0}
-    fluid = {"kind": "mueller", "spacing": 0.1, "fill": [{"min": [-1.5, -1.0, -0.5], "max": [-0.5, 0.0, 0.5]}]}
-    scene = {"basin": basin, "fluid": fluid, "duration": 0.3, "frames": {"every": 0.1}, "render": None}
-    run(load(scene), tmp_path / "run")
-    first, later = (np.load(tmp_path / f"run/frames/frame_{k:05d}.npz") for k in (0, 3))
-    assert not first["velocity"].any() and not first["foam"].any()
+    kept = let_go(tmp_path / "run", COLUMN, duration=0.3) / "frames"
+    first, later = (np.load(kept / f"frame_{k:05d}.npz") for k in (0, 3))
+    assert not first["velocity"].any() and not first["foam"].any() and first["cover"] == 0.0
     assert foam.convergence(first["elevation"].astype(float), 0.1, 0.1).max() > foam.BREAKING
-    assert later["foam"].any()
+    assert later["foam"].any() and later["cover"] > 0.0
+
+
+@with_opengl
+@pytest.mark.parametrize(("boxes", "surface"), [((COLUMN,), "marching_cubes"), ((COLUMN, LEDGE), None)])
+def test_a_picture_of_water_at_rest_has_no_white_water(tmp_path, boxes, surface):
+    """In a tank, and in an open sea, whose waves go on beyond the basin; a moment later there is some in both."""
+    folder = let_go(tmp_path / "run", *boxes, duration=0.4, surface=surface)
+    looks = [{"foam": on, "stills": (time,)} for time in (0.0, 0.4) for on in (False, True)]
+    without, rest, bare, later = render.variants(folder, 0.0, looks, size=(320, 180), caption=False).astype(int)
+    assert np.abs(rest - without).max() <= 1
+    assert (np.abs(later - bare).max(axis=2) > 30).sum() > 30
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.6])

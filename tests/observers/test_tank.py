@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim.pictures import vessel
 from ocean_sim.pictures.smoothed_mesh import low_pass, smoothed
-from ocean_sim.pictures.splash import at_vertices, born, drops, floors, flying, risen, spheres, splash, stirred
+from ocean_sim.pictures.splash import at_vertices, born, drops, floors, flying, risen, set_off, spheres, splash, stirred
 from ocean_sim.pictures.water_mesh import triangles
 from ocean_sim.surface import Mesh
 
@@ -107,6 +107,15 @@ def test_grain_is_that_of_the_place_where_water_was_in_the_first_picture():
     now, first = np.random.default_rng(2).normal(size=(2, 5, 3))
     found = born(now, np.array([4, 0, 9, 2, 1]), first, np.array([2, 0, 1, 3, 4]))
     np.testing.assert_array_equal(found, [first[4], first[1], now[2], first[0], first[2]])
+
+
+def test_water_has_set_off_once_it_is_elsewhere_or_where_it_was_not_at_first():
+    """What stands where the run began does not splash up, however high over the water around it."""
+    first = column(2, 2)
+    now, number = first + 3.0 * SPACING * (first[:, :1] > SPACING), np.arange(8)
+    gone = set_off(now, number, first, number[1:], SPACING)
+    np.testing.assert_array_equal(gone, (first[:, 0] > SPACING) | (number == 0))
+    assert 0.0 < set_off(first + [SPACING, 0.0, 0.0], number, first, number, SPACING).min() < 1.0
 
 
 def test_drops_fly_where_water_is_torn_along_its_way_and_are_the_same_ones_in_the_next_picture():

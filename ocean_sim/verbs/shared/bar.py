@@ -73,7 +73,8 @@ class Drawing:
             console.say(f"drawing a film of {total} pictures, about {console.duration(left)} more{self.cure}")
         if not self.bar.quiet and (done == total or self.bar.due(now)):
             time = "" if left is None else f", {console.duration(left)} left"
-            self.bar.show(done / max(1, total), f"drawing picture {done} of {total}{time}")
+            text = f"drawing picture {done} of {total}{time}" if done < total else f"{total} pictures drawn, finishing"
+            self.bar.show(done / max(1, total), text)
 
     def left(self, now: float, done: int, total: int) -> float | None:
         """Wall time [s], estimated from the pictures since the first; None before there are two."""

@@ -108,6 +108,19 @@ def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
         yield from dam_breaks(others, pythons, threads or cores())
 
 
+def must_have_one(pythons: list[Path]) -> None:
+    """Raises Refused where a Python has none of the programs that are looked for there; of one that does not run, rows
+    say why."""
+    for python in pythons:
+        try:
+            found = [another_python.version_in(others.peer, python) for others in OTHERS]
+        except (OSError, ValueError):
+            continue
+        if not any(found):
+            names = " nor ".join(others.peer.PACKAGE for others in OTHERS)
+            raise console.Refused(f"--peer-python {python}: this Python has neither {names}; install one of them there")
+
+
 def dam_breaks(others: Others, pythons: list[Path], threads: int) -> Iterator[dict[str, Any]]:
     """Under the first of some Pythons that has the peer; one that fails is the last."""
     peer = others.peer

@@ -40,14 +40,22 @@ class Progress(Concluding):
         self.limits[simulation.time_step.limited_by] += 1
         if self.first is None:
             self.first = (now, self.time)
-        if self.bar.due(now):
+        if self.over or self.bar.due(now):
             self.bar.show(self.time, f"t = {self.time:.2f} of {self.duration:g} s{self.pace()}")
 
+    @property
+    def over(self) -> bool:
+        """Whether the last step has been taken."""
+        return self.time >= self.duration * (1.0 - 1e-12)
+
     def pace(self) -> str:
-        """Speed and time left; nothing where no more than one step has been taken since the start or the resumption."""
+        """Speed and time left, of the steps alone; nothing where no more than one has been taken since the start or the
+        resumption."""
+        if self.over:
+            return ", writing and drawing what is left"
         if self.factor <= 0.0:
             return ""
-        left = max(0.0, self.duration - self.time) / self.factor
+        left = (self.duration - self.time) / self.factor
         drawn = f", {self.pictures} picture{'s' if self.pictures > 1 else ''} drawn" if self.pictures else ""
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 

@@ -122,10 +122,15 @@ class SphConfig(WaterConfig):
         return found
 
     def most_particles(self, preflight: Preflight) -> int:
-        lattice = self.began(preflight)
-        sizes = self.sized(lattice, preflight.arch, 1)
+        sizes = self.untouched_sizes(preflight)
         counted = sizes.grid.plan.counted(sizes, self.neighbours_kept(preflight.tank))
-        return min(MOST_PARTICLES, lattice.n * COUNTED // max(counted, 1))
+        return min(MOST_PARTICLES, sizes.grid.lattice.n * COUNTED // max(counted, 1))
+
+    def untouched_sizes(self, preflight: Preflight) -> ListSize:
+        """How large grid and lists would be without anything afloat."""
+        lattice = preflight.untouched
+        assert isinstance(lattice, Lattice)
+        return self.sized(lattice, preflight.arch, 1)
 
     def neighbours_kept(self, basin: Basin) -> int:
         """Neighbours on the lattice of a particle whose pairs are kept; 0 where none are."""
@@ -133,13 +138,12 @@ class SphConfig(WaterConfig):
 
     def uncountable(self, preflight: Preflight) -> Iterator[str]:
         """Whether there are more neighbours, or cells, than 32 bits can count."""
-        lattice, ratio, most = self.began(preflight), self.ratio(preflight.tank), self.most_particles(preflight)
-        if lattice.n > most:
+        grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
+        if grid.lattice.n > most:
             yield (
-                f"makes {lattice.n} particles; at a support of {ratio:g} spacings the neighbours of about {most} at "
-                "most can be counted in 32 bits"
+                f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
+                f"neighbours of about {most} at most can be counted in 32 bits"
             )
-        grid = self.sized(lattice, preflight.arch, 1).grid
         if grid.counts > COUNTED:
             yield (
                 f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts: the "

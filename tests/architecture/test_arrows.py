@@ -291,7 +291,7 @@ with Simulation(config) as simulation:
         "servers": sorted({"ssl", "urllib.request", "http.client"} & set(sys.modules)),
         "read": sorted(name.rpartition("ocean_sim/")[2] for name in linecache.cache if "ocean_sim/" in name),
         "allocated": runtime.allocated_bytes(),
-        "ledger": sum(row.bytes for row in config.ledger()),
+        "ledger": sum(row.bytes for row in config.ledger() if row.part != "render"),
         "kernels": runtime.compiled_kernels(),
     }
 print(json.dumps(facts))

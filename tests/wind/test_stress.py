@@ -455,7 +455,7 @@ from ocean_sim.simulation import Simulation
 basin = {"length": 40.0, "width": 40.0, "depth": 7.5}
 config = load({"basin": basin, "fluid": {"kind": "mueller", "spacing": 1.25}, "wind": {"kind": "stress"}})
 with Simulation(config):
-    print(runtime.allocated_bytes(), sum(row.bytes for row in config.ledger()))
+    print(runtime.allocated_bytes(), sum(row.bytes for row in config.ledger() if row.part != "render"))
 """
 
 

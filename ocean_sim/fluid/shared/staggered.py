@@ -10,15 +10,15 @@ import numpy as np
 
 from ocean_sim.kernel_library import ti, to_numpy_type
 
-PAGE = 4096  # [bytes]
-FURTHER = 320  # [bytes] five lines of a cache: the 64 in a page are all passed before one comes again
+PAGE, LINE = 4096, 64  # [bytes]
 GAP = ti.i32
 
 
 def staggered(dtype: Any, n: int) -> Any:
-    """A field of n numbers, behind which the next begins FURTHER along its page than this one does."""
+    """A field of n numbers, and of a page or more so long that the next begins an odd number of lines further: the 64
+    of a page are all passed before one comes again."""
     field = ti.field(dtype, shape=n)
-    bytes_left = (FURTHER - n * np.dtype(to_numpy_type(field.dtype)).itemsize) % PAGE
-    if bytes_left > 0:
-        ti.field(GAP, shape=bytes_left // np.dtype(to_numpy_type(GAP)).itemsize)
+    taken = n * np.dtype(to_numpy_type(field.dtype)).itemsize
+    if taken >= PAGE and (gap := (LINE - taken) % (2 * LINE)):
+        ti.field(GAP, shape=gap // np.dtype(to_numpy_type(GAP)).itemsize)
     return field

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -19,6 +20,7 @@ EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotli
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
 ENDING = [getattr(signal, name) for name in ENDS if name in signal.Signals.__members__]
 asked = threading.Event()  # to end
+DYING = 1.0  # [s] that a process may take to end that has been killed
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
@@ -136,12 +138,19 @@ def leash() -> Iterator[int]:
 
 
 def end_led(child: subprocess.Popen[str]) -> None:
-    """End a child that leads a session of its own, and every process that it has started; wait for it."""
-    if hasattr(os, "killpg"):
-        with suppress(ProcessLookupError, PermissionError):  # none is left
-            os.killpg(child.pid, signal.SIGKILL)
-    else:
+    """End a child that leads a session of its own, and every process that it has started, and wait for them: one that is
+    ended may still be in the middle of making a file."""
+    if not hasattr(os, "killpg"):
         child.kill()
+        child.wait()
+        return
+    patience = time.monotonic() + DYING
+    with suppress(ProcessLookupError, PermissionError):  # none is left
+        os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+        while time.monotonic() < patience:
+            os.killpg(child.pid, 0)
+            time.sleep(0.002)
     child.wait()
 
 

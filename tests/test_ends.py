@@ -18,6 +18,7 @@ from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
 from tests.fuzz._small_sea import SMALL_SEA
+from tests.processes import alive
 
 SEA = SMALL_SEA | {"duration": 0.2, "frames": None}
 
@@ -187,14 +188,6 @@ print(time.process_time() - begun)
             child.stdin.flush()
         took[by] = [float(child.communicate()[0]) for child in both]
     assert took[10][1] < 0.5 * took[10][0] and took[0][1] > 0.5 * took[0][0]
-
-
-def alive(process: int) -> bool:
-    """Whether it runs; one that has ended may still be listed until its parent asks."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 def test_an_interrupt_that_is_lost_while_kernels_are_read_ends_the_run_before_its_first_step(tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ from ocean_sim.pictures import opengl
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.check import memory_taken, preflight, wall_time
+from tests.processes import children
 
 OPEN = {"length": 60.0, "width": 60.0, "depth": 30.0, "walls": "none"}
 JONSWAP = {"kind": "jonswap", "significant_wave_height": 0.5, "peak_period": 4.0}
@@ -156,10 +157,8 @@ def test_memory_has_a_row_of_the_processes_that_draw(monkeypatch):
 def tree(process: int) -> Iterator[int]:
     """A process and all below it."""
     yield process
-    with suppress(OSError):
-        for file in Path(f"/proc/{process}/task").glob("*/children"):
-            for child in file.read_text().split():
-                yield from tree(int(child))
+    for child in children(process):
+        yield from tree(child)
 
 
 def resident(process: int) -> int:
@@ -191,7 +190,7 @@ def test_a_run_takes_the_memory_that_it_was_said_to_take(scene, size, tmp_path):
     assert 1.0 / 1.5 < most / told < 1.5
 
 
-def children() -> float:
+def used() -> float:
     """Processor time [s] of all processes that this one has started and waited for."""
     used = getrusage(RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
@@ -208,10 +207,10 @@ def test_a_run_takes_the_processor_time_that_it_was_said_to_take(tmp_path):
     for scene, until in RUNS.items():
         folder, command = tmp_path / Path(scene).name, [sys.executable, "-m", "ocean_sim", "run", scene, "--quiet"]
         run([*command, "--out", str(folder / "first"), "--until", "0.1", "--set", "render=null"], check=True)
-        before = children()
+        before = used()
         until_then = ["--until", f"{until:g}", "--set", "render.every=0.1"]
         run([*command, "--out", str(folder / "run"), *until_then], check=True)
         expected = preflight(load(scene, {"duration": until, "render.every": 0.1}))["estimated_processor_s"]
-        factors[scene] = (children() - before) / expected
+        factors[scene] = (used() - before) / expected
     assert max(factors.values()) < 1.5 * min(factors.values()), factors
     assert all(1.0 / 3.0 < factor < 3.0 for factor in factors.values()), factors

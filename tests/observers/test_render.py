@@ -22,6 +22,7 @@ from ocean_sim.pictures import camera as camera_module
 from ocean_sim.pictures import frame_files, opengl, water_mesh, water_shading
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.reading.scene import load
+from tests.processes import alive, children, end
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -158,8 +159,6 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
         time.sleep(0.01)
     child, encoder = drawer.child.pid, int(noted.read_text())
     drawer.stop()
-    while alive(encoder) and time.monotonic() < patience:
-        time.sleep(0.01)
     assert not alive(encoder) and not alive(child)
     assert not list(folder.glob(".film*"))
 
@@ -173,12 +172,11 @@ def script(folder, words):
 
 
 def led_by(process):
-    """The processes that its threads have started, and their commands; each may end while it is looked at."""
+    """The processes that its threads have started, and their commands."""
     led = {}
-    for file in Path(f"/proc/{process}/task").glob("*/children"):
+    for n in children(process):
         with suppress(FileNotFoundError, ProcessLookupError):
-            for n in file.read_text().split():
-                led[int(n)] = Path(f"/proc/{n}/cmdline").read_text()
+            led[n] = Path(f"/proc/{n}/cmdline").read_text()
     return led
 
 
@@ -193,23 +191,6 @@ def drawing_and_encoding(process):
             return second[0], encoder[0]
         time.sleep(0.01)
     raise AssertionError(f"it leads {led_by(process)}")
-
-
-def alive(process):
-    """Whether it runs; one that has ended may still be listed."""
-    try:
-        os.kill(process, 0)
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (ProcessLookupError, FileNotFoundError):
-        return False
-
-
-def end(*processes):
-    """Whether they all end within 10 s."""
-    patience = time.monotonic() + 10.0
-    while any(alive(n) for n in processes) and time.monotonic() < patience:
-        time.sleep(0.01)
-    return not any(alive(n) for n in processes)
 
 
 def test_after_an_interruption_the_drawing_process_is_ended(kept, watched, monkeypatch):

@@ -19,6 +19,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.sweep import planned
+from tests.processes import alive
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.5, period: 4.0}
@@ -206,18 +207,9 @@ list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
     study.communicate(timeout=30)
     assert study.returncode != 0 and len(pids) == 2
     until = time.monotonic() + 20.0
-    while (
-        left := [pid for pid in map(int, (p.read_text() for p in pids)) if _alive(pid)]
-    ) and time.monotonic() < until:
+    while (left := [pid for pid in map(int, (p.read_text() for p in pids)) if alive(pid)]) and time.monotonic() < until:
         time.sleep(0.05)
     assert not left and len(list(Path("out").glob("*/begun"))) == 2  # none was begun after
-
-
-def _alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def test_another_package_has_other_answers(monkeypatch):

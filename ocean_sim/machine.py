@@ -138,8 +138,8 @@ def leash() -> Iterator[int]:
 
 
 def end_led(child: subprocess.Popen[str]) -> None:
-    """End a child that leads a session of its own, and every process that it has started, and wait for them: one that is
-    ended may still be in the middle of making a file."""
+    """End a child that leads a session of its own, and every process that it has started, and wait for them: one that
+    is ended may still be in the middle of making a file."""
     if not hasattr(os, "killpg"):
         child.kill()
         child.wait()

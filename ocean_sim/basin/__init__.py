@@ -340,14 +340,27 @@ class Solid(Protocol):
         """(3,) of its centre of mass [m]."""
         ...
 
-    def inside(self, points: np.ndarray, spacing: float) -> np.ndarray:
-        """(n,) which of (n, 3) positions [m] it keeps free of particles `spacing` [m] apart."""
+    @property
+    def extent(self) -> np.ndarray:
+        """(2, 3) lowest and highest corner of the box around it [m]."""
         ...
 
     def carved(
         self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
+        ...
+
+    def fitted(
+        self,
+        positions: np.ndarray,
+        beyond: np.ndarray,
+        boxes: list[tuple[np.ndarray, np.ndarray]],
+        spacing: float,
+        volume: float,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room for samples, and (n, 3) where the
+        others go, with (m, 3) points at which their lattice goes on [m]."""
         ...
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ step before, an explicit step would overshoot. So the water is given an accelera
 body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
+from math import isinf
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -26,6 +27,10 @@ from ocean_sim.wind import Wind
 
 IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
 FEWEST = 2.0  # spacings across a hull
+REST_SWING = (
+    0.13  # [spacings] by which a box heaves in still water of delta_sph at most, measured at draughts from 2 on
+)
+STATED_SWING = 0.02  # of the draught, from which on it is said
 
 
 class Config(FloatingConfig):
@@ -66,6 +71,19 @@ class Config(FloatingConfig):
             thin = (upper - lower).min() / spacing
             found.append(f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other")
         return found
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        draught, spacing = (
+            self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density).draught,
+            preflight.spacing,
+        )
+        if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
+            return []
+        swing = REST_SWING * spacing / draught
+        return [
+            f"the hull draws {draught / spacing:.2g} spacings: in still water she heaves by up to about {swing:.2g} of "
+            "her draught within her first periods, as rows of particles along her sides settle"
+        ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """Nothing of its own: the water keeps the samples."""

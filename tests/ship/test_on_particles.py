@@ -4,6 +4,7 @@ import inspect
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
@@ -64,6 +65,58 @@ def slice_of_water(mass: float = 400.0, start: float | None = None, spacing: flo
         "fluid": {"kind": "delta_sph", "spacing": spacing, "compression": 0.02, "artificial_viscosity": 0.1},
         "ship": {"kind": "pressure", "hull": hull, **place, **ship},
     }
+
+
+def at_rest(draught: float, place: float = 0.0, scheme: str = "delta_sph", side: float = 0.5, **basin) -> dict:
+    """A cube that draws so many spacings of 0.1 m, with its middle `place` spacings off that of the lattice."""
+    hull = {
+        "shape": {"kind": "box", "length": side, "breadth": side, "height": side},
+        "mass": 100.0 * side**2 * draught,
+        "centre_of_mass": [0.0, 0.5 * side, 0.0],
+    }
+    fluid = {"kind": scheme, "spacing": 0.1} | ({"kinematic_viscosity": 0.02} if scheme == "mueller" else {})
+    ship = {"kind": "pressure", "hull": hull, "free": ["heave"], "position": [0.1 * place, 0.1 * place]}
+    return {"duration": 5.0, "basin": {"length": 6.0, "depth": 1.0} | basin, "fluid": fluid, "ship": ship}
+
+
+@pytest.mark.parametrize(
+    ("draught", "place", "basin"),
+    [
+        *((draught, place, {}) for draught in (2.0, 2.5, 4.0) for place in (0.0, 0.25)),
+        (3.3, 0.25, {"width": 1.5, "length": 1.5, "walls": "periodic"}),
+        *(pytest.param(2.5, place, {"width": 2.0}, marks=pytest.mark.slow) for place in (0.0, 0.25, 0.5)),
+    ],
+)
+def test_a_hull_leaves_the_water_that_it_does_not_displace(draught, place, basin):
+    """To a particle, or 1 %, and none nearer to another than 0.7 spacings, wherever she lies on the lattice."""
+    lattice = load(at_rest(draught, place, **basin), QUIET).preflight.lattice
+    x, displaced = lattice.positions(), draught * (25.0 if basin else 5.0)
+    assert len(lattice.full) - len(x) == pytest.approx(displaced, rel=0.01, abs=1.0)
+    assert cKDTree(x).query(x, k=2)[0][:, 1].min() > 0.07
+
+
+def heave(scene: dict, until: float) -> np.ndarray:
+    """Heave from the beginning in every step, in spacings."""
+    with Simulation(load(scene, QUIET)) as simulation:
+        ship, found = simulation.ships["ship"], []
+        start = ship.body.position[1]
+        while simulation.time < until:
+            simulation.step()
+            found.append(ship.body.position[1] - start)
+    return np.array(found) / scene["fluid"]["spacing"]
+
+
+def test_a_box_afloat_is_not_thrown():
+    """2.5 spacings of draught do not fit the lattice: with the points inside left out she rises by 0.6 spacings."""
+    assert abs(heave(at_rest(2.5), 0.6)).max() < 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["delta_sph", "mueller"])
+@pytest.mark.parametrize(("draught", "place", "side"), [(2.0, 0.3, 0.5), (2.5, 0.0, 0.5), (4.0, 0.3, 0.7)])
+def test_a_box_at_rest_stays_near_its_draught(scheme, draught, place, side):
+    """For 5 s, as far as `check` says."""
+    assert abs(heave(at_rest(draught, place, scheme, side), 5.0)).max() < pressure.REST_SWING[0]
 
 
 def draught(simulation: Simulation) -> float:

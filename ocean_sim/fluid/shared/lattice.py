@@ -7,11 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
-from ocean_sim.basin import Basin, Box, shifts
+from ocean_sim.basin import Basin, Box, Solid, shifts
 from ocean_sim.basin.points import middles_of
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import Emitter, Jet
 from ocean_sim.waves import Components
+
+BEYOND = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
 
 
 class Filling(Protocol):
@@ -176,11 +178,12 @@ class Lattice:
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
             if solid.felt:
-                wet &= ~solid.inside(self.full + nearest, self.spacing)
+                beyond, volume = self.beyond(solid), self.mass / self.config.rest_density
+                gone, moved = solid.fitted(positions + nearest, beyond, self.repeated, self.spacing, volume)
             else:
                 gone, moved = solid.carved(positions + nearest, self.spacing, self.repeated)
-                wet &= ~gone
-                positions = initial_module.wrapped(moved - nearest, self.basin)
+            wet &= ~gone
+            positions = initial_module.wrapped(moved - nearest, self.basin)
         return wet, positions
 
     @property
@@ -188,6 +191,22 @@ class Lattice:
         """The boxes, and their repeats next to them beyond periodic sides."""
         ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
+
+    def beyond(self, solid: Solid) -> np.ndarray:
+        """(m, 3) points around a solid at which the lattice of the first box near it goes on outside all boxes [m]."""
+        d, found = self.basin.dimension, np.empty((0, 3))
+        low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * BEYOND * self.spacing
+        for (low, up), count in zip(self.repeated, self.counts * (len(self.repeated) // len(self.counts)), strict=True):
+            if len(found) or (low[:d] > high_end[:d]).any() or (up[:d] < low_end[:d]).any():
+                continue
+            step = (up - low)[:d] / count[:d]
+            first, last = np.floor((low_end - low)[:d] / step), np.ceil((high_end - low)[:d] / step)
+            index = np.stack(np.meshgrid(*map(np.arange, first, last), indexing="ij"), axis=-1).reshape(-1, d)
+            found = np.zeros((len(index), 3))
+            found[:, :d] = low[:d] + (index + 0.5) * step
+        for low, up in self.repeated:
+            found = found[~((found >= low)[:, :d] & (found <= up)[:, :d]).all(axis=1)]
+        return found
 
     @property
     def wet(self) -> np.ndarray:

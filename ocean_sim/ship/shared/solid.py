@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -10,11 +11,15 @@ from ocean_sim.files.cache_file import kept
 from ocean_sim.ship.shared.distance import around
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
-from ocean_sim.ship.shared.voxels import voxels
+from ocean_sim.ship.shared.voxels import Voxels, voxels
 
 FINE = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
 APART = 0.5  # [spacings] from the hull to the nearest particle of the start
 ALIKE = 0.05  # [spacings] distances that differ by less are those of a row
+FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
+FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
+FIT_ITERATIONS = 100  # at most
+EVERYWHERE = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
 PACKINGS, PUSH = 100, 0.5  # how often crowded particles are pushed apart, and the share of their overlap each time
 GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
@@ -40,20 +45,12 @@ class Solid:
         """(3, 3) at the beginning, body to world."""
         return self.body.matrix
 
-    def inside(self, points: np.ndarray, spacing: float) -> np.ndarray:
-        """(n,) which of (n, 3) positions [m] the hull keeps free at the beginning."""
-        own = (points - self.origin) @ self.turn + self.centre
-        if not self.shape.is_mesh:
-            return self.shape.inside(own)
-        cubes = voxels(self.shape, spacing / FINE, 1.0)
-        lower, upper = self.shape.bounds()
-        counts = np.round((upper - lower) / cubes.size).astype(int)
-        full = np.zeros(counts, dtype=bool)
-        full[tuple(cubes.cells.T)] = cubes.share > 0.5
-        position = np.floor((own - lower) / cubes.size).astype(int)
-        there = ((position >= 0) & (position < counts)).all(axis=1)
-        there[there] = full[tuple(position[there].T)]
-        return there
+    @cached_property
+    def extent(self) -> np.ndarray:
+        """(2, 3) lowest and highest corner of the box around the hull at the beginning [m]."""
+        corners = np.array(list(product(*np.transpose(self.shape.bounds()))))
+        placed = (corners - self.centre) @ self.turn.T + self.origin
+        return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
     def carved(
         self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
@@ -61,13 +58,14 @@ class Solid:
         """(n,) which of (n, 3) positions of a lattice that fills boxes [m] make room, as many as the hull displaces,
         the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m].
         Kept in the user's cache: of all that is known before a run this takes longest."""
-        numbers = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         rules = (FINE, APART, ALIKE, PACKINGS, PUSH, GOLDEN)
-        content = self.shape.content() + repr([spacing, rules, *(array.tolist() for array in numbers)]).encode()
-        found = kept("carved", content + positions.tobytes(), lambda: self.making_room(positions, spacing, boxes))
-        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
-        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
-        return gone, moved
+        content = self.content(spacing, rules, boxes) + positions.tobytes()
+        return applied(kept("carved", content, lambda: self.making_room(positions, spacing, boxes)), positions)
+
+    def content(self, spacing: float, rules: tuple[float, ...], boxes: list[tuple[np.ndarray, np.ndarray]]) -> bytes:
+        """Bytes that differ where the room that it takes does."""
+        numbers = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
+        return self.shape.content() + repr([spacing, rules, *(array.tolist() for array in numbers)]).encode()
 
     def making_room(
         self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
@@ -90,22 +88,81 @@ class Solid:
         def off(points: np.ndarray) -> np.ndarray:
             """(m, 3) points half a spacing off the hull, where they were nearer."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
-            away = map_coordinates(values["distance"], at.T, order=1, cval=2.0 * spacing)
+            away = sampled(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normals(slopes, at, self.turn.T)
 
         free = np.flatnonzero(~gone & (distance < 2.0 * spacing))
         moved = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
         return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
+    def fitted(
+        self,
+        positions: np.ndarray,
+        beyond: np.ndarray,
+        boxes: list[tuple[np.ndarray, np.ndarray]],
+        spacing: float,
+        volume: float,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Make room for the hull's samples in a lattice of particles at rest.
+
+        (n, 3) `positions` of particles of a `volume` [m3], in 2-D [m2], that fill `boxes`, and (m, 3) points `beyond`
+        at which their lattice goes on [m]. As many make room as the hull displaces, the deepest first; those around it
+        move to where a kernel's sum over particles and samples is smallest, so that an even pressure pushes none
+        (particle packing, Colagrossi et al. 2012). Returned are (n,) which are gone, and (n, 3) where the others are.
+        """
+        rules = (FINE, ALIKE, FIT_SUPPORT, FIT_REACH, FIT_ITERATIONS, GOLDEN, volume, self.flat)
+        content = self.content(spacing, rules, boxes) + positions.tobytes() + beyond.tobytes()
+        return applied(
+            kept("fitted", content, lambda: self.fitting(positions, beyond, boxes, spacing, volume)), positions
+        )
+
+    def fitting(
+        self,
+        positions: np.ndarray,
+        beyond: np.ndarray,
+        boxes: list[tuple[np.ndarray, np.ndarray]],
+        spacing: float,
+        volume: float,
+    ) -> dict[str, np.ndarray]:
+        """Numbers of the positions that are gone, and of those near, which are moved."""
+        points, water = np.concatenate([positions, beyond]), np.arange(len(positions) + len(beyond)) < len(positions)
+        own = (points - self.origin) @ self.turn + self.centre
+        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        if self.flat:
+            own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
+        distance = sampled(values["distance"], (own - first) / step, 2.0 * spacing)
+        order = np.lexsort((np.arange(len(points)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
+        wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
+        gone = np.zeros(len(points), dtype=bool)
+        for there, count in ((water, wet), (~water, whole - wet)):
+            gone[order[there[order]][: round(count)]] = True
+        at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
+        hull = np.concatenate([at @ self.turn.T + self.origin, (volumes / volume)[:, None]], axis=1)
+        near = within(points, hull[:, :3], FIT_REACH * spacing)
+        free, rest = near & ~gone, within(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
+        if (free & water).any():
+            fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
+            points[free] = evened(points[free], fixed, spacing, 2 if self.flat else 3)
+        moved = np.flatnonzero(free & water)
+        return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
+
     def displaced(self, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]) -> float:
-        """Volume of the hull inside boxes [m3]."""
+        """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / FINE, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
-        found = 0.0
+        found, across = 0.0, [0] if self.flat else [0, 2]
         for low, up in boxes:
-            within = ((positions >= low) & (positions < up))[:, [0, 2]].all(axis=1) & (positions[:, 1] > low[1])
+            within = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1])
+            within &= self.cut(cubes)
             found += float((cubes.share * within * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
-        return found * float(cubes.size.prod())
+        return found * float(cubes.size[: 2 if self.flat else 3].prod())
+
+    def cut(self, cubes: Voxels) -> np.ndarray:
+        """(n,) cubes that the water meets: all, in 2-D those amidships."""
+        if not self.flat:
+            return np.ones(len(cubes.share), dtype=bool)
+        lower, upper = self.shape.bounds()
+        return np.asarray(cubes.cells[:, 2] == np.round((upper - lower) / cubes.size).astype(int)[2] // 2)
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
@@ -113,11 +170,11 @@ class Solid:
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
-        lower, upper = self.shape.bounds()
-        where, position, volume = cubes.cells, cubes.centre - self.centre, cubes.share * cubes.size.prod()
+        met = self.cut(cubes)
+        where, position = cubes.cells[met], (cubes.centre - self.centre)[met]
+        volume = cubes.share[met] * cubes.size[: 2 if self.flat else 3].prod()
         if self.flat:
-            middle = where[:, 2] == np.round((upper - lower) / cubes.size).astype(int)[2] // 2
-            where, position, volume = where[middle], position[middle] * [1.0, 1.0, 0.0], volume[middle] / cubes.size[2]
+            position[:, 2] = 0.0
         full = np.zeros(where.max(axis=0) + 3, dtype=bool)
         full[tuple(where.T + 1)] = True
         if self.flat:
@@ -128,6 +185,13 @@ class Solid:
         at, slopes = (position[sampled] + self.centre - first) / step, np.gradient(values["distance"], *step)
         across = np.diag([1.0, 1.0, 0.0 if self.flat else 1.0])
         return position[sampled], volume[sampled], normals(slopes, at, across)
+
+
+def applied(found: dict[str, np.ndarray], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) which of (n, 3) positions are gone, and (n, 3) where they are once those near are moved [m]."""
+    gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
+    gone[found["gone"]], moved[found["near"]] = True, found["moved"]
+    return gone, moved
 
 
 def normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
@@ -164,3 +228,54 @@ def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[
         np.add.at(moved, j, -push)
         whole[:m] = np.clip(off(whole[:m] + moved[:m]), lowest, highest)
     return whole[:m]
+
+
+def sampled(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
+    """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond it."""
+    from scipy.ndimage import map_coordinates
+
+    return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))
+
+
+def within(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
+    """(n,) which of (n, 3) points are nearer than `reach` to one of (m, 3) others [m]."""
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(others).query(points, distance_upper_bound=reach)[0] < reach)
+
+
+def evened(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
+    """(n, 3) positions near `free` at which Wendland's kernel (C2), summed over all pairs, is smallest; (m, 4) `fixed`
+    are positions of what stays, and for how many points each counts."""
+    from scipy.optimize import minimize
+    from scipy.spatial import cKDTree
+
+    n, tree = len(free), cKDTree(fixed[:, :3])
+
+    def summed(flat: np.ndarray) -> tuple[float, np.ndarray]:
+        """Sum, and its gradient by the n * dimension coordinates, in spacings."""
+        points = free.copy()
+        points[:, :dimension] = spacing * flat.reshape(n, dimension)
+        moving = cKDTree(points)
+        pairs = moving.query_pairs(FIT_SUPPORT * spacing, output_type="ndarray")
+        met = moving.sparse_distance_matrix(tree, FIT_SUPPORT * spacing, output_type="ndarray")
+        total, slope = 0.0, np.zeros((n, dimension))
+        for i, j, others, weight, back in (
+            (pairs[:, 0], pairs[:, 1], points, 1.0, True),
+            (met["i"], met["j"], fixed[:, :3], fixed[met["j"], 3], False),
+        ):
+            apart = (points[i] - others[j])[:, :dimension] / spacing
+            q = np.minimum(np.linalg.norm(apart, axis=1) / FIT_SUPPORT, 1.0)
+            total += float((weight * (1.0 - q) ** 4 * (1.0 + 4.0 * q)).sum())
+            rise = (-20.0 / FIT_SUPPORT**2 * weight * (1.0 - q) ** 3)[:, None] * apart
+            for k in range(dimension):
+                slope[:, k] += np.bincount(i, rise[:, k], n)
+                if back:
+                    slope[:, k] -= np.bincount(j, rise[:, k], n)
+        return total, slope.ravel()
+
+    start = (free[:, :dimension] / spacing).ravel()
+    found = minimize(summed, start, jac=True, method="L-BFGS-B", options={"maxiter": FIT_ITERATIONS})
+    moved = free.copy()
+    moved[:, :dimension] = spacing * found.x.reshape(n, dimension)
+    return moved

@@ -153,8 +153,8 @@ class ClosedMesh:
         ]
         if kb < UPRIGHT_BUOYANCY * draught and len(self.remarks) == len(self.skins):  # and no open shell
             odd.append(
-                f"she becomes narrower from the keel to the waterline (KB is {kb / draught:.3f} of the draught): is she "
-                f"upside down? --up {Axis(self.guess.up.number, -self.guess.up.sense)} turns her over"
+                f"she becomes narrower from the keel to the waterline (KB is {kb / draught:.3f} of the draught): is "
+                f"she upside down? --up {Axis(self.guess.up.number, -self.guess.up.sense)} turns her over"
             )
         return [f"unlike a ship: {'; '.join(odd)}; --up, --bow and --scale say how the file is meant"] if odd else []
 
@@ -181,9 +181,9 @@ class ClosedMesh:
             return []
         share = self.volume / float(np.prod(self.size))
         return [
-            f"an open shell: {self.volume:.3g} m3 fill {share:.0%} of their box, and {room.sum():.3g} m3 inside are open at "
-            f"the top, from {np.argmax(room > 0.0) * tall:.2g} m over the keel: nobody can know whether they stay dry; water "
-            "counts there as high as outside; close the hull by a deck if they do"
+            f"an open shell: {self.volume:.3g} m3 fill {share:.0%} of their box, and {room.sum():.3g} m3 inside are "
+            "open at the top: nobody can know whether they stay dry; water counts there as high as outside; close the "
+            "hull by a deck if they do"
         ]
 
 
@@ -294,8 +294,8 @@ def signed_volumes(triangles: np.ndarray) -> np.ndarray:
 
 
 def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Faces of which each closed skin looks outwards, and sentences on skins that looked the other way than the largest,
-    and on several."""
+    """Faces of which each closed skin looks outwards, and sentences on several skins and on those that did not look the
+    way of the largest."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -310,8 +310,8 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
         if all(is_inside(others, point) for point in own[:: -(-len(own) // MAX_PROBES)]):
             share = abs(volumes[k]) / np.abs(volumes).max()
             found.append(
-                f"a closed skin around {middle} inside the hull faces inwards: a void, {share:.2g} of the hull, that stays "
-                "dry and displaces water as the hull does"
+                f"a closed skin around {middle} inside the hull faces inwards: a void, {share:.2g} of the hull, that "
+                "stays dry and displaces water as the hull does"
             )
         else:
             found.append(f"a closed skin around {middle} faces inwards beside others; it is turned and counts as hull")

@@ -19,7 +19,7 @@ MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be draw
 MAX_UNITS = 1.0e30  # of a coordinate, whose powers stay finite
 ROUNDING = 1.0e-9  # of a mesh's size, volume or area
 MAX_PAIRS = 1_000_000  # of a face and a line that are looked at together
-PANELS, GAUSS_POINTS = 32, 3  # across and along a hull, where its volume is summed over columns
+PANELS, GAUSS_POINTS = 64, 2  # across and along a hull, where its volume is summed over columns
 LEVELS = 32  # at which the room that is open at the top is looked for
 OPEN_SHARE = 0.1  # of the volume: room that is open at the top, from which on it is told
 SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = (1.2, 30.0), (0.7, 30.0), (0.04, 0.96)
@@ -355,7 +355,8 @@ def guessed(vertices: np.ndarray, faces: np.ndarray, scale: float | None, up: st
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions and weights that sum over an axis, between the corners of a mesh (at most PANELS of them) [m]."""
     breaks = np.unique(corners)
-    breaks = breaks[np.unique(np.linspace(0, len(breaks) - 1, min(len(breaks), PANELS + 1)).round().astype(int))]
+    even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], PANELS + 1))
+    breaks = breaks if len(breaks) <= PANELS else breaks[np.unique(even)]
     parts = -(-PANELS // (len(breaks) - 1))
     breaks = np.interp(np.arange(parts * (len(breaks) - 1) + 1) / parts, np.arange(len(breaks)), breaks)
     points, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)

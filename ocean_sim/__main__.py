@@ -11,7 +11,7 @@ try:
 
     import typer
 
-    from ocean_sim.conventions import Failed, Refused, in_words
+    from ocean_sim.conventions import AxisName, Failed, Refused, in_words
     from ocean_sim.files.input_file import shown
     from ocean_sim.files.whole_file import whole
     from ocean_sim.machine import extra_missing, extra_of, stoppable
@@ -326,6 +326,16 @@ def hull(
         float | None, typer.Option(min=0.001, help="Depth of the water [m]: also print squat over speed.")
     ] = None,
     cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Number of cubes over the draught.")] = 16.0,
+    up: Annotated[
+        AxisName | None, typer.Option(help="Axis of a mesh file that points up, -z where z points down; else guessed.")
+    ] = None,
+    bow: Annotated[
+        AxisName | None, typer.Option(help="Axis of a mesh file that points to the bow; by default the longest.")
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
     ] = None,
@@ -343,7 +353,7 @@ def hull(
     if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
         raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
     plates = None if keels is None else (keels[0], keels[1])
-    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth)
+    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth, up, bow, scale)
     return hull(name, asked, loading, ship, out, json)
 
 

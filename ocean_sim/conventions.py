@@ -68,6 +68,7 @@ class Setting(NamedTuple):
 
 
 Frame = Literal["ship", "ned", "flu"]
+AxisName = Literal["x", "y", "z", "-x", "-y", "-z"]  # of a file, with its sign
 
 # Rows: the axes of a frame in ours (X to port, Y up, Z to the bow). All are right-handed, so what turns maps alike.
 FRAMES = {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY, WATER_DENSITY, figures
+from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
 from ocean_sim.files.whole_file import whole
 from ocean_sim.verbs.shared import console
 
@@ -35,12 +35,15 @@ class Asked(NamedTuple):
     cross: bool = False  # cross curves, too
     bilge_keels: tuple[float, float] | None = None  # length and breadth of each [m]
     depth: float | None = None  # of the water, for squat [m]
+    up: AxisName | None = None  # axis of a mesh file that points up
+    bow: AxisName | None = None  # axis of a mesh file that points to the bow
+    scale: float | None = None  # metres per unit of a mesh file
 
     def agree(self, loading: Path | None) -> None:
         """Raises Refused where an option is no finite number, or two of them, or one and a loading condition, say the
         same."""
         for name, value in self._asdict().items():
-            if not np.isfinite([] if value is None else value).all():
+            if name not in ("up", "bow") and not np.isfinite([] if value is None else value).all():
                 raise console.Refused(f"--{name.replace('_', '-')}: expected finite numbers")
         weighs = {"--loading": loading, "--mass": self.mass, "--draught": self.draught}
         centred = {"--loading": loading, "--kg": self.kg, "--cg": self.cg}
@@ -60,7 +63,7 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
         raise console.Refused(f"--out: {out} is no picture's name: end it in {', '.join(DRAWN[:-1])} or {DRAWN[-1]}")
     condition = None if loading is None else condition_of(loading)
     try:
-        shape, density, keels = found_hull(name, ship)
+        shape, density, keels = found_hull(name, ship, asked)
         asked = asked._replace(density=asked.density or density, bilge_keels=asked.bilge_keels or keels)
         found, notes = report(shape, asked, condition)
     except ValueError as error:
@@ -81,7 +84,7 @@ def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: P
     return 0
 
 
-def found_hull(name: str, ship: str | None) -> "tuple[Hull, float, tuple[float, float] | None]":
+def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
     """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, the density of
     its water [kg/m3], and length and breadth of its bilge keels [m]; raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
@@ -90,8 +93,13 @@ def found_hull(name: str, ship: str | None) -> "tuple[Hull, float, tuple[float, 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
-    if name in named("hull") or Path(name).suffix.lower() in MESHES:
-        return hull_of(name), WATER_DENSITY, None
+    axes = {"up": asked.up, "bow": asked.bow, "scale": asked.scale}
+    is_file = Path(name).suffix.lower() in MESHES
+    given = [f"--{key}" for key, value in axes.items() if value is not None]
+    if given and not is_file:
+        raise console.Refused(f"{', '.join(given)} say how a mesh file is read, and {name} is none")
+    if name in named("hull") or is_file:
+        return hull_of(name, asked.up, asked.bow, asked.scale), WATER_DENSITY, None
     from ocean_sim.reading.scene import load, packaged_scenes
     from ocean_sim.reading.translation import likeliest
     from ocean_sim.ship.shared.floating import FloatingConfig
@@ -186,19 +194,15 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """What `hull` answers, and sentences for people."""
     from ocean_sim.ship.shared.hull import ENOUGH
-    from ocean_sim.ship.shared.shapes import MeshFile
     from ocean_sim.ship.shared.stability import Stability
+    from ocean_sim.ship.shared.voxels import MISSED_SHARE
     from ocean_sim.ship.shared.waterplane import metacentric_heights
 
     notes: list[str] = []
     problems: list[str] = []
-    solid = None
-    if isinstance(shape.shape, MeshFile):
-        solid = shape.shape.closed()
-        from ocean_sim.ship.shared.mesh import guessed, read
-
-        guess = guessed(read(Path(shape.shape.file)), shape.shape)
-        notes.append(f"watertight, {len(solid.faces)} faces; {guess.sentence()}")
+    solid = shape.shape.closed()
+    if solid is not None:
+        notes += [solid.sentence(), *solid.remarks]
     whole = loaded(shape, asked, condition, notes)
     afloat = whole.afloat(asked.cells, density_of(asked), GRAVITY)
     notes += outlying(shape, afloat, condition)
@@ -206,18 +210,19 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
         notes.append(f"{len(cubes.share)} cubes of {cubes.size[1]:.3g} m differ from the mesh's volume by {off:+.2%}")
-        if abs(off) > 0.02:
+        if abs(off) > MISSED_SHARE:
             problems.append(f"cubes of {cubes.size[1]:.3g} m miss the mesh's volume by {off:+.1%}; take more --cells")
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
         problems.append(f"{figures(weight)} kg is more than {figures(cubes.volume)} m3 can carry: it sinks")
-        return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "problems": problems}, notes
+        return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "notes": notes, "problems": problems}, notes
     resolved = afloat.draught / float(cubes.size[1])
     if resolved < 0.9 * asked.cells:
         most = f"no more than {ENOUGH:g} cubes are made"
         notes.append(f"{resolved:.3g} cubes over the draught, not {asked.cells:g}: {most}")
     if condition is not None:
         afloat = replace(afloat, lost=condition.lost)
+    notes += [] if solid is None else solid.unlike_a_ship(afloat.draught, afloat.kb)
     stability = Stability(afloat, None if condition is None else condition.openings)
     heights = metacentric_heights(shape.shape, afloat)
     if heights is not None:

@@ -13,7 +13,7 @@ def drawn(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     shape the convex hull of its sections."""
     mesh = shape.closed()
     if mesh is not None:
-        return np.array(mesh.vertices), np.array(mesh.faces)
+        return mesh.vertices, mesh.faces
     found = kept("drawn", content(shape), lambda: spanned(shape))
     return found["vertices"], found["triangles"]
 

@@ -266,9 +266,13 @@ class FloatingConfig(VesselConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        mesh = self.whole_hull.shape.closed()
+        remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
+        if mesh is not None and not isinf(hull.draught):
+            remarks += mesh.unlike_a_ship(hull.draught, hull.kb)
         if isinf(hull.draught):
-            return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+            return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
+        found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"

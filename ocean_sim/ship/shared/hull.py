@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, ValidationError
 
+from ocean_sim.conventions import AxisName
 from ocean_sim.files import yaml_file
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import library, named
@@ -15,6 +16,7 @@ from ocean_sim.ship.shared.shapes import MeshFile, Shape
 from ocean_sim.ship.shared.voxels import FLAT, Voxels, voxels
 
 OF_MOTIONS = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
+CUBES_ACROSS = 8.0  # across a hull that is narrower than its draught, at least
 COARSE = 16  # cubes over the height of a hull whose draught is not known yet
 ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
 MESHES = (".stl", ".obj", ".ply")
@@ -55,12 +57,17 @@ class Hull(Model):
     def afloat(self, cells: float, density: float, gravity: float) -> Hydrostatics:
         """The hull in still water, with so many cubes over its draught; raises ValueError."""
         lower, upper = self.shape.bounds()
-        height, least = float(upper[1] - lower[1]), self.finest
-        flat = FLAT if cells <= OF_MOTIONS else 1.0
+        breadth, height, length = (upper - lower).tolist()
+        least, flat = self.finest, FLAT if cells <= OF_MOTIONS else 1.0
+        mesh = self.shape.closed()
         rough = self.floating(height / COARSE, density, gravity)
         draught = rough.draught
         if isinf(draught):
             draught = height
+        if draught > min(breadth, length):  # slender and upright
+            cells = max(cells, draught / min(breadth, length) * CUBES_ACROSS)
+        if mesh is not None and mesh.thickness < draught / cells:
+            return self.floating(least, density, gravity, 1.0)
         fine = self.floating(max(draught / cells, least), density, gravity, flat)
         if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
             return fine
@@ -78,13 +85,14 @@ class Hull(Model):
         return Hydrostatics(cubes, self.matter(cubes), density, gravity)
 
 
-def hull_of(name: str) -> Hull:
-    """The hull of a name in configs/hull/, or in a mesh file; raises ValueError."""
+def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
+    """The hull of a name in configs/hull/, or in a mesh file, read with these axes and metres per unit where they are
+    given; raises ValueError."""
     if name in named("hull"):
         data = yaml_file.read(library("configs") / "hull" / f"{name}.yaml").plain()
         return Hull.model_validate(data)
     if Path(name).suffix.lower() in MESHES:
-        return Hull(shape=MeshFile(kind="mesh", file=name))
+        return Hull(shape=MeshFile(kind="mesh", file=name, up=up, bow=bow, scale=scale))
     raise ValueError(
         f"there is no hull {name!r}, and it is not a {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
     )

@@ -1,13 +1,15 @@
 """Shapes of hulls. Axes of a hull: x to port, y up from the keel, z to the bow, origin amidships at the keel."""
 
 from abc import abstractmethod
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from ocean_sim.conventions import AxisName
 from ocean_sim.files.input_file import FileName, content
 from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.ship.shared.mesh import ClosedMesh, from_file
 
 Box3 = tuple[np.ndarray, np.ndarray]
 
@@ -34,8 +36,12 @@ class HullShape(Model):
         """(n, 3) points [m] whose convex hull it is; None where sections of it must be found."""
         return None
 
-    def closed(self) -> Any:
-        """The mesh in the hull's axes (trimesh); raises BadMesh. None where it is none."""
+    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """(len(x), len(y), len(z)) which points of a lattice [m] lie inside."""
+        return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
+
+    def closed(self) -> ClosedMesh | None:
+        """The mesh in the hull's axes; raises BadMesh. None where it is none."""
         return None
 
 
@@ -140,11 +146,26 @@ class Outline(HullShape):
     def inside(self, x: np.ndarray) -> np.ndarray:
         from scipy.spatial import ConvexHull
 
-        planes = ConvexHull(self.vertices()).equations
         within = np.ones(x.shape[:-1], dtype=bool)
-        for plane in planes:
+        for plane in ConvexHull(self.vertices()).equations:
             within &= x @ plane[:3] + plane[3] <= 1e-9
         return within
+
+    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """As `inside`, by the part of each column along y between the planes."""
+        from scipy.spatial import ConvexHull
+
+        low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
+        for across, up, along, offset in ConvexHull(self.vertices()).equations:
+            room = 1e-9 - offset - across * x[:, None] - along * z
+            if up > 0.0:
+                high = np.minimum(high, room / up)
+            elif up < 0.0:
+                low = np.maximum(low, room / up)
+            else:
+                high[room < 0.0] = -np.inf
+        heights = y[:, None]
+        return (heights >= low[:, None]) & (heights <= high[:, None])
 
 
 class MeshFile(HullShape):
@@ -156,22 +177,19 @@ class MeshFile(HullShape):
     """Path of the file."""
     scale: float | None = quantity("1", None, gt=0.0)
     """Metres per unit of the file; null guesses metres or millimetres from its size."""
-    up: Literal["x", "y", "z"] | None = None
-    """The file's axis that points up; null guesses."""
-    bow: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None
+    up: AxisName | None = None
+    """The file's axis that points up, -z where z points down; null guesses."""
+    bow: AxisName | None = None
     """The file's axis that points to the bow; null takes the longest."""
 
     def content(self) -> bytes:
         return super().content() + content(self.file)
 
-    def closed(self) -> Any:
-        from ocean_sim.ship.shared.mesh import closed_mesh
-
-        return closed_mesh(self)
+    def closed(self) -> ClosedMesh:
+        return from_file(self.file, self.scale, self.up, self.bow)
 
     def bounds(self) -> Box3:
-        lower, upper = self.closed().bounds
-        return np.array(lower), np.array(upper)
+        return self.closed().bounds
 
 
 Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(discriminator="kind")]

@@ -201,6 +201,8 @@ class Stability:
         if not len(righted):
             return None
         low, high = self.heels[righted[0] : righted[0] + 2].tolist()
+        if low == 0.0 and self.lever(high / 2**HALVED) > 0.0:  # the last heel that halving would ask for
+            return low
         for _ in range(HALVED):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self.lever(middle) > 0.0 else (middle, high)

@@ -12,9 +12,12 @@ import numpy as np
 
 from ocean_sim.files.cache_file import kept
 from ocean_sim.ship.shared import plain
+from ocean_sim.ship.shared.mesh import column_shares
 from ocean_sim.ship.shared.shapes import HullShape
 
 SAMPLES = 4  # along each edge of a cube
+MAX_SAMPLES = 16  # across and along a cube of a mesh that fewer miss
+MISSED_SHARE = 0.02  # of the volume of a mesh
 MOST = 4_000_000  # cubes
 FLAT = 3.0  # the most that a cube is longer and broader than tall
 ENOUGH = np.array([14, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
@@ -87,28 +90,39 @@ def voxels(shape: HullShape, side: float, flat: float = FLAT) -> Voxels:
             f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
             f"{counts.prod():.3g} of them (at most {MOST:g}); take fewer cells_per_draught"
         )
-    content = shape.content() + f"{counts.tolist()} {SAMPLES}".encode()
-    arrays = kept("hulls", content, lambda: sampled(shape, counts, lower, upper))
-    return Voxels(lower, (upper - lower) / counts, arrays["centre"], arrays["share"], arrays["area"])
-
-
-def sampled(shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> dict[str, np.ndarray]:
-    """Share, centre and outward area of the cubes that hold something."""
+    content = shape.content() + f"{counts.tolist()} {SAMPLES} {MAX_SAMPLES} {MISSED_SHARE}".encode()
     size = (upper - lower) / counts
-    axes = [lower[a] + size[a] * (np.arange(counts[a] * SAMPLES) + 0.5) / SAMPLES for a in range(3)]
+
+    def made() -> dict[str, np.ndarray]:
+        mesh, samples = shape.closed(), SAMPLES
+        while True:
+            arrays = sampled(shape, counts, lower, upper, samples)
+            off = 0.0 if mesh is None else arrays["share"].sum() * size.prod() / mesh.volume - 1.0
+            if abs(off) <= MISSED_SHARE or samples == MAX_SAMPLES:
+                return arrays
+            samples *= 2
+
+    arrays = kept("hulls", content, made)
+    return Voxels(lower, size, arrays["centre"], arrays["share"], arrays["area"])
+
+
+def sampled(
+    shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
+) -> dict[str, np.ndarray]:
+    """Share, centre and outward area of the cubes that hold something, by so many columns along x and z of each."""
+    size = (upper - lower) / counts
+    per_cube = (samples, SAMPLES, samples)
+    axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]
     share, centre = np.zeros(counts), np.zeros((*counts, 3))
     mesh = shape.closed()
     for k in range(counts[2]):
-        z = axes[2][k * SAMPLES : (k + 1) * SAMPLES]
+        z = axes[2][k * samples : (k + 1) * samples]
         if mesh is None:
-            points = np.stack(np.meshgrid(axes[0], axes[1], z, indexing="ij"), axis=-1)
-            inside = shape.inside(points).astype(float)
+            inside = shape.filled(axes[0], axes[1], z).astype(float)
         else:
-            from ocean_sim.ship.shared.mesh import column_shares
-
             edges = lower[1] + size[1] * np.arange(counts[1] * SAMPLES + 1) / SAMPLES
-            inside = column_shares(mesh, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
-        blocks = inside.reshape(counts[0], SAMPLES, counts[1], SAMPLES, 1, SAMPLES)
+            inside = column_shares(mesh.triangles, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
+        blocks = inside.reshape(counts[0], samples, counts[1], SAMPLES, 1, samples)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
         for a, along in enumerate((axes[0], axes[1], z)):
             position = along.reshape([-1 if a == 0 else 1, -1 if a == 1 else 1, -1 if a == 2 else 1])

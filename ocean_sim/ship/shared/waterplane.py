@@ -5,16 +5,17 @@ wet faces with the other sign; with heights from the waterplane, volume and its 
 y^2 n_y / 2 (Gauss).
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.mesh import ClosedMesh, gauss_points, stretches
 from ocean_sim.ship.shared.shapes import HullShape
 
-HALVED = 60  # times that the height of the water is looked for
+MAX_STEPS = 60  # to the height of the water, by Newton's method between bounds
+ROUNDING = 1e-13  # of that height, or of the volume
 
 
 class Wet(NamedTuple):
@@ -32,14 +33,23 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
     if shape.rounded:
         return None
     vertices, triangles = drawn(shape)
-    faces = vertices[triangles]
+    faces, mesh = vertices[triangles], shape.closed()
+    overlapping = mesh if mesh is not None and mesh.overlaps else None
+
+    def wet_under(level: float) -> Wet:
+        return under(faces, level) if overlapping is None else columns_under(overlapping, level)
+
     low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
-    if still.wanted >= under(faces, high).volume:
+    if still.wanted >= wet_under(high).volume:
         return None
-    for _ in range(HALVED):
-        level = 0.5 * (low + high)
-        low, high = (level, high) if under(faces, level).volume < still.wanted else (low, level)
-    wet = under(faces, level)
+    level = 0.5 * (low + high)
+    for _ in range(MAX_STEPS):
+        wet = wet_under(level)
+        low, high = (level, high) if wet.volume < still.wanted else (low, level)
+        if high - low < ROUNDING * abs(high) or abs(wet.volume - still.wanted) < ROUNDING * still.wanted:
+            break
+        newton = level + (still.wanted - wet.volume) / wet.area if wet.area > 0.0 else low
+        level = newton if low < newton < high else 0.5 * (low + high)
     about_middle = wet.second - wet.first**2 / wet.area
     km = level + (wet.below + about_middle) / wet.volume
     across, along = km - still.matter.centre[1] - np.array(still.lost)
@@ -60,22 +70,28 @@ def under(faces: np.ndarray, level: float) -> Wet:
     return Wet(over(y), 0.5 * over(y * y), area, np.array(moments[:2]), np.array(moments[2:]))
 
 
+def columns_under(mesh: ClosedMesh, level: float) -> Wet:
+    """As `under`, of a mesh whose faces pass through each other, by its columns and lines across its waterplane."""
+    low, high, area = mesh.columns
+    low, high = np.minimum(low, level) - level, np.minimum(high, level) - level
+    volume, below = float(area @ (high - low)), 0.5 * float(area @ (high**2 - low**2))
+    positions, along = gauss_points(mesh.vertices[:, 2])
+    line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
+    z, dz = positions[line], along[line]
+    powers = [dz * (starboard**n - port**n) / n for n in (1, 2, 3)]
+    moments = [powers[1].sum(), z @ powers[0], powers[2].sum(), z**2 @ powers[0]]
+    return Wet(volume, below, float(powers[0].sum()), np.array(moments[:2]), np.array(moments[2:]))
+
+
 def parts(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles: what of faces (n, 3, 3) lies under y = 0."""
-    highest, lowest = faces[..., 1].max(axis=1), faces[..., 1].min(axis=1)
-    found = [faces[highest <= 0.0]]
-    for face in faces[(highest > 0.0) & (lowest < 0.0)]:
-        first, *others = below(face)
-        found.append(np.array([(first, b, c) for b, c in pairwise(others)]).reshape(-1, 3, 3))
+    """(m, 3, 3) triangles: the part of faces (n, 3, 3) under y = 0."""
+    under = faces[..., 1] <= 0.0
+    found = [faces[under.all(axis=1)]]
+    for number, alone in ((1, under), (2, ~under)):  # the corner by itself comes first, in the order of the face
+        cut = np.flatnonzero(np.count_nonzero(under, axis=1) == number)
+        first = np.argmax(alone[cut], axis=1)[:, None]
+        a, b, c = np.moveaxis(np.take_along_axis(faces[cut], ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
+        ab, ac = (a + (a[:, 1] / (a[:, 1] - end[:, 1]))[:, None] * (end - a) for end in (b, c))
+        corners = [(a, ab, ac)] if number == 1 else [(ab, b, c), (ab, c, ac)]
+        found += [np.stack(triangle, axis=1) for triangle in corners]
     return np.concatenate(found)
-
-
-def below(face: np.ndarray) -> list[np.ndarray]:
-    """Corners of the part of a triangle (3, 3) that lies under y = 0, in its order."""
-    corners = []
-    for a, b in zip(face, np.roll(face, -1, axis=0)):
-        if a[1] <= 0.0:
-            corners.append(a)
-        if min(a[1], b[1]) < 0.0 < max(a[1], b[1]):
-            corners.append(a + a[1] / (a[1] - b[1]) * (b - a))
-    return corners

@@ -137,6 +137,25 @@ def test_what_one_motion_does_to_another_comes_back_out_of_the_memory():
     assert alone == {(0, 5), (5, 0), (2, 3), (3, 2)}
 
 
+@pytest.mark.parametrize("free", [["roll"], ["sway", "roll"]])
+def test_a_motion_that_is_held_takes_no_part_in_the_acceleration_of_another(free):
+    """Heeled by 2 degrees and let go: roll alone turns by its torque over I + A66, beside a sway that is free by
+    (M + A)^-1 of both."""
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "free": free}
+    scene = at_sea(ship | {"attitude_deg": [0.0, 0.0, 2.0]}, 20.0, 0.001)
+    with Simulation(load(scene | {"frames": None, "render": None, "motion": None})) as simulation:
+        barge = floating(simulation)
+        barge.between *= 10.0  # of a hull whose shape does so; of a barge it is next to nothing
+        added, between, mass = barge.added, barge.between, barge.body.mass
+        simulation.step()
+        parts = barge.last.parts.sum(axis=0) - barge.last.parts[list(barge.parts).index("damping")]
+    whole = np.array([[mass + added[0], between[0, 5]], [between[5, 0], barge.body.inertia_body[2, 2] + added[5]]])
+    push = np.array([0.0, parts[1, 2]])
+    right = push[1] / whole[1, 1] if free == ["roll"] else np.linalg.solve(whole, push)[1]
+    assert barge.turning[2] == pytest.approx(right, rel=0.01)
+    assert push[1] / whole[1, 1] != pytest.approx(np.linalg.solve(whole, push)[1], rel=0.02)
+
+
 def test_a_table_in_words_gives_what_two_motions_do_to_each_other(tmp_path):
     rows = np.linspace(0.2, 4.0, 12)
     damping = np.exp(-((rows - 1.0) ** 2) * 4.0)

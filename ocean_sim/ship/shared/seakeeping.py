@@ -181,7 +181,7 @@ class SeakeepingShip(FloatingShip):
             force, torque = force + scattered[0], torque + scattered[1]
         drift, surge = self.drift(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
-        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge)
+        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge, self.free)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

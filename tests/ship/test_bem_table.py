@@ -312,7 +312,7 @@ def test_a_pair_may_be_named_either_way_round_and_both_have_to_agree(tmp_path):
     np.testing.assert_array_equal(one.added, other.added)
     np.testing.assert_array_equal(one.damping, other.damping)
     assert one.added[0, 1, 0] == one.added[1, 0, 0] == -1.0e5
-    for wrong in ({key: -value for key, value in turned.items()}, {key: 0.0 for key in turned}):
+    for wrong in ({key: -value for key, value in turned.items()}, dict.fromkeys(turned, 0.0)):
         with pytest.raises(ValueError, match="equal by reciprocity, and differs by"):
             bem_table(of_motions(tmp_path, SWAY | ROLL | TIED | wrong))
 

@@ -1,5 +1,6 @@
 """A ship that turns, drifts and rolls as one: lift and Munk's moment, heel in a turn, waves from abeam, added mass."""
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -107,5 +108,5 @@ def test_the_otter_takes_steps_of_second_order_from_any_start():
                 for _ in range(round(8.0 / dt)):
                     simulation.step()
                 ends.append(simulation.ships["ship"].body.position)
-        first, second = (float(np.linalg.norm(a - b)) for a, b in zip(ends, ends[1:]))
+        first, second = (float(np.linalg.norm(a - b)) for a, b in pairwise(ends))
         assert 3.0 < first / second < 5.0 and second < 3e-3

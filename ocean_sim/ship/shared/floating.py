@@ -25,7 +25,7 @@ from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
 from ocean_sim.ship.shared.outline import outline
-from ocean_sim.ship.shared.propulsion import Autopilot, Propeller, Rudder
+from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder, Track
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.squat import squat
@@ -283,6 +283,13 @@ class FloatingConfig(VesselConfig):
         if isinf(hull.draught):
             return [f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+        orders = (
+            np.abs(Crew(self.controls).orders).max(axis=0) if isinstance(self.controls, list | Track) else (1.0, 0.0)
+        )
+        for order, part, moved in zip(("throttle", "rudder"), (self.propeller, self.rudder), orders):
+            if moved and part is None and self.controls != []:
+                lacks = "propeller" if order == "throttle" else "rudder"
+                found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"

@@ -141,7 +141,8 @@ class SeakeepingConfig(FloatingConfig):
             force = table.scattering.scattered.force
             mute = [name for name in names if not force[Motions._fields.index(name)].any()]
             if mute:
-                yield f"the table has scattered waves, but not what they do in {', '.join(mute)}: no wave moves her there"
+                them = ", ".join(mute)
+                yield f"the table has scattered waves, but not what they do in {them}: no wave moves her there"
             headings = table.scattering.scattered.headings
             if len(headings) == 1:
                 only = f"waves that go to {headings[0]:g} degrees from her heading"

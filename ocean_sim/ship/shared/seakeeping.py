@@ -91,19 +91,15 @@ class SeakeepingConfig(FloatingConfig):
         radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
         return Resistance(self.damping, still, self.moved_at_once(still), radiated)
 
-    def problems(self, preflight: Preflight) -> Problems:
-        found = super().problems(preflight)
-        if not found and self.table is not None:
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found = super().mismatches(preflight)
+        if self.table is not None:
             still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
             for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
                 if mass + water <= 0.0:
                     sentence = f"water of {water:.3g} in {motion} leaves her less than no mass, she has {mass:.3g}"
                     found.append((("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"))
-        return found
-
-    def mismatches(self, preflight: Preflight) -> Problems:
-        found = super().mismatches(preflight)
         if self.radiation is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
             found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))

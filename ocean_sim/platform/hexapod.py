@@ -48,6 +48,8 @@ class Config(PlatformConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         if not preflight.ships:
             return ["platform: there is no ship whose motion it could follow"]
+        if "platform_log" not in preflight.parts:
+            return ["platform has no effect: without `motion` and `platform_log` there is nothing that it follows"]
         found, first = self.cut_short(preflight.duration), next(iter(preflight.ships))
         if len(preflight.ships) > 1 and self.ship is None:
             found.append(f"platform: it rides in {first}, the first of the ships; platform.ship names another")

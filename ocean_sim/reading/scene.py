@@ -38,6 +38,7 @@ from ocean_sim.parts import (
 )
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
 from ocean_sim.reading.heading import Heading
+from ocean_sim.reading.idle import idle_keys
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
@@ -101,14 +102,16 @@ class SceneConfig(Heading):
         return min((part.interval(self.preflight) for part in readers), default=inf)
 
     def warnings(self) -> list[str]:
-        """The warnings of every part."""
+        """The warnings of every part, and keys that have no effect."""
         preflight = self.preflight
         found = {key: part.warnings(preflight) for key, part in self.parts().items()}
-        return [
+        told = [
             f"{key}: {sentence}" if slot_of(key) != key else sentence
             for key, sentences in found.items()
             for sentence in sentences
         ]
+        whole = {"basin": self.basin, "runtime": self.runtime} | self.parts()
+        return told + list(idle_keys(self, whole, preflight))
 
     def resolved(self) -> dict[str, Any]:
         """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the

@@ -5,7 +5,8 @@ Hydrodynamics and Motion Control, 2nd ed., Wiley; cross-flow drag by Hoerner's c
 and holds for small heel and trim.
 """
 
-from math import pi, sqrt
+from dataclasses import replace
+from math import exp, pi, sqrt
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -128,6 +129,8 @@ class Otter:
 class Manoeuvring(Vessel):
     """The Otter under way; its body is hull and payload, about their centre of mass."""
 
+    prompt: ClassVar[bool] = True
+
     def __init__(self, name: str, config: Config, basin: Basin) -> None:
         self.model = model = Otter()
         centre = from_frame("ned", model.centre)
@@ -142,8 +145,8 @@ class Manoeuvring(Vessel):
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), and the force and torque
         about the centre of mass that it amounts to: a steady current changes no acceleration in world axes."""
-        model, body, r = self.model, self.body, self.body.matrix
-        omega = body.rates
+        model, body = self.model, self.centred
+        r, omega = body.matrix, body.rates
         u, w = fluid.current
         origin = r.T @ (body.velocity - np.array([u, 0.0, w])) - np.cross(omega, self.arm)
         nu = np.concatenate([to_frame("ned", origin), to_frame("ned", omega)])
@@ -178,12 +181,24 @@ class Manoeuvring(Vessel):
         port, starboard = np.where(n > 0.0, AHEAD, ASTERN) * n * np.abs(n)
         return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, ASIDE * (port - starboard)])
 
-    def advance(self, load: Load, dt: float) -> None:
+    @property
+    def asked(self) -> np.ndarray:
+        """(2,) revolutions of port and starboard that the orders ask for [rad/s]."""
         throttle, rudder = self.orders
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / FULL, -1.0, 1.0)
-        asked = np.where(share > 0.0, FASTEST, SLOWEST) * share
-        self.revolutions = self.revolutions + (asked - self.revolutions) * min(1.0, dt / DELAY)
+        return np.where(share > 0.0, FASTEST, SLOWEST) * share
+
+    def advance(self, load: Load, dt: float) -> None:
+        """Take a step of second order: the velocities of a body are of half a step before its place, from the first
+        step on, and the propellers follow the mean of what is asked before and after."""
+        body, before, (of, *gained) = self.body, self.asked, self.gained
+        if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
+            slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0
+            momentum = body.angular_momentum - less
+            self.body = replace(body, velocity=body.velocity - slower, angular_momentum=momentum)
         super().advance(load, dt)
+        mean = (before + self.asked) / 2.0
+        self.revolutions = mean + (self.revolutions - mean) * exp(-dt / DELAY)
 
     def limits(self) -> Limits:
         return Limits(force=0.08)

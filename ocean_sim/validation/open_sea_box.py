@@ -39,6 +39,7 @@ RUN, JUDGED, STEPS = 11.0, 4.0, 240  # periods, those that are looked at, steps 
 SPEED, SETTING_OUT = -0.5, 2.0 * PERIOD  # [m/s] along x, in which it is reached [s]
 STROKE, LOOKS, WHERE = 0.02, 16, (0.5, 0.95)  # of heave [m], looks at the waves a period, [wavelengths] from it
 MOTIONS = ("heave", "pitch")
+MOVES = ("heave", "roll")  # in the axes of the ship
 WITHIN, ALIKE = 8.0, 3.0  # [%]
 
 
@@ -48,14 +49,14 @@ def problems(coarse: bool) -> list[Problem]:
 
 def afloat(name: str, speed: float) -> Problem:
     """Held in sway, or towed at a speed [m/s] along the waves, in two patches."""
-    moves = ("heave", "roll") if speed == 0.0 else ("sway", "heave", "roll")
+    moves = MOVES if speed == 0.0 else ("sway", *MOVES)
     source, within = "linear_waves, with its table", WITHIN if speed == 0.0 else None
     wanted = {motion: promise(f"{name}: {motion}", within, source) for motion in MOTIONS}
     of_larger = f", {FREE[1]:g} wavelengths free"
     alike = {motion: promise(f"{name}: {motion}{of_larger}", ALIKE, f"{FREE[0]:g} of them free") for motion in MOTIONS}
 
     def measure(simulation: Simulation) -> Finding:
-        right, small = in_closed_form(simulation, speed, moves), motions(simulation, speed)
+        right, small = in_closed_form(simulation, speed), motions(simulation, speed)
         with beside(simulation, patch(FREE[1], moves)) as larger:
             large = motions(larger, speed)
         numbers = {wanted[motion].quantity: relative(small.of[motion], right.of[motion]) for motion in MOTIONS}
@@ -208,11 +209,11 @@ def motions(simulation: Simulation, speed: float) -> Motions:
     return Motions(found, speed)
 
 
-def in_closed_form(simulation: Simulation, speed: float, moves: Sequence[str]) -> Motions:
-    """The same in `linear_waves`."""
+def in_closed_form(simulation: Simulation, speed: float) -> Motions:
+    """Motions in `linear_waves`; sway is imposed, so no acceleration of its own turns the box."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
-    scene = at_sea(box(moves) | extra, BREADTH, PERIOD / STEPS, RUN * PERIOD, **of_waves)
+    scene = at_sea(box(MOVES) | extra, BREADTH, PERIOD / STEPS, RUN * PERIOD, **of_waves)
     scene["basin"]["depth"] = DEPTH
     with beside(simulation, scene) as plain:
         return motions(plain, speed)

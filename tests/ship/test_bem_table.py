@@ -137,6 +137,25 @@ def test_what_one_motion_does_to_another_comes_back_out_of_the_memory():
     assert alone == {(0, 5), (5, 0), (2, 3), (3, 2)}
 
 
+@pytest.mark.parametrize("free", [["roll"], ["sway", "roll"]])
+def test_a_motion_that_is_held_takes_no_part_in_the_acceleration_of_another(free):
+    """Heeled by 2 degrees and let go: roll alone turns by its torque over I + A66, beside a sway that is free by
+    (M + A)^-1 of both."""
+    ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "free": free}
+    scene = at_sea(ship | {"attitude_deg": [0.0, 0.0, 2.0]}, 20.0, 0.001)
+    with Simulation(load(scene | {"frames": None, "render": None, "motion": None})) as simulation:
+        barge = floating(simulation)
+        barge.between *= 10.0  # of a hull whose shape does so; of a barge it is next to nothing
+        added, between, mass = barge.added, barge.between, barge.body.mass
+        simulation.step()
+        parts = barge.last.parts.sum(axis=0) - barge.last.parts[list(barge.parts).index("damping")]
+    whole = np.array([[mass + added[0], between[0, 5]], [between[5, 0], barge.body.inertia_body[2, 2] + added[5]]])
+    push = np.array([0.0, parts[1, 2]])
+    right = push[1] / whole[1, 1] if free == ["roll"] else np.linalg.solve(whole, push)[1]
+    assert barge.turning[2] == pytest.approx(right, rel=0.01)
+    assert push[1] / whole[1, 1] != pytest.approx(np.linalg.solve(whole, push)[1], rel=0.02)
+
+
 def test_a_table_in_words_gives_what_two_motions_do_to_each_other(tmp_path):
     rows = np.linspace(0.2, 4.0, 12)
     damping = np.exp(-((rows - 1.0) ** 2) * 4.0)
@@ -216,6 +235,7 @@ def test_a_table_of_the_same_depth_has_the_beds_part():
 
 def test_check_says_where_a_table_is_of_another_case():
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "velocity": [0.0, 0.0, 2.0]}
+    ship["damping"] = {"roll": 0.02, "surge": 900.0}
     scene = at_sea(ship, 20.0, 0.05, height=0.2, period=6.0, ramp=0.0)
     assert ["without forward speed" in said for said in load(scene).warnings()] == [True]
     scene["basin"]["depth"] = 5.0
@@ -235,3 +255,116 @@ def test_a_table_beside_particles_is_refused_and_a_wrong_fluid_told_as_such(spac
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}
     with pytest.raises(SceneError, match=words):
         load({"duration": 1.0, "basin": basin, "fluid": fluid, "surface": "cloth", "ship": ship})
+
+
+def of_motions(folder: Path, columns: dict[str, np.ndarray | float], name: str = "table") -> str:
+    """A table of added mass and damping that falls off, scaled by name of the columns."""
+    omega = np.linspace(0.2, 4.0, 20)
+    hump = np.exp(-((omega - 1.0) ** 2) * 2.0)
+    rows = {"omega_rad_s": omega}
+    for key, size in columns.items():
+        rows[key] = size * (hump if "damping" in key else np.ones_like(omega))
+    path = folder / f"{name}.csv"
+    np.savetxt(path, np.stack(list(rows.values()), axis=1), delimiter=",", header=",".join(rows), comments="")
+    return str(path)
+
+
+SWAY = {"sway_added_kg": 2.0e5, "sway_damping_kg_s": 1.0e5}
+HEAVE = {"heave_added_kg": 6.0e5, "heave_damping_kg_s": 3.0e5}
+PITCH = {"pitch_added_kg_m2": 1.3e7, "pitch_damping_kg_m2_s": 4.0e6}
+ROLL = {"roll_added_kg_m2": 1.2e6, "roll_damping_kg_m2_s": 2.0e5}
+YAW = {"yaw_added_kg_m2": 5.0e6, "yaw_damping_kg_m2_s": 2.0e6}
+SURGE = {"surge_added_kg": 5.0e4, "surge_damping_kg_s": 2.0e4}
+TIED = {"sway_roll_added_kg_m": -1.0e5, "sway_roll_damping_kg_m_s": -5.0e4}
+
+
+def said_of(folder: Path, columns: dict[str, float], hull: str = "barge20", **keys) -> str:
+    ship = {"kind": "dynamic", "hull": hull, "cells_per_draught": 4.0, "radiation": of_motions(folder, columns)}
+    ship |= {"damping": {"roll": 0.05, "surge": 500.0, "heave": 0.1, "pitch": 0.1}} | keys
+    return "\n".join(load(at_sea(ship, 20.0, 0.05)).warnings())
+
+
+@pytest.mark.parametrize(
+    "columns, hull, missing",
+    [
+        (SWAY | ROLL, "barge20", "sway_roll_added_kg_m and sway_roll_damping_kg_m_s"),
+        (SURGE | PITCH, "barge20", "surge_pitch_added_kg_m"),
+        (HEAVE | PITCH, "yacht", "heave_pitch_added_kg_m"),
+        (SWAY | YAW, "yacht", "sway_yaw_added_kg_m"),
+        (ROLL | YAW, "yacht", "yaw_roll_added_kg_m2"),
+        (HEAVE | SURGE, "yacht", "heave_surge_added_kg"),
+        (HEAVE | PITCH, "barge20", ""),  # alike at both ends: nothing there
+        (SWAY | ROLL | TIED, "barge20", ""),
+        (HEAVE | ROLL, "yacht", ""),  # alike on both sides
+    ],
+)
+def test_motions_of_a_table_that_do_nothing_to_each_other_are_said(tmp_path, columns, hull, missing):
+    said = said_of(tmp_path, columns, hull)
+    assert (missing in said) if missing else ("do to each other" not in said)
+    assert "do to each other" not in said_of(
+        tmp_path, columns, hull, free=["heave", "sway"]
+    )  # of motions that are held
+
+
+def test_a_pair_may_be_named_either_way_round_and_both_have_to_agree(tmp_path):
+    turned = {key.replace("sway_roll", "roll_sway"): value for key, value in TIED.items()}
+    one, other = (bem_table(of_motions(tmp_path, SWAY | ROLL | pair)) for pair in (TIED, turned))
+    np.testing.assert_array_equal(one.added, other.added)
+    np.testing.assert_array_equal(one.damping, other.damping)
+    assert one.added[0, 1, 0] == one.added[1, 0, 0] == -1.0e5
+    for wrong in ({key: -value for key, value in turned.items()}, dict.fromkeys(turned, 0.0)):
+        with pytest.raises(ValueError, match="equal by reciprocity, and differs by"):
+            bem_table(of_motions(tmp_path, SWAY | ROLL | TIED | wrong))
+
+
+@pytest.mark.parametrize(
+    "more, sentence",
+    [
+        ({"sway_roll_added_kg": 1.0}, "nothing reads the column sway_roll_added_kg"),
+        ({"heave_damping_N_s_m": 1.0}, "nothing reads the column heave_damping_N_s_m"),
+        ({"sway_scattered_90_re": 1.0}, "has no column sway_scattered_90_im"),
+        ({"sway_roll_added_kg_m": 1.0}, "has no column sway_roll_damping_kg_m_s"),
+    ],
+)
+def test_no_column_of_a_motion_is_dropped_without_a_word(tmp_path, more, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        bem_table(of_motions(tmp_path, SWAY | ROLL | HEAVE | more))
+
+
+@pytest.mark.parametrize(
+    "columns, keys, sentence",
+    [
+        (ROLL, {"damping": {"roll": 0.0}}, "roll is damped by the waves of the table alone"),
+        (ROLL, {"damping": {}}, "damping.ikeda: {} adds both by her form"),
+        (HEAVE, {"damping": {"roll": 0.0}}, "roll is damped by the drag of what crosses her alone"),
+        (HEAVE, {"damping": {"pitch": 0.0}}, "nothing damps pitch; damping.pitch does"),
+        (SURGE, {"damping": {}}, "nothing but waves, which a steady speed does not make, holds her back in surge"),
+        (HEAVE, {"damping": {"cross_flow": 0.0}}, "a steady drift in sway and yaw meets no drag"),
+        (HEAVE | {"heave_added_kg": 5.0e8}, {}, "the natural period of heave"),
+        (ROLL | {"roll_added_kg_m2": -2.0e5}, {}, "the added mass of quick motions (roll"),
+        (SWAY | ROLL | {"sway_roll_added_kg_m": 0.0, "sway_roll_damping_kg_m_s": 9.0e5}, {}, "would give energy at"),
+        (
+            SWAY | ROLL | {f"sway_scattered_90_{part}": 1.0 for part in ("re", "im")},
+            {},
+            "not what they do in roll: no wave moves her there",
+        ),
+        (ROLL | {f"roll_scattered_90_{part}": 1.0 for part in ("re", "im")}, {}, "are taken for those of any waves"),
+    ],
+)
+def test_what_a_table_leaves_without_damping_mass_or_push_is_said(tmp_path, columns, keys, sentence):
+    assert sentence in said_of(tmp_path, columns, **keys)
+    held = {"free": ["heave"] if "heave" not in sentence and "heave_added_kg" not in columns else ["sway"]}
+    if "energy" not in sentence and "quick" not in sentence and "any waves" not in sentence:
+        assert sentence not in said_of(tmp_path, columns, **keys, **held)
+
+
+def test_a_ship_whose_damping_is_complete_is_left_alone(tmp_path):
+    said = said_of(tmp_path, SWAY | ROLL | TIED)
+    assert "damp" not in said and "radiation" not in said
+    for ikeda in ({"ikeda": {}}, {"roll_quadratic": 1.0e5}, {"roll": 0.03}):
+        assert "roll is damped by" not in said_of(tmp_path, SWAY | ROLL | TIED, damping=ikeda)
+
+
+def test_water_that_takes_more_mass_away_than_there_is_is_refused(tmp_path):
+    with pytest.raises(SceneError, match="leaves her less than no mass"):
+        said_of(tmp_path, ROLL | {"roll_added_kg_m2": -4.0e7})

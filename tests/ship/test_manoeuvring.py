@@ -1,5 +1,6 @@
 """A ship that turns, drifts and rolls as one: lift and Munk's moment, heel in a turn, waves from abeam, added mass."""
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -93,3 +94,19 @@ def test_a_slipstream_has_the_momentum_of_its_thrust_and_only_a_propeller_with_a
     blade = Rudder(area=1.0, aspect_ratio=1.0, position=(0.0, 0.5, -6.8))
     mean = blade.behind(screw, 9.0, 6.0)
     assert mean**2 == pytest.approx(0.8 * 81.0 + 0.2 * 36.0)
+
+
+def test_the_otter_takes_steps_of_second_order_from_any_start():
+    """From rest and under way, with orders that rise: half the step is a quarter of the error; it was half."""
+    rows = [{"time": 0.0, "throttle": 0.6}, {"time": 3.0, "throttle": 0.6, "rudder": 0.3}]
+    for start in ({}, {"velocity": [0.3, 0.0, 1.5], "rates": [0.0, 0.2, 0.0]}):
+        scene = at_sea({"controls": rows} | start)
+        scene["ship"] = {"kind": "otter", "controls": rows} | start
+        ends = []
+        for dt in (0.04, 0.02, 0.01):
+            with Simulation(load(scene | {"time_step": {"kind": "fixed", "dt": dt}}, QUIET)) as simulation:
+                for _ in range(round(8.0 / dt)):
+                    simulation.step()
+                ends.append(simulation.ships["ship"].body.position)
+        first, second = (float(np.linalg.norm(a - b)) for a, b in pairwise(ends))
+        assert 3.0 < first / second < 5.0 and second < 3e-3

@@ -8,6 +8,7 @@ from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.tables import table_path
 
+SOUTH = {"route": [[0.0, 100.0]], "speed": 3.0}
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}
 
 
@@ -106,12 +107,36 @@ def test_orders_that_come_when_the_run_is_over_are_told(tmp_path):
         ({"helm": {"route": [[0.0, 9.0]], "heading_deg": 3.0, "speed": 4.0}}, "give either a route or a heading_deg"),
         ({"helm": {"route": [], "speed": 4.0}}, "route"),
         ({"helm": {"heading_deg": 3.0, "speed": 4.0}, "controls": [{"time": 0.0}]}, "leave one of them out"),
+        ({"helm": SOUTH, "propeller": None}, "ship.helm: asks for 3 m/s, but she has no propeller"),
+        ({"helm": SOUTH, "rudder": None}, "ship.helm: asks for a heading or a route, but she has no rudder"),
+        ({"helm": SOUTH, "free": ["yaw", "sway"]}, "ship.helm: asks for 3 m/s, but her surge is held; add surge"),
+        ({"controls": {"autopilot": {"heading_deg": 3.0}}, "rudder": None}, "ship.controls: asks for a heading, but"),
     ],
 )
 def test_what_cannot_be_steered_is_refused(ship, sentence):
     with pytest.raises(SceneError) as refused:
         load(at_sea(ship))
     assert any(sentence in str(problem) for problem in refused.value.problems), refused.value
+
+
+@pytest.mark.parametrize(
+    "ship",
+    [
+        {"helm": SOUTH},
+        {
+            "helm": {"heading_deg": 0.0, "speed": 3.0},
+            "rudder": None,
+            "free": ["surge", "heave", "pitch"],
+        },  # a straight line
+        {"kind": "otter", "helm": SOUTH},  # steers by two propellers of its own
+        {"controls": [{"time": 0.0, "throttle": 0.5, "rudder": 0.1}], "propeller": None},  # said, see test_idle
+    ],
+)
+def test_what_can_be_steered_is_taken(ship):
+    whole = at_sea(ship)
+    if ship.get("kind") == "otter":
+        del whole["ship"]["cells_per_draught"]
+    assert load(whole).ships["ship"]
 
 
 def test_radiation_on_particles_is_refused_as_they_radiate_already():

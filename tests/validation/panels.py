@@ -145,11 +145,13 @@ def main(name: str) -> None:
     body: dict[str, Any] = {"section": {}, "box": BOX}[name]
     units = ("kg", "kg", "kg_m2")
     columns = [f"{m}_added_{u},{m}_damping_{u}_s" for m, u in zip(MOTIONS, units)]
+    columns.append("sway_roll_added_kg_m,sway_roll_damping_kg_m_s")
     columns += [f"{m}_scattered_90_re,{m}_scattered_90_im" for m in MOTIONS]
     print(",".join(["omega_rad_s", *columns]))
     for omega in FREQUENCIES:
         added, damping, scattered, _ = answers(float(omega), **body)
         row = [omega, *np.column_stack([np.diag(added), np.diag(damping)]).ravel()]
+        row += [(whole[0, 2] + whole[2, 0]) / 2.0 for whole in (added, damping)]
         row += np.column_stack([scattered.real, scattered.imag]).ravel().tolist()
         print(",".join(f"{value:.6g}" for value in row))
 

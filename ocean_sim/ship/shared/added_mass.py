@@ -101,6 +101,7 @@ def reaction(
     torque: np.ndarray,
     drift: np.ndarray,
     surge: np.ndarray,
+    free: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the water that is moved does back, (2, 3) each in world axes: to a hull that moves, and by moving itself.
 
@@ -108,7 +109,8 @@ def reaction(
     symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes, and the water's own velocity and
     acceleration (6,) in body axes; the axes turn with the hull, so there the relative velocity of hull and water
     changes by omega x (the water's own) as well (Fossen 2021, 10.3). They are solved together with the hull, so a
-    light body is no harder than a heavy one.
+    light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could
+    feel.
     """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
@@ -122,8 +124,9 @@ def reaction(
     push = minus(minus(plus(turned_back(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
     gyration = cross(omega, turned(inertia, omega))
     twisting = minus(minus(plus(turned_back(r, torque.tolist()), carried_turn), around), gyration)
-    rate, twist = sped_up(body.mass, inertia, water, between, push, twisting)
-    answer, answer_turn = swept(water, between, rate, twist)
+    moving = None if between is None else between * np.outer(free, free)
+    rate, twist = sped_up(body.mass, inertia, water, moving, push, twisting)
+    answer, answer_turn = swept(water, moving, rate, twist)
     moved = turned(r, plus(answer, along)), turned(r, plus(answer_turn, around))
     return -np.array(moved), np.array([turned(r, carried), turned(r, carried_turn)])
 

@@ -8,7 +8,7 @@ Trans. SNAME 78), at the frequency at which she meets the waves.
 """
 
 from collections.abc import Iterator
-from itertools import combinations_with_replacement
+from itertools import product
 from math import degrees
 from pathlib import Path
 from typing import NamedTuple
@@ -23,7 +23,8 @@ from ocean_sim.ship.shared.rigid_body import cross
 
 FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
-COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}  # of two motions in their order
+COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}
+UNEQUAL = 0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
 
@@ -62,22 +63,28 @@ def bem_table(file: str) -> BemTable:
 def of_csv(file: str) -> BemTable:
     table = csv_file.numbers(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
-    pairs = list(combinations_with_replacement(names, 2))
-    given = [(a, b) for a, b in pairs if a == b or any(column in table for column in columns_of(a, b))]
+    given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
     scattering = dict(scattering_columns(table))
     wanted = [FREQUENCY, *(column for a, b in given for column in columns_of(a, b))]
-    missing = [name for name in wanted if name not in table]
+    parts = sorted({f"{column[:-2]}{part}" for column in scattering for part in ("re", "im")})
+    missing = [name for name in wanted + parts if name not in table]
+    unread = [name for name in table if name.split("_")[0] in Motions._fields and name not in wanted + parts]
     if not names:
         raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
     if missing:
         raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+    if unread:
+        right = "a motion has heave_added_kg and the like, two of them heave_pitch_added_kg_m"
+        raise ValueError(f"{shown(file)}: nothing reads the column {', '.join(unread)}; {right}")
     if not np.isfinite([table[name] for name in [*wanted, *scattering]]).all():
         raise ValueError(f"{shown(file)} holds what is not a number")
     added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
     for a, b in given:
         i, j = names.index(a), names.index(b)
         for whole, column in zip((added, damping), columns_of(a, b)):
-            whole[i, j] = whole[j, i] = table[column]
+            whole[i, j] = table[column]
+            if (b, a) not in given:
+                whole[j, i] = table[column]
     found = None
     if scattering:
         headings = np.unique([heading for _, heading, _ in scattering.values()])
@@ -85,6 +92,7 @@ def of_csv(file: str) -> BemTable:
         for column, (number, heading, part) in scattering.items():
             force[number, np.searchsorted(headings, heading)] += part * table[column]
         found = Scattered(headings, force)
+    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
     return BemTable(table[FREQUENCY], names, added, damping, found)
 
 
@@ -110,7 +118,7 @@ def of_capytaine(file: str) -> BemTable:
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
             axes = ("omega", "influenced_dof", "radiating_dof")
             mass, loss = (laid(data[name], axes)[order] for name in ("added_mass", "radiation_damping"))
-            added, damping = (symmetric(np.moveaxis(whole[:, rows][:, :, columns], 0, 2)) for whole in (mass, loss))
+            added, damping = (np.moveaxis(whole[:, rows][:, :, columns], 0, 2) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:
                 parts = laid(data["diffraction_force"], ("complex", "influenced_dof", "wave_direction", "omega"))
@@ -127,14 +135,22 @@ def of_capytaine(file: str) -> BemTable:
     except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
         what = str(error).splitlines()[0]
         raise Unreadable(file, f"this is not a NetCDF file of added mass and damping by Capytaine ({what})") from None
+    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
     if speed != 0.0:
         raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
     return BemTable(omega, names, added, damping, found, depth, axis)
 
 
-def symmetric(matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) with the mean of each pair of entries that are mirrored."""
-    return 0.5 * (matrix + matrix.transpose(1, 0, 2))
+def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
+    """(m, m, n) with the mean of each pair of entries that are mirrored; raises Unreadable where they differ."""
+    most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
+    mirrored = matrix.transpose(1, 0, 2)
+    apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
+    i, j = np.unravel_index(apart.argmax(), apart.shape)
+    if apart[i, j] > UNEQUAL:
+        both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]}"
+        raise Unreadable(file, f"{both} is equal by reciprocity, and differs by {apart[i, j]:.0%} of their own entries")
+    return 0.5 * (matrix + mirrored)
 
 
 def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:

@@ -11,7 +11,7 @@ times that of a slender body (Clarke, Gedling & Hine 1983, Trans. RINA 125).
 """
 
 from bisect import bisect_left
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from math import copysign, pi, sqrt
 
 import numpy as np
@@ -61,7 +61,7 @@ class Resistance:
         """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
         to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
         whole, stiffness = hull.inertia, hull.stiffness
-        extra = Motions(*added)
+        extra, self.radiated, self.cross_flow = Motions(*added), radiated, config.cross_flow
         self.linear: dict[str, float] = {}
         for motion in BY_RULE:
             inertia = whole[motion] + getattr(extra, motion)
@@ -92,6 +92,22 @@ class Resistance:
                 *self.warnings,
                 f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda",
             ]
+
+    def undamped(self, free: Collection[str]) -> Iterator[str]:
+        """Motions of those that are free which nothing damps, or nothing but the waves of a table."""
+        if "roll" in free and not (self.linear["roll"] or self.roll or self.rolling):
+            left = "the waves of the table" if "roll" in self.radiated else "the drag of what crosses her"
+            adds = "damping.ikeda: {} adds both by her form, damping.roll as a share of critical"
+            yield f"roll is damped by {left} alone, without friction and eddies, so too little at resonance; {adds}"
+        for motion in ("heave", "pitch"):
+            if motion in free and motion not in self.radiated and not self.linear[motion]:
+                yield f"nothing damps {motion}; damping.{motion} does, as a share of critical"
+        if "surge" in free and not self.surge:
+            waves = "but waves, which a steady speed does not make, " if "surge" in self.radiated else ""
+            yield f"nothing {waves}holds her back in surge; damping.surge [N s2/m2] does"
+        across = [motion for motion in ("sway", "yaw") if motion in free]
+        if across and not self.cross_flow:
+            yield f"damping.cross_flow is 0: a steady drift in {' and '.join(across)} meets no drag of her sections"
 
     def load(self, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""

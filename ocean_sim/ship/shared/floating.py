@@ -25,7 +25,7 @@ from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
 from ocean_sim.ship.shared.outline import outline
-from ocean_sim.ship.shared.propulsion import Propeller, Rudder
+from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder, Track
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.squat import squat
@@ -184,9 +184,23 @@ class FloatingConfig(VesselConfig):
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
         return found
 
+    def unable(self) -> Problems:
+        """Orders that the ship has nothing to follow with."""
+        found, pilot = Problems(), self.helm
+        if pilot is not None and (self.propeller is None or "surge" not in self.free):
+            lacks = "she has no propeller" if self.propeller is None else "her surge is held"
+            cure = "give her one (thrust [N])" if self.propeller is None else "add surge to `free`"
+            found.append((("helm",), f"asks for {pilot.speed:g} m/s, but {lacks}; {cure}, or leave helm out"))
+        autopilot = isinstance(self.controls, Autopilot)
+        if (pilot is not None or autopilot) and self.rudder is None and "yaw" in self.free:
+            key, order = ("controls", "a heading") if autopilot else ("helm", "a heading or a route")
+            lacks = "but she has no rudder; give her one (area, position)"
+            found.append(((key,), f"asks for {order}, {lacks}, or leave {key} out"))
+        return found
+
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.misplaced(basin)
+        found = self.misplaced(basin) + self.unable()
         for k, mooring in enumerate(self.moorings):
             if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
                 there = f"there are {', '.join(self.points)}" if self.points else "it names none"
@@ -273,6 +287,13 @@ class FloatingConfig(VesselConfig):
         if isinf(hull.draught):
             return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+        orders = (
+            np.abs(Crew(self.controls).orders).max(axis=0) if isinstance(self.controls, list | Track) else (1.0, 0.0)
+        )
+        for order, part, moved in zip(("throttle", "rudder"), (self.propeller, self.rudder), orders):
+            if moved and part is None and self.controls != []:
+                lacks = "propeller" if order == "throttle" else "rudder"
+                found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"
@@ -292,7 +313,7 @@ class FloatingConfig(VesselConfig):
             found.append(self.over_a_bed(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
         if resistance is not None:
-            found += resistance.warnings
+            found += [*resistance.warnings, *resistance.undamped(self.free)]
         spacing = preflight.spacing
         if spacing and hull.draught < FEW * spacing:
             message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"

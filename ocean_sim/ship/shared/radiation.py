@@ -28,6 +28,7 @@ LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
 FEWEST, MOST = 4, 300  # frequencies
 FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL = 3.0  # [highest frequencies] to which damping is carried on
+GIVEN = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
 LOST = 0.003  # of the largest K: what is forgotten
 
 
@@ -64,6 +65,27 @@ class Radiation:
             if not last <= LEFT * most:
                 still = f"the damping of {name} still is {last / most:.0%} of its most"
                 raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s {still}; go on")
+
+    def couples(self, one: int, other: int) -> bool:
+        """True if the table has what one motion does to another, by their numbers in `Motions`."""
+        pair = self.numbers.index(one), self.numbers.index(other)
+        return bool(self.mass[pair].any() or self.damping[pair].any())
+
+    @property
+    def doubts(self) -> list[str]:
+        """Entries that no hull has: waves that would give energy, water of less than no mass."""
+        own, found = np.diag_indices(len(self.numbers)), list[str]()
+        most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
+        lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
+        if lowest.min() < -GIVEN:
+            at = f"{self.omega[lowest.argmin()]:g} rad/s"
+            found.append(f"the damping of the table would give energy at {at}, which no hull's waves do")
+        added = self.response.added
+        most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
+        if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -GIVEN or (added[own] <= 0.0).any():
+            values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
+            found.append(f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much")
+        return found
 
     @cached_property
     def response(self) -> "Response":

@@ -5,6 +5,7 @@ In a sea in closed form every cube feels the pressure at its own depth, so short
 waves.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
 from math import isinf, pi
 from typing import ClassVar
@@ -20,7 +21,7 @@ from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared.added_mass import AddedMass, reaction
-from ocean_sim.ship.shared.bem_table import Scattering
+from ocean_sim.ship.shared.bem_table import Scattering, columns_of
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
 from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
@@ -32,6 +33,14 @@ from ocean_sim.ship.shared.slamming import Slamming
 OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
 OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
 DEEPEST = 1.0e5  # [m] as deep as any water
+ALIKE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
+COUPLED = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
+COUPLED_BY_ENDS = (
+    ("heave", "pitch"),
+    ("sway", "yaw"),
+    ("yaw", "roll"),
+    ("heave", "surge"),
+)  # unless its ends are alike
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -84,6 +93,13 @@ class SeakeepingConfig(FloatingConfig):
 
     def mismatches(self, preflight: Preflight) -> Problems:
         found = super().mismatches(preflight)
+        if self.table is not None:
+            still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+            own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
+            for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
+                if mass + water <= 0.0:
+                    sentence = f"water of {water:.3g} in {motion} leaves her less than no mass, she has {mass:.3g}"
+                    found.append((("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"))
         if self.radiation is not None and preflight.fluid.made_of_particles:
             twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
             found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))
@@ -92,7 +108,41 @@ class SeakeepingConfig(FloatingConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
-        return found if self.table is None else found + self.of_table(self.table, preflight)
+        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        if self.table is None or isinf(still.draught):
+            return found
+        said = [*self.of_table(self.table, preflight), *self.table.doubts, *self.unsaid(self.table, still)]
+        return found + [f"radiation: {sentence}" for sentence in said]
+
+    def unsaid(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+        """Forces on motions that are free of which the table says nothing."""
+        names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
+        _, breadth, draught = still.stations
+        ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
+        ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
+        for a, b in COUPLED + (COUPLED_BY_ENDS if ends > ALIKE else ()):
+            i, j = Motions._fields.index(a), Motions._fields.index(b)
+            if a in names and b in names and not table.couples(i, j):
+                neither = (
+                    f"the table has {a} and {b}, and nothing of what they do to each other: neither feels the other"
+                )
+                yield f"{neither}; add {' and '.join(columns_of(a, b))}"
+        periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
+        for name in names:
+            period = periods.get(name)
+            if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
+                reach = f"{2.0 * pi / table.omega[-1]:.3g} to {2.0 * pi / table.omega[0]:.3g} s"
+                yield f"the natural period of {name}, {period:.3g} s, lies beyond the table, which has {reach}"
+        if table.scattering is not None:
+            force = table.scattering.scattered.force
+            mute = [name for name in names if not force[Motions._fields.index(name)].any()]
+            if mute:
+                them = ", ".join(mute)
+                yield f"the table has scattered waves, but not what they do in {them}: no wave moves her there"
+            headings = table.scattering.scattered.headings
+            if len(headings) == 1:
+                only = f"waves that go to {headings[0]:g} degrees from her heading"
+                yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
 
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
@@ -103,7 +153,7 @@ class SeakeepingConfig(FloatingConfig):
         still = self.afloat(-tank.gravity[1], preflight.fluid.rest_density)
         if self.propeller is not None or any(self.velocity):
             found.append(
-                "radiation: the table is of a hull without forward speed; under way it counts at the frequency of "
+                "the table is of a hull without forward speed; under way it counts at the frequency of "
                 "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
             )
         if table.depth is not None and table.depth != tank.depth:
@@ -114,7 +164,7 @@ class SeakeepingConfig(FloatingConfig):
             if abs(there / here - 1.0) > OTHER:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
                 found.append(
-                    f"radiation: the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
+                    f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
                     f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
                     f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
                 )
@@ -122,7 +172,7 @@ class SeakeepingConfig(FloatingConfig):
             centre = float(still.matter.centre[1]) - still.keel - still.draught
             if abs(table.axis - centre) > OFF * still.draught:
                 found.append(
-                    f"radiation: the table turns about a point {table.axis:.3g} m over the still water, the centre of "
+                    f"the table turns about a point {table.axis:.3g} m over the still water, the centre of "
                     f"mass lies at {centre:.3g} m"
                 )
         return found
@@ -181,7 +231,7 @@ class SeakeepingShip(FloatingShip):
             force, torque = force + scattered[0], torque + scattered[1]
         drift, surge = self.drift(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
-        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge)
+        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge, self.free)
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

@@ -137,9 +137,10 @@ class Actuators:
         """The largest angle of the rudder [rad]."""
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
-    def steer(self, body: RigidBody, dt: float) -> None:
-        """Follow the orders of the crew, as fast as they can; dt 0 is the first time."""
-        throttle, rudder = self.crew.order(self.time, body)
+    def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
+        """Follow the orders of the crew `ahead` [s] of the step's beginning, as fast as they can; dt 0 is the first
+        time."""
+        throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
         self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
@@ -171,6 +172,7 @@ class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("corners",)  # of its shape, made again when asked for
+    prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
     parts: tuple[str, ...] = PARTS
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
@@ -291,4 +293,4 @@ class Vessel(ABC):
         self.turning = (after.angular_velocity - before.angular_velocity) / dt
         self.body, self.last = after, load
         self.gained = after, 0.5 * faster, 0.5 * more
-        self.actuators.steer(after, dt)
+        self.actuators.steer(after, dt, dt if self.prompt else 0.0)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -107,23 +107,22 @@ class Session:
 
     def end(self) -> None:
         """Close what is played, and let go of its folder."""
-        if self.simulation is not None:
-            simulation, self.simulation = self.simulation, None
-            if self.claim is not None:
+        if self.simulation is None:
+            return
+        simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
+        self.simulation, self.claim, self.touched, self.away = None, None, [], None
+        with ExitStack() as last:
+            if away is not None:
+                last.callback(away.cleanup)
+            if claim is not None:
+                last.callback(claim.close)
+                last.callback(self.say, f"recorded: {claim.folder}")
+            last.callback(simulation.close)
+            if claim is not None:
                 simulation.outcome = "done" if simulation.outcome == "running" else simulation.outcome
-                if self.touched:
-                    with whole(self.claim.folder / "touched.txt") as draft:
-                        draft.write_text("\n".join([*self.touched, ""]), encoding="utf-8")
-            try:
-                simulation.close()
-            finally:
-                if self.claim is not None:
-                    self.say(f"recorded: {self.claim.folder}")
-                    self.claim.close()
-                    self.claim, self.touched = None, []
-                if self.away is not None:
-                    self.away.cleanup()
-                    self.away = None
+                if touched:
+                    with whole(claim.folder / "touched.txt") as draft:
+                        draft.write_text("\n".join([*touched, ""]), encoding="utf-8")
 
     def play(self) -> None:
         """Go on until it is ended, by an interrupt or by `done`."""

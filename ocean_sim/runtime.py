@@ -222,6 +222,7 @@ _started: tuple[RuntimeConfig, Backend] | None = None
 _allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
 _open: "weakref.WeakSet[Fields]" = weakref.WeakSet()  # those that are not freed
 _numbered = False  # whether Taichi has given numbers to fields since it was started
+_short = False  # whether memory ran out: Taichi takes the sizes of those fields for those of the next ones
 _thread = 0  # the thread that started Taichi, and which alone can give memory to fields
 _starting = threading.RLock()  # held while Taichi changes its thread
 
@@ -243,7 +244,7 @@ def _noted(finalize: Any) -> Any:
     they could be freed."""
 
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
-        global _numbered
+        global _numbered, _short
         variables = [*impl.get_runtime().global_vars]
         _numbered = True
         with _unprinted():
@@ -252,6 +253,7 @@ def _noted(finalize: Any) -> Any:
             except RuntimeError as error:
                 if not re.search("alloc|out of memory", str(error), re.IGNORECASE):
                     raise
+                _short = True
                 raise MemoryError(NO_MEMORY) from None
         _allocations.append(Allocation(tree, variables))
         return tree
@@ -280,6 +282,10 @@ CLOSED = (
 RESTARTED = (
     "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or about a "
     "hundred were open; close each before starting others, or run each in a process of its own"
+)
+SHORT = (
+    "memory ran out for the fields of a simulation, after which Taichi builds no other while one is open; close those "
+    "that are open first"
 )
 ELSEWHERE = (
     "Taichi runs in another thread of this process, where a simulation is open, and builds others only there; close "
@@ -363,16 +369,18 @@ def start(config: RuntimeConfig) -> Backend:
     """Start Taichi, or take the one that runs while none of what makes it `restart` holds; then all fields are gone.
 
     Raises BackendMissing where the backend obtained is not the one asked for, and RuntimeError where a simulation of
-    another thread is open.
+    another thread is open, or one at all after memory ran out.
     """
     with _starting:
+        if _short and _open:
+            raise RuntimeError(SHORT)
         if _started is not None and not restarts(config):
             return _started[1]
         return _start(config)
 
 
 def _start(config: RuntimeConfig) -> Backend:
-    global _started, _numbered, _thread
+    global _started, _numbered, _short, _thread
     if _started is not None and _open and threading.get_ident() != _thread:
         raise RuntimeError(ELSEWHERE)
     if config.library not in (None, kernel_library.NAME):
@@ -385,7 +393,7 @@ def _start(config: RuntimeConfig) -> Backend:
         from ocean_sim.kernel_library import reading
 
         reading.quicken()
-    _started, _numbered, _thread = None, False, threading.get_ident()
+    _started, _numbered, _short, _thread = None, False, False, threading.get_ident()
     threads = config.threads or cores()
     before = _thread_ids()
     for one in _allocations:

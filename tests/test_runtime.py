@@ -228,7 +228,7 @@ for _ in range(3):
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is bounded as Linux does it")
 @pytest.mark.parametrize("before", ["closed", "open"])
 def test_fields_that_no_memory_holds_are_told_in_a_sentence_and_leave_the_process_whole(before):
-    """What is open goes on; others can be built once it is closed, since Taichi would take sizes for those of others."""
+    """What is open goes on; others can be built once it is closed: Taichi would take the old sizes for theirs."""
     done = subprocess.run([sys.executable, "-c", TOO_LARGE, before], capture_output=True, text=True)
     lines = [line for line in done.stdout.splitlines() if line]
     assert done.returncode == 0 and done.stderr == "", done.stderr

@@ -161,8 +161,8 @@ def test_twenty_watchers_with_a_slow_one_among_them_lose_nothing(server):
         late = [await newest(slow)]
         while late[-1] != count - 1:
             late.append(await newest(slow))
-        for socket in (slow, *quick):
-            await socket.close()
+        for one in (slow, *quick):
+            await one.close()
         return seen, late
 
     seen, late = talk(server, conversation)

@@ -64,7 +64,7 @@ def test_the_page_is_small_and_calls_nobody():
         assert word not in document.replace("http://www.w3.org/2000/svg", ""), word
 
 
-PLACES = "a /*program*/ /*start*/ /*style*/ <!--data--> {0} {{x}} \\g<0> %s </title></script><script>b()</script>\n\u2028"
+PLACES = "a /*program*/ /*start*/ <!--data--> {0} {{x}} \\g<0> %s </title></script><script>b()</script>\n\u2028"
 
 
 def test_words_that_stand_for_places_of_the_page_are_only_words():

@@ -21,6 +21,8 @@ ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
 ENDING = [getattr(signal, name) for name in ENDS if name in signal.Signals.__members__]
 asked = threading.Event()  # to end
 DYING = 1.0  # [s] that a process may take to end that has been killed
+CONTAINER = "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"  # [bytes], of versions 2 and 1
+MEMORY = "/proc/meminfo", "/proc/self/status"
 SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
@@ -35,8 +37,36 @@ def cache_directory() -> Path:
 
 
 def memory() -> int:
-    """Memory [bytes]."""
-    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
+    limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
+    for file in CONTAINER:
+        with suppress(OSError, ValueError):  # there is no such bound
+            limits.append(int(Path(file).read_text()))
+    if sys.platform != "win32":
+        import resource
+
+        limits += [bound for bound in resource.getrlimit(resource.RLIMIT_AS)[:1] if bound != resource.RLIM_INFINITY]
+    return min(limits)
+
+
+def memory_left() -> int:
+    """Memory [bytes] that this process can have, with what it has and with swap; `memory` where Linux does not tell."""
+    try:
+        lines = [line.split() for file in MEMORY for line in Path(file).read_text().splitlines()]
+    except OSError:
+        return memory()
+    told = {words[0]: int(words[1]) for words in lines if len(words) == 3 and words[2] == "kB"}
+    return min(memory(), 1024 * (told["MemAvailable:"] + told["SwapFree:"] + told["VmRSS:"]))
+
+
+def most_open_files() -> int:
+    """Files that this process may have open at once."""
+    if sys.platform == "win32":
+        return 8192
+    import resource
+
+    limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
 
 @cache

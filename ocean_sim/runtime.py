@@ -4,9 +4,11 @@ import os
 import re
 import sys
 import tempfile
+import threading
 import time
 import weakref
-from contextlib import chdir, redirect_stdout, suppress
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import wraps
 from io import StringIO
@@ -220,6 +222,9 @@ _started: tuple[RuntimeConfig, Backend] | None = None
 _allocations: list["Allocation"] = []  # the sets of fields that take memory now, in the order they were made
 _open: "weakref.WeakSet[Fields]" = weakref.WeakSet()  # those that are not freed
 _numbered = False  # whether Taichi has given numbers to fields since it was started
+_short = False  # whether memory ran out: Taichi takes the sizes of those fields for those of the next ones
+_thread = 0  # the thread that started Taichi, and which alone can give memory to fields
+_starting = threading.RLock()  # held while Taichi changes its thread
 
 
 class Allocation(NamedTuple):
@@ -239,10 +244,17 @@ def _noted(finalize: Any) -> Any:
     they could be freed."""
 
     def noted(builder: FieldsBuilder, raise_warning: bool = True) -> SNodeTree:
-        global _numbered
+        global _numbered, _short
         variables = [*impl.get_runtime().global_vars]
-        tree = finalize(builder, raise_warning)
         _numbered = True
+        with _unprinted():
+            try:
+                tree = finalize(builder, raise_warning)
+            except RuntimeError as error:
+                if not re.search("alloc|out of memory", str(error), re.IGNORECASE):
+                    raise
+                _short = True
+                raise MemoryError(NO_MEMORY) from None
         _allocations.append(Allocation(tree, variables))
         return tree
 
@@ -252,6 +264,17 @@ def _noted(finalize: Any) -> Any:
 FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
 
 
+@contextmanager
+def _unprinted() -> Iterator[None]:
+    """Let Taichi raise an error without printing it, too."""
+    ti.set_logging_level(ti.CRITICAL)
+    try:
+        yield
+    finally:
+        ti.set_logging_level(ti.ERROR)
+
+
+NO_MEMORY = "there is no memory for the fields of this simulation; try a larger resolution, or fewer particles"
 CLOSED = (
     "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation is "
     "closed, inside its `with` block"
@@ -259,6 +282,14 @@ CLOSED = (
 RESTARTED = (
     "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or about a "
     "hundred were open; close each before starting others, or run each in a process of its own"
+)
+SHORT = (
+    "memory ran out for the fields of a simulation, after which Taichi builds no other while one is open; close those "
+    "that are open first"
+)
+ELSEWHERE = (
+    "Taichi runs in another thread of this process, where a simulation is open, and builds others only there; close "
+    "that one first, build all in one thread, or run each in a process of its own"
 )
 
 
@@ -280,16 +311,25 @@ class Fields:
         self.freed = False
 
     def __enter__(self) -> "Fields":
-        _open.add(self)
-        self.allocate()
-        self.first = len(_allocations)
+        with _starting:
+            if threading.get_ident() != _thread:
+                raise RuntimeError(ELSEWHERE)
+            self.allocate()
+            self.first = len(_allocations)
+            _open.add(self)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        self.allocate()
-        self.allocations = _allocations[self.first :]
-        if kind is not None:
-            self.free()
+        built = False
+        try:
+            if kind is None:
+                self.allocate()
+                built = True
+        finally:
+            self.allocations = _allocations[self.first :]
+            if not built:
+                self.free()
+                _forget_declared()
 
     def allocate(self) -> None:
         """Give memory to what is declared so far."""
@@ -307,20 +347,42 @@ class Fields:
             program.synchronize()  # a GPU may still be at work
             for one in there:
                 _allocations.remove(one)
-                one.tree.ptr.destroy_snode_tree(program)
+                with suppress(RuntimeError), _unprinted():  # after kernels of another thread; the next start frees it
+                    one.tree.ptr.destroy_snode_tree(program)
         for one in self.allocations:
             one.forget(CLOSED)
         self.allocations = []
 
 
+def _forget_declared() -> None:
+    """Drop the fields that are declared and have no memory, which Taichi would give them with those declared next."""
+    taichi = impl.get_runtime()
+    for variable in taichi.global_vars:
+        variable.ptr = Freed(CLOSED)
+    for waiting in (taichi.global_vars, taichi.grad_vars, taichi.dual_vars, taichi.matrix_fields):
+        waiting.clear()
+    taichi.unfinalized_fields_builder.clear()
+    impl._root_fb = FieldsBuilder()
+
+
 def start(config: RuntimeConfig) -> Backend:
     """Start Taichi, or take the one that runs while none of what makes it `restart` holds; then all fields are gone.
 
-    Raises BackendMissing where the backend obtained is not the one asked for.
+    Raises BackendMissing where the backend obtained is not the one asked for, and RuntimeError where a simulation of
+    another thread is open, or one at all after memory ran out.
     """
-    global _started, _numbered
-    if _started is not None and not restarts(config):
-        return _started[1]
+    with _starting:
+        if _short and _open:
+            raise RuntimeError(SHORT)
+        if _started is not None and not restarts(config):
+            return _started[1]
+        return _start(config)
+
+
+def _start(config: RuntimeConfig) -> Backend:
+    global _started, _numbered, _short, _thread
+    if _started is not None and _open and threading.get_ident() != _thread:
+        raise RuntimeError(ELSEWHERE)
     if config.library not in (None, kernel_library.NAME):
         raise BackendMissing(
             f"runtime.library: {config.library} was chosen, but this process already computes with "
@@ -331,7 +393,7 @@ def start(config: RuntimeConfig) -> Backend:
         from ocean_sim.kernel_library import reading
 
         reading.quicken()
-    _numbered = False
+    _started, _numbered, _short, _thread = None, False, False, threading.get_ident()
     threads = config.threads or cores()
     before = _thread_ids()
     for one in _allocations:
@@ -413,14 +475,15 @@ def alone() -> bool:
 
 
 def restarts(config: RuntimeConfig) -> bool:
-    """Whether `start` restarts Taichi, where it runs: for another config; where too little room is left for the fields
-    of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds compiled
-    kernels again by these numbers, so that the same simulation a second time would be compiled a second time."""
+    """Whether `start` restarts Taichi, where it runs: for another config or thread; where too little room is left for
+    the fields of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds
+    compiled kernels again by these numbers, so that the same simulation a second time would be compiled a second
+    time."""
     if _started is None:
         return False
     full = impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
     spent = _numbered and not _allocations and not _open and ti.root.empty
-    return _started[0] != config or full or spent
+    return _started[0] != config or threading.get_ident() != _thread or full or spent
 
 
 def must_run(backend: Backend) -> None:

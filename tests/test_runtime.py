@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -169,6 +170,109 @@ def test_a_simulation_that_cannot_be_built_keeps_no_memory(monkeypatch, tmp_path
     with pytest.raises(OSError):
         Simulation(load(WATER | {"frames": {}}), tmp_path)
     assert runtime.allocated_bytes() == before
+
+
+class Fault(Exception):
+    """Raised on purpose."""
+
+
+def test_fields_of_a_build_that_failed_are_forgotten(taichi_cpu):
+    """Declared, placed or neither, inside of what is open or by itself; what is built next has its own memory alone."""
+    with Simulation(load(SEA)) as kept:
+        before = runtime.allocated_bytes()
+        with pytest.raises(Fault), runtime.Fields():
+            placed, bare = ti.field(float, shape=1_000_000), ti.Vector.field(3, float)
+            raise Fault
+        with Simulation(load(SEA)) as following:
+            assert runtime.allocated_bytes() < before + 1_000_000
+            following.step()
+        for field in (placed, bare.get_scalar_field(0)):
+            with pytest.raises(RuntimeError, match="is closed, and its memory is freed"):
+                field.to_numpy()
+        kept.step()
+        assert runtime.allocated_bytes() == before
+
+
+TOO_LARGE = """
+import resource, sys
+from ocean_sim import runtime
+from ocean_sim.kernel_library import ti
+
+def fields(size):
+    runtime.start(runtime.RuntimeConfig(threads=1))
+    with runtime.Fields() as them:
+        field = ti.field(float, shape=size)
+    return them, field
+
+first, ones = fields(4)
+ones.fill(1.0)
+resource.setrlimit(resource.RLIMIT_AS, (5 << 30, -1))
+if sys.argv[1] == "closed":
+    first.free()
+for _ in range(3):
+    for size in (1 << 30, 4000):
+        try:
+            them, field = fields(size)
+        except (MemoryError, RuntimeError) as error:
+            print(error)
+        else:
+            field.fill(1.0)
+            print(field.to_numpy().sum())
+            them.free()
+    if sys.argv[1] == "open" and not first.freed:
+        assert ones.to_numpy().sum() == 4.0
+        first.free()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is bounded as Linux does it")
+@pytest.mark.parametrize("before", ["closed", "open"])
+def test_fields_that_no_memory_holds_are_told_in_a_sentence_and_leave_the_process_whole(before):
+    """What is open goes on; others can be built once it is closed: Taichi would take the old sizes for theirs."""
+    done = subprocess.run([sys.executable, "-c", TOO_LARGE, before], capture_output=True, text=True)
+    lines = [line for line in done.stdout.splitlines() if line]
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert "there is no memory" in lines[0] and ("4000.0" if before == "closed" else "close those that") in lines[1]
+    assert lines[2:] == [lines[0], "4000.0"] * 2
+
+
+def in_another_thread(task):
+    """What a task returns there, or raises."""
+    with ThreadPoolExecutor(1) as other:
+        return other.submit(task).result()
+
+
+def stepped(simulation):
+    for _ in range(2):
+        simulation.step()
+    return simulation.fluid.elevations(np.array([[1.0, 2.0]])).tobytes()
+
+
+def built_and_stepped():
+    with Simulation(load(SEA)) as simulation:
+        return stepped(simulation)
+
+
+def test_another_thread_builds_where_nothing_is_open_and_else_says_why_not():
+    here = built_and_stepped()
+    assert in_another_thread(built_and_stepped) == here
+    with Simulation(load(SEA)) as kept:
+        with pytest.raises(RuntimeError, match="in another thread of this process"):
+            in_another_thread(built_and_stepped)
+        with pytest.raises(RuntimeError, match="in another thread"):  # of which a part would be enough
+            in_another_thread(runtime.Fields().__enter__)
+        assert built_and_stepped() == here and stepped(kept) == here
+    assert in_another_thread(built_and_stepped) == here == built_and_stepped()
+
+
+def test_what_another_thread_has_stepped_is_closed_without_a_word(capfd):
+    """Kernels that it compiles leave Taichi unable to give that memory back, which the next start does."""
+    for _ in range(2):
+        with Simulation(load(WATER)) as simulation:
+            in_another_thread(simulation.step)
+        assert not simulation.fluid.particles.n == 0 and "Assertion" not in capfd.readouterr().err
+    runtime.start(runtime.RuntimeConfig(threads=1))
+    assert runtime.allocated_bytes() == 0
 
 
 @pytest.mark.slow

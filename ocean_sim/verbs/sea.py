@@ -31,7 +31,7 @@ def sea(
     config = load(scene, console.settings(sets))
     field = wave_field(config)
     waves, files = field.sea, []
-    title = config.title or scene
+    title = " ".join((config.title or scene).split())  # one line of a file
     if swd is not None:
         swd.parent.mkdir(parents=True, exist_ok=True)
         with whole(swd) as draft:

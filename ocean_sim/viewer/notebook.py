@@ -2,6 +2,7 @@
 
 import html
 from pathlib import Path
+from secrets import token_urlsafe
 from tempfile import TemporaryDirectory
 
 from ocean_sim.result import Result
@@ -36,7 +37,8 @@ class View:
 def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
     """The page of a simulation, which goes on as it is stepped, or the replay of a run folder; `height` [pixels].
 
-    A live view has a server of its own on this machine until it is closed. A replay lies in the notebook, whole, so it
+    A live view has a server of its own on this machine until it is closed; its address holds a random token, since a
+    notebook at any address may show it in a frame. A replay lies in the notebook, whole, so it
     is also there where no server can be reached, as on Colab, and when the notebook is opened again.
     """
     if isinstance(what, Simulation):
@@ -45,7 +47,7 @@ def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
             "/": ("text/html; charset=utf-8", lambda: document),
             "/sky": ("application/octet-stream", sky_packet),
         }
-        server = Server(files, port=0, hello={"drives": False})
+        server = Server(files, port=0, token=token_urlsafe(24), hello={"drives": False}, framed=True)
         watch = Watch(what, server)
         what.observers.append(watch)
         watch.show(0.0)

@@ -3,6 +3,7 @@
 import base64
 import html
 import json
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,13 +26,12 @@ def page(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None
     )
     program = "".join(part(f"{name}.js") for name in SCRIPTS)
     given = json.dumps(start, allow_nan=False).replace("<", "\\u003c")
-    document = part("index.html")
-    for place, content in (
-        ("<!--title-->", html.escape(title)),
-        ("/*style*/", part("style.css")),
-        ("<!--data-->", held),
-        ("/*start*/", f"const START = {given};"),
-        ("/*program*/", program),
-    ):
-        document = document.replace(place, content, 1)
-    return document.encode()
+    contents = {
+        "<!--title-->": html.escape(title),
+        "/*style*/": part("style.css"),
+        "<!--data-->": held,
+        "/*start*/": f"const START = {given};",
+        "/*program*/": program,
+    }
+    places = "|".join(map(re.escape, contents))
+    return re.sub(places, lambda place: contents[place[0]], part("index.html")).encode(errors="replace")

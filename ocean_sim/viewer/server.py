@@ -1,10 +1,12 @@
 """The server behind the page: a thread of its own that sends the newest frame to each watcher and takes commands.
 
 A watcher that cannot keep up gets fewer frames: each waits for its own socket alone, and only the newest frame is kept.
-What comes in is bounded in length, in rate and in number.
+What comes in is bounded in length, in rate and in number. A connection without a whole request is closed, after
+MAX_REQUEST_SECONDS or as soon as others need its place.
 """
 
 import asyncio
+import errno
 import hmac
 import json
 import logging
@@ -16,6 +18,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim.conventions import Failed, Lacking, Refused
+from ocean_sim.machine import most_open_files
 from ocean_sim.viewer.protocol import LONGEST, LOOKS, VERSION, BadMessage, Command, command
 
 if TYPE_CHECKING:
@@ -24,15 +27,26 @@ if TYPE_CHECKING:
 PORT = 8765
 LOCAL = ("127.0.0.1", "localhost", "::1")
 MOST_WATCHERS = 64
+MAX_CONNECTIONS = 256  # open at once, and of the files that this process may open at most
+MAX_FILE_SHARE = 0.25
+MAX_REQUEST_SECONDS = 10.0  # [s] until a whole request is there
 WAITING = 256  # commands that are not obeyed yet, and messages that are not sent to one watcher
 BURST, A_SECOND = 240, 120  # messages that one watcher may send
-STALLED = 30.0  # [s] that a watcher may take for one message
+STALLED = 30.0  # [s] that a watcher may take for one message, and who gets a file for some of it
 REASON = 120  # bytes of why a connection is closed; a frame that closes holds 123
 IDLE = 60.0  # [s] after which another may take the helm from who does not touch it
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
-    "connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'"
+    "connect-src 'self' {socket}; base-uri 'none'; form-action 'none'"
 )
+NO_FRAMES = "; frame-ancestors 'none'"
+HEADERS = {
+    "Cache-Control": "no-cache",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}  # of every answer
+NO_FILES = (errno.EMFILE, errno.ENFILE)
 
 File = Callable[[], bytes]  # the content of an address
 
@@ -71,6 +85,50 @@ def ours(record: logging.LogRecord) -> bool:
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
+class Connections:
+    """Factory of aiohttp's protocols, and the ones that are open."""
+
+    def __init__(self, protocols: "web.Server") -> None:
+        self.protocols = protocols
+        self.limit = max(1, min(MAX_CONNECTIONS, int(MAX_FILE_SHARE * most_open_files())))
+        self.answering: set[Any] = set()  # a whole request has come, and no answer is ready
+        self.progress: dict[Any, tuple[float, int]] = {}  # when anything was sent last [s], and bytes to be sent
+
+    def waiting(self) -> "list[tuple[Any, asyncio.WriteTransport]]":
+        """Connections without a whole request, the oldest first."""
+        found = [(one, one.transport) for one in self.protocols.connections if one not in self.answering]
+        return [(one, line) for one, line in found if line is not None and not line.is_closing()]
+
+    def __call__(self) -> asyncio.BaseProtocol:
+        """Protocol of one more connection; beyond the limit the oldest that is waiting is closed, else this one."""
+        if len(self.protocols.connections) < self.limit:
+            return self.protocols()
+        lines = [line for _, line in self.waiting()]
+        if not lines:
+            return Closing()
+        min(lines, key=lambda line: line.get_write_buffer_size() > 0).abort()
+        return self.protocols()
+
+    async def watch(self) -> None:
+        """Close those that take too long."""
+        while True:
+            await asyncio.sleep(0.1 * MAX_REQUEST_SECONDS)
+            before, self.progress, now = self.progress, {}, monotonic()
+            for one, line in self.waiting():
+                unsent = line.get_write_buffer_size()
+                since, then = before.get(one, (now, unsent))
+                self.progress[one] = (since if unsent == then else now, unsent)
+                if unsent == then and now - since > (STALLED if unsent else MAX_REQUEST_SECONDS):
+                    line.abort()
+
+
+class Closing(asyncio.Protocol):
+    """Closes a connection for which there is no place."""
+
+    def connection_made(self, transport: Any) -> None:
+        transport.abort()
+
+
 class Server:
     """An address that a browser can open; an `Audience` for a `Watch`. Use it as a context manager."""
 
@@ -81,14 +139,17 @@ class Server:
         port: int | None = None,
         token: str = "",
         hello: Mapping[str, Any] | None = None,
+        framed: bool = False,
     ) -> None:
         """`files`: type and content by path; `token`: what an address must hold, if anything; `hello`: what a page is
-        told first. Raises Lacking where aiohttp is not installed, and Refused where the port is taken."""
+        told first; `framed`: pages of others may show it inside of theirs. Raises Lacking where aiohttp is not
+        installed, and Refused where the port is taken."""
         try:
             import aiohttp.web  # noqa: F401
         except ImportError:
             raise Lacking("the page needs aiohttp: pip install 'ocean-sim[browser]'") from None
         self.files, self.host, self.token, self.hello = files, host, token, dict(hello or {})
+        self.policy, self.full = POLICY + ("" if framed else NO_FRAMES), False
         self.all: dict[int, Watcher] = {}
         self.inbox: deque[Order] = deque()
         self.arrived = threading.Event()  # a command, or a watcher
@@ -171,20 +232,30 @@ class Server:
         async def guard(request: web.Request, handler: Any) -> Any:
             return await self.guarded(request, handler)
 
+        async def protect(request: web.Request, response: web.StreamResponse) -> None:
+            response.headers.update(HEADERS)
+            response.headers["Content-Security-Policy"] = self.policy.format(socket=f"ws://{request.host}")
+
         app = web.Application(middlewares=[guard])
+        app.on_response_prepare.append(protect)
         app.router.add_get("/watch", self.watched)
         for path in self.files:
             app.router.add_get(path, self.given)
-        log = logging.getLogger("aiohttp.server.ocean_sim")
-        log.addFilter(ours)
-        runner = web.AppRunner(app, access_log=None, logger=log, shutdown_timeout=1.0)
+        self.log = logging.getLogger("aiohttp.server.ocean_sim")
+        self.log.addFilter(ours)
+        self.loop.set_exception_handler(self.handle)
+        runner = web.AppRunner(app, access_log=None, logger=self.log, shutdown_timeout=1.0)
         await runner.setup()
+        assert runner.server is not None
+        self.connections, line, watching = Connections(runner.server), None, None
         try:
             for port in [self.port] if self.port is not None else [PORT, 0]:
                 try:
-                    site = web.TCPSite(runner, self.host, port, reuse_address=True)
-                    await site.start()
-                    self.port = runner.addresses[0][1]
+                    waiting = max(1, self.connections.limit // 2)  # taken at once, before any is closed
+                    line = await self.loop.create_server(
+                        self.connections, self.host, port, reuse_address=True, backlog=waiting
+                    )
+                    self.port = line.sockets[0].getsockname()[1]
                     break
                 except OSError as error:
                     self.failure = f"--port {port} on {self.host}: {error.strerror or error}; choose another"
@@ -192,12 +263,26 @@ class Server:
                 return
             self.failure = ""
             self.ready.set()
+            watching = asyncio.create_task(self.connections.watch())
             await self.stopping.wait()
             for watcher in [*self.all.values()]:
                 with suppress(Exception):
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
         finally:
+            if line is not None:
+                line.close()
+            if watching is not None:
+                watching.cancel()
             await runner.cleanup()
+
+    def handle(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Say once that no more files can be opened; asyncio tries again, and reports anything else."""
+        failure = context.get("exception")
+        if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
+            loop.default_exception_handler(context)
+        elif not self.full:
+            self.full = True
+            self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
     async def guarded(self, request: "web.Request", handler: Any) -> Any:
         """Refuse who has not the token; where there is none, pages of other sites, and names of other machines."""
@@ -209,9 +294,13 @@ class Server:
         else:
             name = request.host.rsplit(":", 1)[0].strip("[]")
             origin = request.headers.get("Origin")
-            if name not in LOCAL or (origin is not None and origin.split("//")[-1] != request.host):
+            if name not in LOCAL or origin not in (None, f"{request.scheme}://{request.host}"):
                 raise web.HTTPForbidden(text="This server answers only pages of its own, on this machine.\n")
-        return await handler(request)
+        self.connections.answering.add(request.protocol)
+        try:
+            return await handler(request)
+        finally:
+            self.connections.answering.discard(request.protocol)
 
     async def given(self, request: "web.Request") -> Any:
         from aiohttp import web
@@ -224,10 +313,7 @@ class Server:
         except Failed as error:
             self.made.pop(request.path, None)
             raise web.HTTPNotFound(text=error.sentence) from None
-        head = {"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}
-        if kind.startswith("text/html"):
-            head["Content-Security-Policy"] = POLICY
-        return web.Response(body=body, headers={"Content-Type": kind, **head})
+        return web.Response(body=body, headers={"Content-Type": kind})
 
     async def watched(self, request: "web.Request") -> Any:
         """The socket of one page."""

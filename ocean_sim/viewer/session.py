@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file
 from ocean_sim.files.claim import Claim
@@ -16,6 +17,7 @@ from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, set
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.panel import Panel, sliders_of
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
+from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.keys import keys
@@ -82,7 +84,9 @@ class Session:
         self.pilots: dict[str, Helmsman] = {}  # who sail a route
         self.sailed: dict[str, int] = {}  # on which leg they were last
         self.done = False
-        self.start(source.load())
+        config = source.load()
+        must_fit(config)
+        self.start(config)
 
     def start(self, config: SceneConfig, folder: Path | None = None) -> None:
         """Build a simulation, whose files go to a folder that is thrown away unless one is given."""
@@ -103,23 +107,22 @@ class Session:
 
     def end(self) -> None:
         """Close what is played, and let go of its folder."""
-        if self.simulation is not None:
-            simulation, self.simulation = self.simulation, None
-            if self.claim is not None:
+        if self.simulation is None:
+            return
+        simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
+        self.simulation, self.claim, self.touched, self.away = None, None, [], None
+        with ExitStack() as last:
+            if away is not None:
+                last.callback(away.cleanup)
+            if claim is not None:
+                last.callback(claim.close)
+                last.callback(self.say, f"recorded: {claim.folder}")
+            last.callback(simulation.close)
+            if claim is not None:
                 simulation.outcome = "done" if simulation.outcome == "running" else simulation.outcome
-                if self.touched:
-                    with whole(self.claim.folder / "touched.txt") as draft:
-                        draft.write_text("\n".join([*self.touched, ""]), encoding="utf-8")
-            try:
-                simulation.close()
-            finally:
-                if self.claim is not None:
-                    self.say(f"recorded: {self.claim.folder}")
-                    self.claim.close()
-                    self.claim, self.touched = None, []
-                if self.away is not None:
-                    self.away.cleanup()
-                    self.away = None
+                if touched:
+                    with whole(claim.folder / "touched.txt") as draft:
+                        draft.write_text("\n".join([*touched, ""]), encoding="utf-8")
 
     def play(self) -> None:
         """Go on until it is ended, by an interrupt or by `done`."""
@@ -162,6 +165,12 @@ class Session:
             self.panel.paused, self.panel.message = True, f"diverged: {failure}. Reset starts again."
             self.watch.show(perf_counter())
             self.report()
+        except OSError as failure:
+            if self.claim is None:
+                raise
+            self.panel.paused = True
+            self.rebuild(self.source)
+            self.say(f"the record ends: {in_words(failure)}", bad=True)
         if self.claim is not None and simulation.time >= self.config.duration:
             self.panel.paused = True
             self.rebuild(self.source)
@@ -196,9 +205,9 @@ class Session:
             except Failed as error:
                 self.say(error.sentence, order.watcher, bad=True)
             except (OSError, MemoryError, RuntimeError) as error:
-                self.say(in_words(error), order.watcher, bad=True)
                 if self.simulation is None:
                     raise
+                self.say(in_words(error), order.watcher, bad=True)
         if changed:
             self.report()
 
@@ -268,9 +277,11 @@ class Session:
             case p.Open(name=name):
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
+                source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
+                must_fit(source.load())
                 self.moved = {}
                 self.panel.sliders = []
-                self.rebuild(Source.of(library("scenes") / f"{name}.yaml", self.source.profile))
+                self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):
                 self.save(name)
@@ -298,41 +309,48 @@ class Session:
             raise Failed(f"there is no ship {name!r} here")
         return self.simulation.ships[name]
 
-    def rebuild(self, source: Source, folder: Path | None = None) -> None:
-        """Play a source from its beginning; the one that is played goes on where it cannot be loaded."""
-        config = source.load()
-        if folder is not None:
-            config = load_text(
-                source.text, source.name, source.folder, {**source.overrides, "render": None}, source.profile
-            )
+    def rebuild(self, source: Source, folder: Path | None = None) -> bool:
+        """Play a source from its beginning; the one that is played goes on where it cannot be loaded or is too large,
+        and begins again where another cannot be built. True if the source is played."""
+        more = {} if folder is None else {"render": None}
+        config = load_text(source.text, source.name, source.folder, {**source.overrides, **more}, source.profile)
+        must_fit(config)
         self.say("building anew ...")
-        before = self.source
-        self.end()
+        before, built, said = (self.source, self.config), False, []
+        try:
+            self.end()
+        except Exception as failure:
+            said.append(in_words(failure))
         try:
             self.source = source
             self.start(config, folder)
-        except (Failed, MemoryError, RuntimeError) as error:
-            if source == before:
-                raise
-            self.say(in_words(error), bad=True)
-            self.source = before
-            self.start(before.load())
-        self.say("")
+            built = True
+        except Exception as failure:
+            said.append(in_words(failure))
+        if not built:
+            with suppress(Exception):
+                self.end()
+            self.source, config = before
+            self.start(config)
+        self.say("; ".join(said), bad=bool(said))
+        return built
 
     def record(self) -> None:
         """Begin anew, and keep the whole run folder."""
-        config = self.source.load()
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
         try:
-            self.rebuild(self.source, folder)
+            built = self.rebuild(self.source, folder)
         except BaseException:
             claim.close()
             raise
+        if not built:
+            claim.close()
+            return
         self.claim, self.panel.paused = claim, False
         for label, value in self.moved.items():
             self.note(f"{label} = {value:g}")
-        self.say(f"recording {config.duration:g} s into {folder}")
+        self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note(self, what: str) -> None:
         """Keep what was set by hand in a record: its scene does not say it."""
@@ -418,6 +436,17 @@ class Session:
     def __exit__(self, *failure: object) -> None:
         with suppress(Failed):
             self.end()
+
+
+def must_fit(config: SceneConfig) -> None:
+    """Raise Refused where a scene takes more memory than this process can have."""
+    parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
+    taken, left = base_memory(config.preflight.particles) + sum(parts), machine.memory_left()
+    if taken > left:
+        raise Refused(
+            f"this scene takes {taken / 1e9:.1f} GB of memory, and {left / 1e9:.1f} GB are left; try a larger "
+            "resolution, or fewer particles"
+        )
 
 
 def wind_name(source: Source) -> str:

@@ -2,6 +2,7 @@
 
 import html
 import re
+import urllib.error
 import urllib.request
 
 import pytest
@@ -26,6 +27,10 @@ def test_a_live_view_is_a_frame_with_the_page_of_a_server_until_it_is_closed():
         (address,) = re.findall(r'<iframe src="([^"]+)"', view._repr_html_())
         with urllib.request.urlopen(address, timeout=10.0) as reply:
             assert b"<canvas" in reply.read()
+            # a notebook at any address shows it in a frame; no other page knows the token
+            assert "frame-ancestors" not in reply.headers["Content-Security-Policy"]
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(address.split("?")[0], timeout=10.0)
         simulation.step()
         view.close()
         with pytest.raises(OSError):

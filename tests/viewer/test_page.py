@@ -1,9 +1,13 @@
 """The page in a real browser without a screen: it loads, the water moves, what is pressed arrives, a replay scrubs."""
 
+import html
 import json
+import os
+import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,6 +62,31 @@ def test_the_page_is_small_and_calls_nobody():
     assert "/*program*/" not in document and "<!--data-->" not in document
     for word in ("http://", "https://", "src=", "@import"):
         assert word not in document.replace("http://www.w3.org/2000/svg", ""), word
+
+
+PLACES = "a /*program*/ /*start*/ <!--data--> {0} {{x}} \\g<0> %s </title></script><script>b()</script>\n\u2028"
+
+
+def test_words_that_stand_for_places_of_the_page_are_only_words():
+    """In the title, and in the names of runs: the rest of the document is as with any other."""
+    plain = page("title", {"mode": "live"}, {"sky": b"0"}).decode()
+    assert page(PLACES, {"mode": "live"}, {"sky": b"0"}).decode().replace(html.escape(PLACES), "title") == plain
+    start = {"mode": "replay", "runs": [{"title": PLACES, "name": PLACES}]}
+    document = page(PLACES, start).decode()
+    assert document.count("<script") == document.count("</script") == page("title", {}).decode().count("</script")
+    (given,) = re.findall(r"const START = (\{.*\});\n", document)
+    assert json.loads(given) == start
+
+
+def test_a_replay_has_a_title_whatever_its_folder_is_called(run, tmp_path):
+    """Also one whose bytes are no UTF-8, as archives of old systems leave them."""
+    folder = Path(os.fsdecode(bytes(tmp_path) + b"/run \xff <b>"))
+    shutil.copytree(run, folder)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["scene"].pop("title")
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    document = replay_file([folder], tmp_path / "replay.html").read_text(encoding="utf-8")
+    assert "<title>run ? &lt;b&gt;</title>" in document
 
 
 @pytest.mark.slow

@@ -2,8 +2,13 @@
 
 import asyncio
 import json
+import os
+import subprocess
+import sys
 import time
-from socket import create_connection
+import urllib.request
+from contextlib import contextmanager, suppress
+from socket import SO_RCVBUF, SOL_SOCKET, create_connection, socket
 
 import pytest
 
@@ -12,6 +17,7 @@ aiohttp = pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip ins
 from ocean_sim.conventions import Refused  # noqa: E402
 from ocean_sim.viewer.protocol import BadMessage, command, packet  # noqa: E402
 from ocean_sim.viewer.server import Server  # noqa: E402
+from tests.conftest import quickly  # noqa: E402
 
 FILES = {"/": ("text/html; charset=utf-8", lambda: b"<!doctype html>")}
 
@@ -155,8 +161,8 @@ def test_twenty_watchers_with_a_slow_one_among_them_lose_nothing(server):
         late = [await newest(slow)]
         while late[-1] != count - 1:
             late.append(await newest(slow))
-        for socket in (slow, *quick):
-            await socket.close()
+        for one in (slow, *quick):
+            await one.close()
         return seen, late
 
     seen, late = talk(server, conversation)
@@ -229,3 +235,160 @@ BEYOND = [
 def test_questions_have_bounds(more):
     with pytest.raises(BadMessage):
         command(json.dumps({"do": "waves", "verb": "elevation", **more}))
+
+
+HALF_OPEN = """
+import resource, socket, sys, time
+hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096) if hard > 0 else 4096, hard))
+lines = []
+for k in range(int(sys.argv[2])):
+    line = socket.create_connection(("127.0.0.1", int(sys.argv[1])), 20.0)
+    line.sendall(b"GET / HTTP/1.1\\r\\nX: ")
+    lines.append(line)
+print(len(lines), flush=True)
+sys.stdin.read()
+"""
+
+
+@contextmanager
+def half_open(port, count):
+    """Connections of another process without a whole request, held until the block is left."""
+    command = [sys.executable, "-c", HALF_OPEN, str(port), str(count)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stdout.readline() == f"{count}\n"
+            yield
+        finally:
+            child.stdin.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="files that are open are counted as Linux tells them")
+@pytest.mark.parametrize("count", quickly(500, 2000))
+def test_a_page_still_gets_in_beside_many_half_open_connections(server, count, caplog, capfd):
+    """And one that watched before goes on."""
+
+    async def watching(session, address):
+        async with session.ws_connect(f"{address}watch") as socket:
+            await until(socket, "hello")
+            with half_open(server.port, count):
+                files = len(os.listdir("/proc/self/fd"))
+                with urllib.request.urlopen(server.address, timeout=10.0) as reply:
+                    assert reply.status == 200
+                server.tell(None, type="said", text="here", bad=False)
+                return files, (await until(socket, "said"))["text"]
+
+    files = len(os.listdir("/proc/self/fd"))
+    more, said = talk(server, watching)
+    assert said == "here" and more - files < 400
+    assert caplog.records == [] and capfd.readouterr() == ("", "")
+
+
+def test_who_sends_no_whole_request_or_takes_no_answer_is_closed_in_time(monkeypatch):
+    """Silent, a letter now and then, idle after an answer, and one that takes no answer; not one who watches."""
+    monkeypatch.setattr("ocean_sim.viewer.server.MAX_REQUEST_SECONDS", 0.5)
+    monkeypatch.setattr("ocean_sim.viewer.server.STALLED", 0.5)
+    files = {**FILES, "/long": ("text/plain", lambda: bytes(30_000_000))}
+    with Server(files, port=0) as server:
+
+        async def conversation(session, address):
+            async with session.ws_connect(f"{address}watch") as socket:
+                lines = [create_connection(("127.0.0.1", server.port), timeout=10.0) for _ in range(4)]
+                request = f" HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n\r\n".encode()
+                lines[1].sendall(b"GET / HTTP/1.1\r\nX: ")
+                lines[2].sendall(b"GET /" + request)
+                lines[3].sendall(b"GET /long" + request)
+                for _ in range(15):
+                    await asyncio.sleep(0.1)
+                    with suppress(OSError):
+                        lines[1].sendall(b"x")
+                with pytest.raises(OSError):
+                    for _ in range(3):
+                        lines[1].sendall(b"x")
+                        await asyncio.sleep(0.1)
+                ended = []
+                for line in (lines[0], lines[2], lines[3]):
+                    with suppress(ConnectionError):
+                        while data := line.recv(1 << 20):
+                            ended.append(len(data))
+                    line.close()
+                lines[1].close()
+                server.tell(None, type="said", text="here", bad=False)
+                return sum(ended), (await until(socket, "said"))["text"]
+
+        taken, said = talk(server, conversation)
+        assert taken < 30_000_000 and said == "here"
+
+
+def test_a_slow_reader_gets_all_of_a_long_answer(monkeypatch):
+    monkeypatch.setattr("ocean_sim.viewer.server.MAX_REQUEST_SECONDS", 0.5)
+    size = 12_000_000
+    with Server({"/": ("text/plain", lambda: bytes(size))}, port=0) as server:
+        line = socket()
+        line.setsockopt(SOL_SOCKET, SO_RCVBUF, 65536)
+        line.connect(("127.0.0.1", server.port))
+        line.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % server.port)
+        taken, begin = 0, time.monotonic()
+        while taken < size:
+            data = line.recv(600_000)
+            assert data, taken
+            taken += len(data)
+            if time.monotonic() - begin < 2.0:
+                time.sleep(0.1)
+        line.close()
+        assert time.monotonic() - begin > 1.5
+
+
+FEW_FILES = """
+import os, resource, sys, time
+from socket import create_connection
+from ocean_sim.viewer.server import Server
+with Server({"/": ("text/html", lambda: b"here")}, port=0) as server:
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len(os.listdir("/proc/self/fd")) + 12, 4096))
+    held = [open(os.devnull) for _ in range(12)]
+    time.sleep(0.1)
+    child = os.fork()
+    if child == 0:
+        for file in held:
+            file.close()
+        lines = [create_connection(("127.0.0.1", server.port)) for _ in range(5)]
+        time.sleep(4.0)
+        os._exit(0)
+    os.waitpid(child, 0)
+    for file in held:
+        file.close()
+    time.sleep(1.5)
+    with create_connection(("127.0.0.1", server.port), 10.0) as line:
+        line.sendall(b"GET / HTTP/1.0\\r\\nHost: 127.0.0.1:%d\\r\\n\\r\\n" % server.port)
+        print(line.recv(4096).split()[1].decode())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="files that are open are counted as Linux tells them")
+def test_that_no_more_files_can_be_opened_is_said_once():
+    done = subprocess.run([sys.executable, "-c", FEW_FILES], capture_output=True, text=True, timeout=60.0)
+    assert done.stdout == "200\n" and done.returncode == 0, done.stderr
+    assert done.stderr.count("Too many open files") == 1 and "Traceback" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize(("origin", "answer"), [("http://", 200), ("https://", 403), ("ws://", 403), ("", 403)])
+def test_an_origin_counts_with_its_scheme(server, origin, answer):
+    async def conversation(session, address):
+        async with session.get(address, headers={"Origin": f"{origin}127.0.0.1:{server.port}"}) as reply:
+            return reply.status
+
+    assert talk(server, conversation) == answer
+
+
+@pytest.mark.parametrize("path", ["", "nothing", "watch"])
+def test_every_answer_keeps_to_its_own_site(server, path):
+    """A page, an error, and an address that is no page."""
+
+    async def conversation(session, address):
+        async with session.get(address + path) as reply:
+            return reply.headers
+
+    head = talk(server, conversation)
+    assert "frame-ancestors 'none'" in head["Content-Security-Policy"]
+    assert head["Cross-Origin-Resource-Policy"] == "same-origin" and head["X-Content-Type-Options"] == "nosniff"
+    assert head["Referrer-Policy"] == "no-referrer"

@@ -1,6 +1,7 @@
 """What a page does to a simulation, and that one which only watches does nothing to it."""
 
 import json
+import shutil
 import socket
 import threading
 from contextlib import suppress
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import wave_field
-from ocean_sim.conventions import Refused
+from ocean_sim.conventions import Refused, in_words
 from ocean_sim.platform.shared import packets
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
@@ -22,6 +23,14 @@ from ocean_sim.viewer.session import Session, Source
 from ocean_sim.viewer.watch import Watch
 
 COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
+
+LAKE = """
+duration: 2.0
+basin: {length: 40.0, width: 40.0, depth: 7.5, walls: none}
+fluid: {kind: linear_waves, height: 0.2, period: 4.0}
+frames: {every: 0.1, spacing: 2.0}
+runtime: {threads: 1}
+"""
 
 
 class Desk:
@@ -55,6 +64,16 @@ class Desk:
 def session(tmp_path_factory):
     source = Source.of("showcase", None, COARSE)
     with Session(source, Desk(), tmp_path_factory.mktemp("out"), list) as one:
+        one.panel.paused = True
+        yield one
+
+
+@pytest.fixture
+def lake(tmp_path):
+    """Waves that are there in a moment."""
+    path = tmp_path / "lake.yaml"
+    path.write_text(LAKE)
+    with Session(Source.of(str(path)), Desk(), tmp_path / "out", list) as one:
         one.panel.paused = True
         yield one
 
@@ -175,6 +194,60 @@ def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
     assert session.simulation.steps == steps
     ask(session, do="check", text=session.source.text)
     assert session.desk.last("problems")["problems"] == []
+
+
+LARGE = [
+    {"do": "apply", "text": LAKE.replace("period: 4.0", "period: 4.5")},
+    {"do": "change", "key": "seed", "value": "9"},
+    {"do": "open", "name": "showcase"},
+    {"do": "record"},
+]
+
+
+@pytest.mark.parametrize("order", LARGE, ids=[order["do"] for order in LARGE])
+def test_a_scene_that_is_too_large_is_told_in_a_sentence_and_the_other_goes_on(lake, monkeypatch, order):
+    playing, before, sliders = lake.simulation, lake.source, lake.panel.sliders
+    lake.step()
+    monkeypatch.setattr("ocean_sim.machine.memory_left", lambda: 100_000_000)
+    ask(lake, **order)
+    said = lake.desk.last("said")
+    assert said["bad"] and "GB of memory, and 0.1 GB are left" in said["text"] and "\n" not in said["text"]
+    lake.step()
+    assert lake.simulation is playing and playing.steps == 2 and len(lake.desk.stills) == 1
+    assert lake.source is before and lake.panel.sliders is sliders and lake.claim is None
+
+
+@pytest.mark.parametrize("failure", [MemoryError(), OSError(28, "No space left on device"), ValueError("a reason")])
+@pytest.mark.parametrize("order", [{"do": "change", "key": "seed", "value": "11"}, {"do": "reset"}, {"do": "record"}])
+def test_what_cannot_be_built_is_told_and_the_other_begins_again(lake, monkeypatch, order, failure):
+    seed, build, built = lake.config.seed, Simulation.build, []
+
+    def fails_once(simulation, *given):
+        built.append(simulation)
+        if len(built) == 1:
+            raise failure
+        build(simulation, *given)
+
+    monkeypatch.setattr(Simulation, "build", fails_once)
+    ask(lake, **order)
+    said = lake.desk.last("said")
+    assert said["bad"] and said["text"] == in_words(failure)
+    assert lake.config.seed == seed and lake.simulation.steps == 0 and lake.claim is None
+    lake.step()
+    assert lake.simulation.steps == 1 and lake.simulation is built[1]
+
+
+def test_a_record_that_cannot_be_written_ends_and_the_scene_begins_again(lake):
+    ask(lake, do="record")
+    folder = lake.claim.folder
+    shutil.rmtree(folder)
+    folder.write_text("a file where a folder was")
+    lake.speed = 0.0
+    for _ in range(10):
+        lake.go_on(0.05)
+    assert lake.claim is None and "the record ends" in lake.desk.last("said")["text"] and lake.desk.last("said")["bad"]
+    lake.step()
+    assert lake.simulation.steps == 1
 
 
 def test_a_key_builds_anew_and_what_a_person_set_is_kept(session):

@@ -1,5 +1,6 @@
 """The simulation: one step of Algorithm 8, and the loop around it that calls the observers."""
 
+import re
 from abc import abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -57,7 +58,7 @@ class ObserverConfig(PartConfig):
     """Whether it needs a run folder; those that do not also observe a Simulation without one."""
     reads_surface: ClassVar[bool] = False
     leaves: ClassVar[str] = ""
-    """The files it leaves, as the ledger states them."""
+    """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
     takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
     """Processor time of one observation [s], and more for each particle."""
 
@@ -65,6 +66,10 @@ class ObserverConfig(PartConfig):
     def name(cls) -> str:
         """Its key in a scene: the name of its module."""
         return cls.__module__.rpartition(".")[2]
+
+    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+        """Names of the files that it leaves in this scene."""
+        return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
 
     def interval(self, preflight: Preflight) -> float:
         """Simulated time between observations [s]; 0: each step, or the rows of the motion log, has one."""
@@ -112,6 +117,7 @@ class Simulation:
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         """`folder`: where observers write; without it there are only those that write nothing."""
         self.scene = scene
+        scene.inputs()  # raises where a file has changed of which the scene may know the content
         self.backend = runtime.start(scene.runtime)
         must_have_doubles(scene, self.backend)
         with runtime.Fields() as self.fields:

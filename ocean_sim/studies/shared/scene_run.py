@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.conventions import Diverged, Motions, Refused
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.clocked import Clocked
@@ -18,7 +18,8 @@ PICTURES = ("render", "frames", "report")  # a study makes none unless it is ask
 
 def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
     """The order of a scene's run; `threads` where the scene leaves them open."""
-    return {"task": __name__, "scene": config.resolved(), "machine": {"threads": threads}}
+    content = {"task": __name__, "scene": config.resolved(), "inputs": config.inputs()}
+    return content | {"machine": {"threads": threads}}
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -27,6 +28,8 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}
     config = load(order["scene"], more)
+    if config.inputs() != order["inputs"]:
+        raise Refused("a file that the scene names has changed since this run was planned")
     with Clocked(config, folder) as simulation:
         try:
             simulation.run(config.duration)

@@ -206,6 +206,11 @@ class WindConfig(KindConfig):
         return False
 
     @property
+    def draws(self) -> bool:
+        """Whether it draws random numbers from the seed of the scene."""
+        return False
+
+    @property
     def strongest(self) -> float:
         """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
         return 0.0

@@ -4,13 +4,14 @@ import json
 import sys
 from collections.abc import Iterable
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.conventions import Refused, figures
+from ocean_sim.conventions import Refused, Unsuited, figures
 from ocean_sim.files import csv_file, run_files
 from ocean_sim.files.claim import MANIFEST, Claim, claimed
 from ocean_sim.files.whole_file import set_aside
@@ -123,6 +124,8 @@ def run(
     which the files that its manifest lists are deleted. Raises SceneError, Diverged, and Refused where the folder holds
     a run that is not to be replaced, or other things, or another process writes there.
     """
+    if not isinstance(out, str | PathLike):
+        raise Unsuited(f"run: out is the name of a folder, not {out!r:.60}")
     config = scene if isinstance(scene, SceneConfig) else load(scene)
     shown = (Lines(config.duration),) if progress else ()
     with claimed_for(config.files(), Path(out), overwrite) as folder:

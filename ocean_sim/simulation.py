@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim import runtime
-from ocean_sim.conventions import Diverged, in_words
+from ocean_sim.conventions import Diverged, Unsuited, in_words, number
 from ocean_sim.fluid import Limits, with_particles
+from ocean_sim.model import Model
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 from ocean_sim.ship import Ship
 
@@ -117,6 +118,9 @@ class Simulation:
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         """`folder`: where observers write; without it there are only those that write nothing."""
         self.scene = scene
+        if not isinstance(scene, Model):
+            raise Unsuited(f"a simulation takes a scene that ocean_sim.load has read, not {scene!r:.60}")
+        folder = None if folder is None else Path(folder)
         scene.inputs()  # raises where a file has changed of which the scene may know the content
         self.backend = runtime.start(scene.runtime)
         must_have_doubles(scene, self.backend)
@@ -192,6 +196,7 @@ class Simulation:
 
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
+        until = number("until", until, "s", 0.0)
         try:
             if not self.begun:
                 self.begun = True

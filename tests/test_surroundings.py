@@ -88,6 +88,23 @@ def test_closed_streams_and_narrow_encodings_take_what_is_printed(scene):
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("\\xdc\n")
 
 
+@pytest.mark.parametrize("end", ["| head -1", "| true", "2>&1 | true", "--json | true"])
+def test_a_run_whose_reader_has_gone_goes_on_to_its_end(end, scene, tmp_path):
+    folder = tmp_path / "went_on"
+    done = ask(f"set -o pipefail; $O run s.yaml --until 0.02 --out {folder} {end}")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads((folder / "manifest.json").read_text())["outcome"] == "done"
+
+
+@pytest.mark.parametrize(
+    "words, code",
+    [*((words, 0) for words in quickly("list", "check s.yaml", "schema", "--help", "list --json")), ("check no", 2)],
+)
+def test_an_answer_that_nobody_reads_keeps_its_exit_code(words, code, scene):
+    done = ask(f"set -o pipefail; $O {words} 2>&1 | true")
+    assert (done.returncode, done.stderr) == (code, "")
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is full")
 @pytest.mark.parametrize("words", quickly("list", "list --json", "schema"))
 def test_an_answer_that_finds_no_room_is_said(words, scene):

@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from importlib import import_module
 from itertools import combinations
 from math import inf
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from pydantic import PrivateAttr
 
 from ocean_sim import basin
-from ocean_sim.conventions import Refused
+from ocean_sim.conventions import Refused, Unsuited
 from ocean_sim.files.input_file import digest, input_names
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
 from ocean_sim.model import Model
@@ -172,6 +173,15 @@ def load(
     Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory.
     Raises SceneError, which holds everything that is wrong at once.
     """
+    for name, given, kinds_of_it, said in (
+        ("source", source, str | PathLike | dict, "the name or the file of a scene, or a dict"),
+        ("overrides", overrides, dict | None, "a dict of values by dotted key"),
+        ("profile", profile, str | None, "the name of a profile"),
+    ):
+        if not isinstance(given, kinds_of_it):
+            raise Unsuited(f"load: {name} is {said}, not {given!r:.60}")
+    if wrong := [key for key in overrides or {} if not isinstance(key, str)]:
+        raise Unsuited(f"load: overrides is a dict of values by dotted key, and {wrong[0]!r:.60} is none")
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))

@@ -22,7 +22,7 @@ from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
 from ocean_sim.studies.shared.runs import MACHINE, address
-from ocean_sim.studies.shared.scene_run import PICTURES, ordered
+from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, ordered
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]
@@ -59,11 +59,10 @@ class Planned:
         return self.planned | {MACHINE: {"threads": threads}}
 
     def row(self, answer: dict[str, Any]) -> dict[str, Any]:
-        """Its line in the table; wall seconds stand last, for they are the only ones that change from call to call."""
+        """Its line in the table; times stand last, for they are the only ones that change from call to call."""
         head = {"run": address(self.planned)} | self.settings
-        clock = ("wall_per_s", "cpu_per_s", "wall_s")
-        facts = {key: value for key, value in answer.items() if key not in clock}
-        return head | facts | {key: answer.get(key) for key in clock}
+        facts = {key: value for key, value in answer.items() if key not in CLOCKS}
+        return head | facts | {key: answer.get(key) for key in CLOCKS}
 
 
 def planned(path: Path) -> list[Planned]:

@@ -81,6 +81,10 @@ class Config(Placed, WindConfig):
         """Whether a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
 
+    @property
+    def draws(self) -> bool:
+        return any(any(v.noise) or v.redraw_yaw_deg or v.redraw_strength != (1.0, 1.0) for v in self.volumes)
+
     def aimed(self, target: Target) -> list[int]:
         """Numbers of the volumes that act on a target."""
         return [g for g, v in enumerate(self.volumes) if target in (self.targets if v.targets is None else v.targets)]

@@ -66,6 +66,10 @@ class Config(Timed, Placed, WindConfig):
         """A force field, no physical stress."""
         return True
 
+    @property
+    def draws(self) -> bool:
+        return any(self.noise)
+
     def circulation(self, radius: float) -> float:
         """Integral of the acceleration at the still surface along a circle about the axis [m2/s2]."""
         return 2.0 * pi * self.acceleration * min(radius**2 / self.core_radius, self.core_radius)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -29,13 +29,15 @@ OUTPUT = naming("standard output")
 class Outlet(FileIO):
     """A standard stream that leads nowhere once its reader has gone, as `| head` does: the command goes on."""
 
+    over: ClassVar = False  # the command has ended, and what went wrong is told
+
     def write(self, data: Any) -> int:
         try:
             return super().write(data)
-        except BrokenPipeError:
-            with open(os.devnull, "wb") as nowhere:
-                os.dup2(nowhere.fileno(), self.fileno())
-            return len(data)
+        except OSError as failure:
+            if self.over or isinstance(failure, BrokenPipeError):
+                return len(data)
+            raise
 
 
 class Stopped(Failed):

@@ -52,8 +52,8 @@ def open_streams() -> None:
         if stream is None:
             stream = Path(os.devnull).open(mode)
         elif mode == "w" and isinstance(stream, TextIOWrapper):
-            raw, look = Outlet(stream.fileno(), "wb", closefd=False), {"line_buffering": stream.line_buffering}
-            stream = TextIOWrapper(BufferedWriter(raw), stream.encoding, "backslashreplace", **look)
+            raw, by_line = Outlet(stream.fileno(), "wb", closefd=False), stream.line_buffering
+            stream = TextIOWrapper(BufferedWriter(raw), stream.encoding, "backslashreplace", line_buffering=by_line)
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)  # Taichi takes two that differ for a notebook
 

@@ -86,8 +86,11 @@ def test_equal_scenes_have_one_address_and_others_another():
 
 
 NAMED = {  # by what names a file: the scene around its name, and two contents of it
-    "controls": ("ship: {kind: otter, controls: {file: f}}", "time_s,throttle,rudder_rad\n0,%d,0\n9,0,0\n"),
-    "components": ("fluid: {components: f}", "amplitude_m,period_s,heading_deg,phase_deg\n0.%d1,4,0,0\n"),
+    "controls": ("ship: {kind: otter, controls: {file: f}}", "time_s,throttle,rudder_rad\n0,0.%d,0\n9,0,0\n"),
+    "components": (
+        "fluid: {kind: spectral_sea, cells: 32, components: f}",
+        "amplitude_m,period_s,heading_deg,phase_deg\n0.%d1,4,0,0\n",
+    ),
     "schedule": ("wind: {kind: stress, schedule: {file: f}}", "time_s,speed_m_s,heading_deg\n0,%d,0\n9,5,0\n"),
     "hull": ("ship: {kind: hydrostatic, hull: {shape: {kind: mesh, file: f.stl}, mass: 10}}", "%d"),
     "motion": ("basin: {motion: {file: f}}", "time_s,x_m\n0,0\n1,0.%d\n2,0\n3,0\n"),
@@ -98,7 +101,7 @@ NAMED = {  # by what names a file: the scene around its name, and two contents o
     "initial": ("fluid: {initial: {kind: file, path: f}}", "x,y,u,v\n0.1,-0.1,0,%d\n"),
     "radiation": (
         "ship: {kind: dynamic, hull: yacht, radiation: f}",
-        "omega_rad_s,heave_added_kg,heave_damping_kg_s\n" + "".join(f"{0.2 * k},%d00,{k}\n" for k in range(1, 40)),
+        "omega_rad_s,heave_added_kg,heave_damping_kg_s\n" + "".join(f"{0.2 * k},%d00,{(40 - k) ** 2}\n" for k in range(1, 41)),
     ),
 }
 
@@ -117,7 +120,7 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
         "duration": 0.4,
     }
     if not flat:
-        base["basin"]["walls"] = "none"
+        base["basin"]["walls"] = "periodic" if key == "components" else "none"
         base["fluid"] |= {} if key == "components" else {"height": 0.1, "period": 4.0}
     for name, part in YAML(typ="safe").load(written).items():
         base[name] = base.get(name, {}) | part

@@ -36,7 +36,7 @@ def listed(manifest: dict[str, Any]) -> list[str]:
         return [MANIFEST, *filter(lambda name: isinstance(name, str), files)]
     scene = manifest.get("scene")
     ships = scene.get("ships") if isinstance(scene, dict) else None
-    return [*EARLIER, *(f"motion_{name}.csv" for name in ships or ())]
+    return [*EARLIER, *(f"motion_{name}.csv" for name in (ships if isinstance(ships, dict) else ()))]
 
 
 def matching(folder: Path, entries: Iterable[str]) -> set[Path]:

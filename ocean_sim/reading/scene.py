@@ -173,15 +173,10 @@ def load(
     Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory.
     Raises SceneError, which holds everything that is wrong at once.
     """
-    for name, given, kinds_of_it, said in (
-        ("source", source, str | PathLike | dict, "the name or the file of a scene, or a dict"),
-        ("overrides", overrides, dict | None, "a dict of values by dotted key"),
-        ("profile", profile, str | None, "the name of a profile"),
-    ):
-        if not isinstance(given, kinds_of_it):
-            raise Unsuited(f"load: {name} is {said}, not {given!r:.60}")
-    if wrong := [key for key in overrides or {} if not isinstance(key, str)]:
-        raise Unsuited(f"load: overrides is a dict of values by dotted key, and {wrong[0]!r:.60} is none")
+    if not isinstance(source, str | PathLike | dict):
+        raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
+    if overrides is not None and not (isinstance(overrides, dict) and all(isinstance(key, str) for key in overrides)):
+        raise Unsuited(f"load: overrides is a dict of values by dotted key, not {overrides!r:.60}")
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))

@@ -245,16 +245,13 @@ def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] 
 
 
 def clocks_differ(rows: list[dict[str, Any]]) -> str:
-    """How wall and processor time differ, and which counts, in a sentence; empty where they are within CLOCKS_APART."""
+    """How wall and processor time differ, in a sentence; empty where they are within CLOCKS_APART."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
-    if share > CLOCKS_APART:
-        return f"the machine was busy: wall time is {share:.1f} times processor time, by which settings are judged"
-    if share < 1.0 / CLOCKS_APART:
-        return (
-            f"several cores at once: processor time is {1.0 / share:.1f} times wall time, by which settings are judged"
-        )
-    return ""
+    if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:
+        return ""
+    why = "the machine was busy" if share > 1.0 else "several cores worked at once"
+    return f"{why}: wall time is {share:.3g} times processor time; the less of the two counts"
 
 
 def folder_of(out: Path, order: dict[str, Any]) -> Path:

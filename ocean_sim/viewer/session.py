@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
-from ocean_sim.files import input_file
+from ocean_sim.files import input_file, run_files
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, setting
@@ -110,6 +110,7 @@ class Session:
                 if self.touched:
                     with whole(self.claim.folder / "touched.txt") as draft:
                         draft.write_text("\n".join([*self.touched, ""]), encoding="utf-8")
+                    run_files.add(self.claim.folder, [self.claim.folder / "touched.txt"])
             try:
                 simulation.close()
             finally:

@@ -101,7 +101,8 @@ NAMED = {  # by what names a file: the scene around its name, and two contents o
     "initial": ("fluid: {initial: {kind: file, path: f}}", "x,y,u,v\n0.1,-0.1,0,%d\n"),
     "radiation": (
         "ship: {kind: dynamic, hull: yacht, radiation: f}",
-        "omega_rad_s,heave_added_kg,heave_damping_kg_s\n" + "".join(f"{0.2 * k},%d00,{(40 - k) ** 2}\n" for k in range(1, 41)),
+        "omega_rad_s,heave_added_kg,heave_damping_kg_s\n"
+        + "".join(f"{0.2 * k},%d00,{(40 - k) ** 2}\n" for k in range(1, 41)),
     ),
 }
 

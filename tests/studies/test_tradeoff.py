@@ -178,8 +178,8 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
     ]
     found = best(rows, "x", Budget.of("realtime"))
     assert found is not None and found["setting"] == "fine"
-    assert clocks_differ(rows).startswith("the machine was busy: wall time is 10.0 times processor time")
-    assert "2.0 times wall time" in clocks_differ([shared])
+    assert clocks_differ(rows).startswith("the machine was busy: wall time is 10 times processor time")
+    assert "wall time is 0.5 times processor time" in clocks_differ([shared])
     assert clocks_differ([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clocks_differ([]) == ""
 
 
@@ -194,10 +194,8 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
 )
 def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys, wind, seeds):
     """Runs are made up: each finished; a seed more would be the same bytes again."""
-    seen = []
 
     def made_up(order, folder, limit=None):
-        seen.append(order["scene"]["seed"])
         out = Path(folder)
         out.mkdir(parents=True)
         time = np.arange(0.0, 20.0, 0.05)
@@ -210,9 +208,9 @@ def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys,
     words = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--budget", "realtime", "--quick", "--out", "o"]
     assert answered(words) == 0
     said = capsys.readouterr().out
-    assert len(seen) == 2 * seeds + 2  # and once again both, for the answer
+    assert len([*Path("o/runs").iterdir()]) == 2 * seeds + 2  # and once again both, for the answer
     assert ("nothing is drawn from it" in said) == (seeds == 1)
-    assert "most accurate within realtime" in said and "wall time is 10.0 times processor time" in said
+    assert "most accurate within realtime" in said and "wall time is 10 times processor time" in said
 
 
 def test_the_finest_value_is_known_by_its_key():

@@ -207,7 +207,7 @@ class WindConfig(KindConfig):
 
     @property
     def draws(self) -> bool:
-        """Whether it draws random numbers from the seed of the scene."""
+        """True if it draws random numbers from the seed of the scene."""
         return False
 
     @property

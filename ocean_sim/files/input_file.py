@@ -23,7 +23,7 @@ from pydantic import AfterValidator, ValidationInfo
 from ocean_sim.conventions import Refused
 
 MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
-SETTLED = 2_000_000_000  # [ns] after which the times of a file tell a later change, on any file system
+SETTLING_TIME = 2_000_000_000  # [ns] after which the times of a file tell a later change, on any file system
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -92,14 +92,14 @@ def digest(path: str | Path) -> str:
     with suppress(OSError, ValueError):
         found = os.stat(path)
         times = found.st_mtime_ns, found.st_ctime_ns
-        if time_ns() - max(times) > SETTLED:
+        if time_ns() - max(times) > SETTLING_TIME:
             return _digest(str(path), found.st_dev, found.st_ino, found.st_size, *times)
     return hashlib.sha256(content(path)).hexdigest()
 
 
 @lru_cache(maxsize=1000)
 def _digest(path: str, *state: int) -> str:
-    """The same of a file in a state: device, number, size, times."""
+    """SHA-256 of a file in a state: device, number, size, times."""
     return hashlib.sha256(content(path)).hexdigest()
 
 
@@ -108,7 +108,7 @@ class InputName(str):
 
 
 def input_names(dumped: Any) -> Iterator[str]:
-    """Each of them in what models were dumped to."""
+    """Each input's name in dumped models."""
     if isinstance(dumped, InputName):
         yield str(dumped)
     elif isinstance(dumped, dict | list | tuple):

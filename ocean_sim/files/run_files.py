@@ -15,7 +15,7 @@ from ocean_sim.files import input_file
 from ocean_sim.files.claim import MANIFEST
 from ocean_sim.files.whole_file import whole
 
-EARLIER = (  # what a run may have left whose manifest has no list, of an earlier version
+UNLISTED_FILES = (  # what a run may have left whose manifest has no list, of an earlier version
     *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
     *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
     *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST),
@@ -36,7 +36,7 @@ def listed(manifest: dict[str, Any]) -> list[str]:
         return [MANIFEST, *filter(lambda name: isinstance(name, str), files)]
     scene = manifest.get("scene")
     ships = scene.get("ships") if isinstance(scene, dict) else None
-    return [*EARLIER, *(f"motion_{name}.csv" for name in (ships if isinstance(ships, dict) else ()))]
+    return [*UNLISTED_FILES, *(f"motion_{name}.csv" for name in (ships if isinstance(ships, dict) else ()))]
 
 
 def matching(folder: Path, entries: Iterable[str]) -> set[Path]:

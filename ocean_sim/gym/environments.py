@@ -28,7 +28,7 @@ AHEAD = (1.0, 2.0, 3.0)  # [s]
 STEP = 0.1  # [s]
 LONGEST = 600  # steps of an episode
 COMPONENTS = 20
-LEAST = 1e-3  # period [s] and depth [m]
+MIN_PERIOD_AND_DEPTH = 1e-3  # period [s] and depth [m]
 OBSERVED = 9 + 1 + len(AHEAD)
 EFFORT = 0.05  # of the reward that full helm costs
 CAPSIZED = np.radians(60.0)
@@ -66,8 +66,8 @@ class OceanVectorEnv(VectorEnv):
     ) -> None:
         """`height` [m] and `period` [s]: significant and of the peak; 0 m is calm water."""
         number("height", height, "m", 0.0)
-        number("period", period, "s", LEAST)
-        number("depth", depth, "m", LEAST)
+        number("period", period, "s", MIN_PERIOD_AND_DEPTH)
+        number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
         self.num_envs = whole_number("num_envs", num_envs)
         self.boat, self.height, self.period, self.depth = boat or Boat(), height, period, depth
         self.single_observation_space, self.single_action_space = space(), orders()

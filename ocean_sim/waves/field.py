@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.conventions import number, row_array, whole_number
 
-SHORTEST = 1e-6  # side of a square [m]
+MIN_SQUARE_SIDE = 1e-6  # side of a square [m]
 
 
 class WaveField:
@@ -40,7 +40,7 @@ class WaveField:
 
     def periodic(self, side: float) -> "WaveField":
         """The waves with wavelengths that fit into a square of this side [m], so that it fits to itself."""
-        unit = 2.0 * np.pi / number("side", side, "m", SHORTEST)
+        unit = 2.0 * np.pi / number("side", side, "m", MIN_SQUARE_SIDE)
         fitting = np.round(self.sea.wavevector / unit)
         still = ~fitting.any(axis=1)  # waves longer than the square become as long as it is
         axis = np.abs(self.sea.wavevector[still]).argmax(axis=1)
@@ -49,7 +49,7 @@ class WaveField:
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
         """(cells, cells) heights [m] over x and z of a square that repeats itself, its first corner at the origin."""
-        at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", SHORTEST) / cells)
+        at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)
         return heights.reshape(cells, cells)

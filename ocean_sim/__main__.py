@@ -693,6 +693,7 @@ def main(arguments: list[str] | None = None) -> None:
             code = answered(given)
     except Anew as other:
         other.begin(given)
+    console.Outlet.over = True
     sys.exit(code)
 
 

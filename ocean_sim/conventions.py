@@ -38,6 +38,7 @@ tank          the basin without ships
 """
 
 from collections.abc import Sequence
+from math import inf, isfinite
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -113,6 +114,39 @@ class Refused(Failed):
     """The input is wrong."""
 
     exit_code = 2
+
+
+class Unsuited(Refused, ValueError):
+    """An argument of a function that cannot be."""
+
+
+def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
+    """A finite number of at least `least`; raises Unsuited."""
+    value = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    numeric = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if not numeric or not isfinite(value) or value < least:
+        bound = f" of at least {least:g}" if least > -inf else ""
+        raise Unsuited(f"{name}: {value!r:.60} is not a finite number{bound} [{unit}]")
+    return float(value)
+
+
+def whole_number(name: str, value: Any) -> int:
+    """A whole number of at least 1; raises Unsuited."""
+    if number(name, value, "1", 1.0) % 1.0:
+        raise Unsuited(f"{name}: {value!r:.60} is not a whole number")
+    return int(value)
+
+
+def row_array(name: str, values: Any, columns: str) -> np.ndarray:
+    """Numbers (n, columns), one column for each of the names; raises Unsuited."""
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise Unsuited(f"{name}: expected numbers {columns} in rows, got {values!r:.60}") from None
+    count = len(columns.split(","))
+    if found.ndim != 2 or found.shape[1] != count:
+        raise Unsuited(f"{name}: expected an array of shape (n, {count}), {columns}; this one is {found.shape}")
+    return found
 
 
 class Lacking(Failed):

@@ -2,16 +2,18 @@
 
 import json
 import sys
+from collections.abc import Iterable
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ocean_sim.conventions import Refused, figures
-from ocean_sim.files import csv_file
-from ocean_sim.files.claim import Claim
+from ocean_sim.conventions import Refused, Unsuited, figures
+from ocean_sim.files import csv_file, run_files
+from ocean_sim.files.claim import MANIFEST, Claim, claimed
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.machine import stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
@@ -20,6 +22,7 @@ from ocean_sim.simulation import Observer, Simulation
 if TYPE_CHECKING:
     from ocean_sim.waves.field import WaveField
 
+FIRST = "events.jsonl"  # of the files of a run: one that fails early leaves it alone
 TENTHS = 10  # parts of a run, and of its pictures, after which a line is printed
 
 
@@ -112,17 +115,40 @@ def run(
     out: str | Path,
     observers: tuple[Observer, ...] = (),
     progress: bool = False,
+    overwrite: bool = False,
 ) -> Result:
     """Simulate a scene and write its run folder.
 
     `observers`: beyond those that the scene names. `progress`: print simulated time, speed and time left after each
-    tenth, and how many pictures are drawn, to standard error. Raises SceneError, Diverged, and Refused where another
-    process writes into the folder.
+    tenth, and how many pictures are drawn, to standard error. `overwrite`: replace a run that is there already, of
+    which the files that its manifest lists are deleted. Raises SceneError, Diverged, and Refused where the folder holds
+    a run that is not to be replaced, or other things, or another process writes there.
     """
+    if not isinstance(out, str | PathLike):
+        raise Unsuited(f"run: out is the name of a folder, not {out!r:.60}")
     config = scene if isinstance(scene, SceneConfig) else load(scene)
     shown = (Lines(config.duration),) if progress else ()
-    with Claim(Path(out)) as folder:
+    with claimed_for(config.files(), Path(out), overwrite) as folder:
         return simulated(config, folder, (*observers, *shown))
+
+
+def claimed_for(
+    coming: Iterable[str], out: Path, overwrite: bool, named: str = "", cure: str = "give overwrite=True"
+) -> Claim:
+    """A claim on the folder of a run that leaves files `coming`, cleared where it holds one that is to be overwritten;
+    raises Refused where it holds another one, or other things. `named`: what messages call it; `cure`: how they say to
+    overwrite."""
+    claim = claimed(out, FIRST, named=named)
+    try:
+        if (out / MANIFEST).exists():
+            if not overwrite:
+                named = named or str(out)
+                raise Refused(f"{named}: there is a run here already; name another folder, or {cure}")
+            run_files.clear(out, coming)
+    except BaseException:
+        claim.close()
+        raise
+    return claim
 
 
 def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:

@@ -1,5 +1,6 @@
 """The simulation: one step of Algorithm 8, and the loop around it that calls the observers."""
 
+import re
 from abc import abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -8,8 +9,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim import runtime
-from ocean_sim.conventions import Diverged, in_words
+from ocean_sim.conventions import Diverged, Unsuited, in_words, number
 from ocean_sim.fluid import Limits, with_particles
+from ocean_sim.model import Model
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 from ocean_sim.ship import Ship
 
@@ -57,7 +59,7 @@ class ObserverConfig(PartConfig):
     """Whether it needs a run folder; those that do not also observe a Simulation without one."""
     reads_surface: ClassVar[bool] = False
     leaves: ClassVar[str] = ""
-    """The files it leaves, as the ledger states them."""
+    """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
     takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
     """Processor time of one observation [s], and more for each particle."""
 
@@ -65,6 +67,10 @@ class ObserverConfig(PartConfig):
     def name(cls) -> str:
         """Its key in a scene: the name of its module."""
         return cls.__module__.rpartition(".")[2]
+
+    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+        """Names of the files that it leaves in this scene."""
+        return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
 
     def interval(self, preflight: Preflight) -> float:
         """Simulated time between observations [s]; 0: each step, or the rows of the motion log, has one."""
@@ -112,6 +118,10 @@ class Simulation:
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         """`folder`: where observers write; without it there are only those that write nothing."""
         self.scene = scene
+        if not isinstance(scene, Model):
+            raise Unsuited(f"a simulation takes a scene that ocean_sim.load has read, not {scene!r:.60}")
+        folder = None if folder is None else Path(folder)
+        scene.inputs()  # raises where a file has changed of which the scene may know the content
         self.backend = runtime.start(scene.runtime)
         must_have_doubles(scene, self.backend)
         with runtime.Fields() as self.fields:
@@ -186,6 +196,7 @@ class Simulation:
 
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""
+        until = number("until", until, "s", 0.0)
         try:
             if not self.begun:
                 self.begun = True

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from hashlib import sha256
 from pathlib import Path
 from random import Random
 
@@ -114,6 +115,27 @@ def test_frames_that_have_been_deleted_are_kept_anew(there, ask):
     assert (code, err) == (0, "") and json.loads((there / "manifest.json").read_text())["outcome"] == "done"
     made = {path.name for path in (there / "frames").iterdir()}
     assert made & frames == {"grid.npz"} and "frame_00006.npz" in made
+
+
+def test_a_run_of_which_a_named_file_has_changed_is_refused_until_it_is_put_back(ask, tmp_path):
+    """Its ship knows what the file held: the checkpoint has it, and a table of the new content would be half used."""
+    controls, scene, run = tmp_path / "c.csv", tmp_path / "ship.yaml", tmp_path / "run"
+    first = "time_s,throttle,rudder_rad\n0,1.0,0\n10,1.0,0\n"
+    controls.write_text(first)
+    scene.write_text(f"{SEA}ship: {{kind: otter, controls: {{file: c.csv}}}}\n")
+    assert ask("run", scene, "--out", run, *QUIET)[0] == 0
+    name = str(controls)
+    assert json.loads((run / "manifest.json").read_text())["inputs"] == {name: sha256(first.encode()).hexdigest()}
+    controls.write_text(first.replace("1.0", "0.5"))
+    before = contents(run)
+    for words in ([], ["--anyway"]):
+        code, _, err = ask("resume", run, "--until", "0.6", *words)
+        assert code == 2 and "c.csv has changed since this run began; put back what it held" in err
+    assert contents(run) == before
+    controls.unlink()
+    assert ask("resume", run, "--until", "0.6")[0] == 2
+    controls.write_text(first)
+    assert ask("resume", run, "--until", "0.6")[0] == 0
 
 
 def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):

@@ -1,5 +1,6 @@
 """What a program finds around itself: closed streams, a folder that is gone, no home, names that no system takes."""
 
+import json
 import os
 import signal
 import subprocess
@@ -86,6 +87,20 @@ def test_closed_streams_and_narrow_encodings_take_what_is_printed(scene):
         '$O list cases >&- && $O list cases 2>&- >&- <&- && PYTHONIOENCODING=ascii $O check s.yaml --set "title=Ü"'
     )
     assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("\\xdc\n")
+
+
+@pytest.mark.parametrize("end", quickly(("", "head -1"), ("2>&1", "true"), ("--json", "true")))
+def test_a_run_whose_reader_has_gone_goes_on_to_its_end(end, scene):
+    words, reader = end
+    done = ask(f"{{ $O run s.yaml --until 0.02 --out went_on {words}; echo $? > code; }} | {reader}")
+    assert (Path("code").read_text(), done.stderr) == ("0\n", "")
+    assert json.loads(Path("went_on/manifest.json").read_text())["outcome"] == "done"
+
+
+@pytest.mark.parametrize("words", quickly("list", "check s.yaml", "schema", "--help", "list --json", "check no"))
+def test_an_answer_that_nobody_reads_keeps_its_exit_code(words, scene):
+    done = ask(f"{{ $O {words} 2>&1; echo $? > code; }} | true")
+    assert (Path("code").read_text(), done.stderr) == ("2\n" if words == "check no" else "0\n", "")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is full")

@@ -24,7 +24,7 @@ scene = ocean_sim.load(
     },
 )
 print(scene.preflight.particles, "particles")
-result = ocean_sim.run(scene, out="runs/dam_break")
+result = ocean_sim.run(scene, out="runs/dam_break", overwrite=True)
 
 # %%
 # The column sinks, and the front arrives at the box after about half a second: until then the gauge on its front is

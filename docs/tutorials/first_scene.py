@@ -33,7 +33,7 @@ import ocean_sim
 
 scene = ocean_sim.load("first.yaml")
 print(scene.preflight.particles, "particles")
-result = ocean_sim.run(scene, out="runs/first")
+result = ocean_sim.run(scene, out="runs/first", overwrite=True)
 
 # %%
 # The run folder holds tables, and `result` reads them by column. The elevation at the gauge oscillates about zero; it

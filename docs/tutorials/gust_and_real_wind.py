@@ -35,7 +35,7 @@ assert not any("stylised" in warning for warning in real.warnings())
 
 given = {}
 for name, scene in (("gust", gust), ("real", real)):
-    result = ocean_sim.run(scene, out=f"runs/{name}")
+    result = ocean_sim.run(scene, out=f"runs/{name}", overwrite=True)
     impulse = np.stack([result.accuracy[f"impulse_wind_{axis}_Ns"] for axis in "xz"])
     given[name] = float(np.hypot(*impulse[:, -1]))
     swing = float(np.ptp(result.gauges["lee_m"]))

@@ -26,7 +26,7 @@ scene = ocean_sim.load(
         "report": None,
     },
 )
-result = ocean_sim.run(scene, out="runs/voyage")
+result = ocean_sim.run(scene, out="runs/voyage", overwrite=True)
 legs = result.table("platform")
 lengths = np.stack([legs[f"leg{k}_m"] for k in range(1, 7)])
 print(f"{lengths.shape[1]} commands; legs from {lengths.min():.2f} to {lengths.max():.2f} m")

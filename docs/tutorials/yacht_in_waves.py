@@ -27,7 +27,7 @@ random_sea = ocean_sim.load(
         "gauges": {"elevation": {"here": [0.0, 0.0]}},
     }
 )
-result = ocean_sim.run(random_sea, out="runs/random")
+result = ocean_sim.run(random_sea, out="runs/random", overwrite=True)
 later = result.motion["time_s"] > 10.0  # the sea has grown
 print(f"significant heave {4.0 * result.motion['heave_m'][later].std():.2f} m in a sea of 0.8 m")
 
@@ -47,7 +47,7 @@ def heave_ratio(period: float) -> float:
             "ship": YACHT,
         }
     )
-    motion = ocean_sim.run(scene, out=f"runs/regular_{period:g}").motion
+    motion = ocean_sim.run(scene, out=f"runs/regular_{period:g}", overwrite=True).motion
     settled = motion["time_s"] > 8.0 * period
     phase = 2.0 * np.pi * motion["time_s"][settled] / period
     wave = np.stack([np.cos(phase), np.sin(phase), np.ones_like(phase)], axis=1)

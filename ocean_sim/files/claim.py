@@ -13,6 +13,7 @@ from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
 LOCK, MANIFEST = ".lock", "manifest.json"
+NAMED = 3  # of the files that are in the way
 TRIES = 1000  # times that others may remove a folder just before it is claimed
 
 
@@ -28,6 +29,18 @@ def foreign(folder: Path, *ours: str) -> list[str]:
         return []
     names = sorted(path.name for path in folder.iterdir())
     return [each for each in names if not unfinished(each) and not any(fnmatch(each, one) for one in (LOCK, *ours))]
+
+
+def claimed(out: Path, *ours: str, named: str = "") -> "Claim":
+    """A claim on a folder that messages call `named`; raises Refused, also where patterns of names are given, the
+    telling one first, and the folder holds other things (see `foreign`)."""
+    named = named or str(out)
+    if out.exists() and not out.is_dir():
+        raise Refused(f"{named}: this is a file, not a folder")
+    if ours and (others := foreign(out, *ours)):
+        shown = ", ".join(others[:NAMED] + ["..."] * (len(others) > NAMED))
+        raise Refused(f"{named}: this folder holds other things ({shown}); name a new folder")
+    return Claim(out)
 
 
 class Claimed(Refused):

@@ -5,11 +5,16 @@ machine. What is not a regular file (a folder, a pipe, a device) is refused befo
 end.
 """
 
+import hashlib
 import os
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from typing import Annotated
+from time import time_ns
+from typing import Annotated, Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -18,6 +23,7 @@ from pydantic import AfterValidator, ValidationInfo
 from ocean_sim.conventions import Refused
 
 MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
+SETTLING_TIME = 2_000_000_000  # [ns] after which the times of a file tell a later change, on any file system
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -81,10 +87,40 @@ def arrays(path: str | Path) -> dict[str, np.ndarray]:
     raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MOST_BYTES / 1e6:g} MB are read")
 
 
+def digest(path: str | Path) -> str:
+    """SHA-256 of the content of a file, which is read once unless it has changed, or just might; raises Unreadable."""
+    with suppress(OSError, ValueError):
+        found = os.stat(path)
+        times = found.st_mtime_ns, found.st_ctime_ns
+        if time_ns() - max(times) > SETTLING_TIME:
+            return _digest(str(path), found.st_dev, found.st_ino, found.st_size, *times)
+    return hashlib.sha256(content(path)).hexdigest()
+
+
+@lru_cache(maxsize=1000)
+def _digest(path: str, *state: int) -> str:
+    """SHA-256 of a file in a state: device, number, size, times."""
+    return hashlib.sha256(content(path)).hexdigest()
+
+
+class InputName(str):
+    """The name of a file on whose content the numbers of a run depend."""
+
+
+def input_names(dumped: Any) -> Iterator[str]:
+    """Each input's name in dumped models."""
+    if isinstance(dumped, InputName):
+        yield str(dumped)
+    elif isinstance(dumped, dict | list | tuple):
+        for inner in dumped.values() if isinstance(dumped, dict) else dumped:
+            yield from input_names(inner)
+
+
 def relative_to_scene(name: str, info: ValidationInfo) -> str:
     """A file's name as it is found from anywhere: from the folder of the scene that is being read."""
     folder = (info.context or {}).get(FOLDER)
     return name if folder is None or not name else str(Path(folder, name))
 
 
-FileName = Annotated[str, AfterValidator(relative_to_scene)]
+AnyFileName = Annotated[str, AfterValidator(relative_to_scene)]
+FileName = Annotated[AnyFileName, AfterValidator(InputName)]

@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ocean_sim.conventions import Refused
 from ocean_sim.files.input_file import Unreadable, shown, text
@@ -116,7 +118,9 @@ def node_of(data: Any, location: Location) -> Node:
         return Node({str(key): node_of(value, location) for key, value in data.items()}, location, location)
     if isinstance(data, list | tuple):
         return Node([node_of(value, location) for value in data], location, location)
-    return Node(data, location, location)
+    if isinstance(data, np.ndarray | np.generic):
+        return node_of(data.tolist(), location)
+    return Node(str(data) if isinstance(data, PurePath) else data, location, location)
 
 
 def merged(below: Node, above: Node) -> Node:

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim import waves
+from ocean_sim.conventions import Unsuited, number, row_array, whole_number
 from ocean_sim.gym.boats import Boat, Boats
 
 try:
@@ -27,6 +28,7 @@ AHEAD = (1.0, 2.0, 3.0)  # [s]
 STEP = 0.1  # [s]
 LONGEST = 600  # steps of an episode
 COMPONENTS = 20
+MIN_PERIOD_AND_DEPTH = 1e-3  # period [s] and depth [m]
 OBSERVED = 9 + 1 + len(AHEAD)
 EFFORT = 0.05  # of the reward that full helm costs
 CAPSIZED = np.radians(60.0)
@@ -63,7 +65,10 @@ class OceanVectorEnv(VectorEnv):
         depth: float = 50.0,
     ) -> None:
         """`height` [m] and `period` [s]: significant and of the peak; 0 m is calm water."""
-        self.num_envs = num_envs
+        number("height", height, "m", 0.0)
+        number("period", period, "s", MIN_PERIOD_AND_DEPTH)
+        number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
+        self.num_envs = whole_number("num_envs", num_envs)
         self.boat, self.height, self.period, self.depth = boat or Boat(), height, period, depth
         self.single_observation_space, self.single_action_space = space(), orders()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -93,7 +98,9 @@ class OceanVectorEnv(VectorEnv):
         self.steps[which], self.done[which] = 0, False
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        actions = np.asarray(actions, float)
+        actions = row_array("actions", actions, "helm, throttle")
+        if len(actions) != self.num_envs:
+            raise Unsuited(f"actions: {len(actions)} rows for {self.num_envs} boats")
         if not np.isfinite(actions).all():
             boat = int(np.argmin(np.isfinite(actions).all(axis=1)))
             raise ValueError(f"the action of boat {boat} is {actions[boat].tolist()}; helm and throttle are numbers")

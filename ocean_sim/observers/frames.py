@@ -40,7 +40,7 @@ LARGE = 2.0e9  # bytes that are worth a warning
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 1
-    leaves: ClassVar[str] = "frames/*.npz"
+    leaves: ClassVar[str] = "frames/grid.npz, frames/frame_*.npz"
     reads_surface: ClassVar[bool] = True
     takes: ClassVar[tuple[float, float]] = (1.0e-3, 5.0e-8)
     every: float = quantity("s", 0.033, gt=0.0)

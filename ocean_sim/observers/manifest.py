@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim import kernel_library
+from ocean_sim.files import run_files
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, program
 from ocean_sim.simulation import Concluding, ObserverConfig
@@ -41,6 +42,7 @@ class Manifest(Concluding):
             "outcome": "running",
             "scene": scene,
             "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
+            "inputs": simulation.scene.inputs(),
             "seed": simulation.scene.seed,
             "versions": {"python": platform.python_version()} | {name: installed(name) for name in PACKAGES},
             "sources_sha256": program(),
@@ -53,6 +55,7 @@ class Manifest(Concluding):
             },
             "warnings": simulation.scene.warnings(),
             "ledger": [row._asdict() for row in simulation.scene.ledger()],
+            "files": simulation.scene.files(),
         }
         self.write()
 
@@ -84,6 +87,9 @@ class Manifest(Concluding):
         self.close()
 
     def write(self) -> None:
+        """Write the manifest; what others have listed there since stays listed."""
+        if before := run_files.read_manifest(self.path.parent):
+            self.facts["files"] = sorted({*self.facts["files"], *run_files.listed(before)})
         with whole(self.path) as draft:
             draft.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
 

@@ -94,8 +94,11 @@ class Config(PeriodicConfig):
                 found.append((("point",), f"{called(name)} has no point {self.point!r}; {there}"))
         return found
 
+    def files_of(self, preflight: Preflight) -> tuple[str, ...]:
+        return tuple(file_of(name) for name in preflight.ships)
+
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        logs, [row] = [file_of(name) for name in preflight.ships], super().ledger(preflight)
+        logs, [row] = self.files_of(preflight), super().ledger(preflight)
         n = max(len(logs), 1)
         what, seconds = ", ".join(logs) or row.what, n * row.seconds
         return [row._replace(what=what, seconds=seconds, several=True, of_step=n * BETWEEN_ROWS)]

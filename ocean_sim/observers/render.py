@@ -78,7 +78,7 @@ probe = opengl.probe
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 4
-    leaves: ClassVar[str] = "film, drawn during the run, and pictures"
+    leaves: ClassVar[str] = "film.mp4, drawn during the run, moments.png, preview.png, strip.png, still_*.png"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
     camera: Name = "third_person"

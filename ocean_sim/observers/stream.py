@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import field_validator
 
-from ocean_sim.files.input_file import FileName
+from ocean_sim.files.input_file import AnyFileName
 from ocean_sim.observers.shared.handed_on import TakesCommands
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
@@ -30,7 +30,7 @@ class Config(ObserverConfig):
     six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
     frame: Literal["flu", "ned", "ship"] = "flu"
     """Axes of the poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
-    key: FileName | None = None
+    key: AnyFileName | None = None
     """A file whose content signs every packet (of `ocean_sim` only); null: they are not signed."""
 
     @field_validator("to")

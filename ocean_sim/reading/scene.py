@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from importlib import import_module
 from itertools import combinations
 from math import inf
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from pydantic import PrivateAttr
 
 from ocean_sim import basin
+from ocean_sim.conventions import Refused, Unsuited
+from ocean_sim.files.input_file import digest, input_names
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
 from ocean_sim.model import Model
 from ocean_sim.parts import (
@@ -66,6 +69,7 @@ class SceneConfig(Heading):
     """What composing the scene dropped or changed: sentences for `run` and `check`."""
 
     _preflight: Preflight | None = PrivateAttr(None)
+    _inputs: dict[str, str] = PrivateAttr({})
 
     def parts(self) -> dict[str, PartConfig]:
         """The part in every slot that has one, then the observers, by name."""
@@ -100,6 +104,20 @@ class SceneConfig(Heading):
             return 0.0
         readers = [part for part in self.observers.values() if part.reads_surface]
         return min((part.interval(self.preflight) for part in readers), default=inf)
+
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 of each file that the scene names and its numbers depend on, by name; raises Refused where one has
+        changed since the scene was loaded."""
+        parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
+        found = {name: digest(name) for name in sorted(set(input_names(parts)))}
+        for name, now in found.items():
+            if self._inputs.get(name, now) != now:
+                raise Refused(f"{shown(name)}: this file has changed since the scene was loaded; load the scene again")
+        return found
+
+    def files(self) -> list[str]:
+        """Names of the files that a run of it leaves in its folder, in which * stands for digits and dots."""
+        return sorted({name for each in self.observers.values() for name in each.files_of(self.preflight)})
 
     def warnings(self) -> list[str]:
         """The warnings of every part, and keys that have no effect."""
@@ -158,6 +176,10 @@ def load(
     Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory.
     Raises SceneError, which holds everything that is wrong at once.
     """
+    if not isinstance(source, str | PathLike | dict):
+        raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
+    if overrides is not None and not (isinstance(overrides, dict) and all(isinstance(key, str) for key in overrides)):
+        raise Unsuited(f"load: overrides is a dict of values by dotted key, not {overrides!r:.60}")
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
@@ -282,6 +304,7 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
                 **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
             )
             config._preflight = preflight
+            config._inputs = config.inputs()
             return config
     return None
 

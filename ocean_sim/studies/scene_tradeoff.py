@@ -23,11 +23,12 @@ from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.runs import address
-from ocean_sim.studies.shared.scene_run import PICTURES, motion_tables, of, ordered, waves
+from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, motion_tables, of, ordered, waves
 
 PROFILES = ("ci", "interactive", "thesis", "reference")
 SEEDS = {True: 2, False: 5}  # quick or not
 MOST_SETTINGS = 200
+CLOCKS_APART = 1.5  # ratio of wall and processor time from which on it is told
 MORE_IS_FINER = (
     "particles",
     "cells",
@@ -46,7 +47,8 @@ Varied = dict[str, list[Node]]
 
 @dataclass(frozen=True)
 class Budget:
-    """What a run may take: wall time of 1/60 s simulated [ms], of a simulated second, or of the whole run [s]."""
+    """What a run may take on an idle machine: time of 1/60 s simulated [ms], of a simulated second, or of the whole run
+    [s]."""
 
     name: str
     most: float
@@ -61,14 +63,16 @@ class Budget:
             )
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
-    @property
-    def column(self) -> str:
-        """What is limited; the whole run counts from its start on, with what it compiles."""
-        return "wall_per_s" if self.name == "realtime" or self.name.endswith("ms") else "wall_s"
+    def seconds(self, row: dict[str, Any]) -> float | None:
+        """Time that is limited [s], wall or processor time, whichever is less: a run that waits for others has more
+        wall time, one on several cores more processor time. The whole run counts with what it compiles."""
+        unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
+        known = [row[key] for key in (f"wall_{unit}", f"cpu_{unit}") if row.get(key) is not None]
+        return min(known, default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
         """Of the budget, in its own unit."""
-        cost = row[self.column]
+        cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
 
@@ -207,7 +211,7 @@ def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[st
         "outcome": "done" if lost is None else lost["outcome"],
         "reason": "" if lost is None else lost["reason"],
     }
-    for key in ("wall_per_s", "cpu_per_s", "wall_s", "particles", "threads"):
+    for key in (*CLOCKS, "particles", "threads"):
         known = [answer[key] for answer in answers if answer.get(key) is not None]
         row[key] = median(known) if known else None
     names = dict.fromkeys(name for found in apart for name in found)
@@ -238,6 +242,16 @@ def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] 
         return row[by] - least[by] <= max(one[f"{by}_spread"] or 0.0 for one in (row, least))
 
     return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
+
+
+def clocks_differ(rows: list[dict[str, Any]]) -> str:
+    """How wall and processor time differ, in a sentence; empty where they are within CLOCKS_APART."""
+    shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
+    share = median(shares) if shares else 1.0
+    if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:
+        return ""
+    why = "the machine was busy" if share > 1.0 else "several cores worked at once"
+    return f"{why}: wall time is {share:.3g} times processor time; the less of the two counts"
 
 
 def folder_of(out: Path, order: dict[str, Any]) -> Path:

@@ -21,8 +21,8 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
-from ocean_sim.studies.shared.runs import address
-from ocean_sim.studies.shared.scene_run import PICTURES, ordered
+from ocean_sim.studies.shared.runs import MACHINE, address
+from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, ordered
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]
@@ -49,20 +49,20 @@ class PlanConfig(Model):
 
 @dataclass(frozen=True)
 class Planned:
-    """One run of a plan: its own settings, and its scene."""
+    """One run of a plan: its own settings, and its scene, with the files that it names as they were then."""
 
     settings: dict[str, Any]
     scene: SceneConfig
+    planned: dict[str, Any]
 
     def order(self, threads: int) -> dict[str, Any]:
-        return ordered(self.scene, threads)
+        return self.planned | {MACHINE: {"threads": threads}}
 
     def row(self, answer: dict[str, Any]) -> dict[str, Any]:
-        """Its line in the table; wall seconds stand last, for they are the only ones that change from call to call."""
-        head = {"run": address(self.order(1))} | self.settings
-        clock = ("wall_per_s", "cpu_per_s", "wall_s")
-        facts = {key: value for key, value in answer.items() if key not in clock}
-        return head | facts | {key: answer.get(key) for key in clock}
+        """Its line in the table; times stand last, for they are the only ones that change from call to call."""
+        head = {"run": address(self.planned)} | self.settings
+        facts = {key: value for key, value in answer.items() if key not in CLOCKS}
+        return head | facts | {key: answer.get(key) for key in CLOCKS}
 
 
 def planned(path: Path) -> list[Planned]:
@@ -81,7 +81,8 @@ def planned(path: Path) -> list[Planned]:
     for settings in _combinations(node):
         try:
             scene = load(plan.scene, _quiet({**shared, **settings}) | shared | settings, plan.profile)
-            runs.append(Planned({key: value.plain() for key, value in settings.items()}, scene))
+            plain = {key: value.plain() for key, value in settings.items()}
+            runs.append(Planned(plain, scene, ordered(scene)))
         except SceneError as error:
             problems += [_at(node, shared | settings, found) for found in error.problems]
     if problems:

@@ -6,14 +6,15 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.files.claim import MANIFEST, Claim
+from ocean_sim.files.input_file import shown
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.kernel_library import NAME, QUADRANTS, TAICHI, VARIABLE
 from ocean_sim.machine import sources, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.result import Result, simulated
+from ocean_sim.result import FIRST, Result, simulated
 from ocean_sim.state import file
-from ocean_sim.verbs.run import FIRST, kernels, report, until_node
+from ocean_sim.verbs.run import kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
@@ -41,6 +42,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
         finished(folder, manifest, as_json)
         return
+    must_have_the_files_of(folder, manifest, config)
     must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
@@ -112,7 +114,17 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
     except SceneError as error:
         if until is not None and any(problem.file.startswith("--until") for problem in error.problems):
             raise
-        raise console.Refused(f"{folder}: its scene is not one of this version: {error}") from None
+        why = "is not one of this version, or names a file that is not there any more"
+        raise console.Refused(f"{folder}: its scene {why}: {error}") from None
+
+
+def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
+    """Refuses a run of whose named files one has another content than when it began: parts of it know the old one."""
+    now, then = config.inputs(), manifest.get("inputs")
+    changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
+    if changed:
+        cure = "put back what it held, or `run` the scene again"
+        raise console.Refused(f"{folder}: {shown(changed[0])} has changed since this run began; {cure}")
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:

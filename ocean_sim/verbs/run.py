@@ -1,7 +1,6 @@
 """`ocean-sim run`: preflight, progress, summary."""
 
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -10,18 +9,12 @@ from ocean_sim.conventions import figures
 from ocean_sim.files.claim import MANIFEST, Claim, Claimed, foreign
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
-from ocean_sim.result import Result, simulated
+from ocean_sim.result import FIRST, Result, claimed_for, simulated
 from ocean_sim.state import file
 from ocean_sim.verbs.check import picture_time, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
-
-FIRST = "events.jsonl"  # of its files: a run that fails early leaves it alone
-WRITTEN = (
-    *(MANIFEST, FIRST, "*.csv", "checkpoint_*.h5", "report.html"),
-    *("preview.png", "still_*.png", "strip.png", "film.mp4", "moments.png"),
-)
 
 
 def run(
@@ -40,7 +33,7 @@ def run(
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
     must_compute_with(config.runtime.library)
-    with run_folder(scene_path(scene).stem, out, overwrite) as folder:
+    with run_folder(scene_path(scene).stem, out, overwrite, config.files()) as folder:
         silent = as_json or quiet
         progress = Progress(config.duration, silent)
         if not silent:
@@ -99,17 +92,11 @@ def until_node(until: float) -> Node:
     return node_of(until, Location(f"--until {until:g}"))
 
 
-def run_folder(stem: str, out: Path | None, overwrite: bool) -> Claim:
+def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
     """The folder of a run: never that of another one, unless overwriting is asked for, nor one of other things."""
     if out is None:
         return next(filter(None, map(unused, folders(stem))))
-    claim = console.claim(out, FIRST)
-    if (out / MANIFEST).exists():
-        if not overwrite:
-            claim.close()
-            raise console.Refused(f"--out {out}: there is a run here already; name another folder, or add --overwrite")
-        clear(out)
-    return claim
+    return claimed_for(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
 def folders(stem: str) -> Iterator[Path]:
@@ -127,15 +114,6 @@ def unused(folder: Path) -> Claim | None:
         claim.close()
         return None
     return claim
-
-
-def clear(folder: Path) -> None:
-    """Delete what a run writes, and nothing else."""
-    for name in ("frames", "preview"):
-        shutil.rmtree(folder / name, ignore_errors=True)
-    for pattern in WRITTEN:
-        for path in folder.glob(pattern):
-            path.unlink()
 
 
 def kernels() -> str:

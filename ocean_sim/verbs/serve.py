@@ -9,6 +9,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+from ocean_sim.files import run_files
 from ocean_sim.files.claim import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
@@ -139,6 +140,7 @@ def report(runs: list[Path], out: Path | None, as_json: bool) -> None:
         files = [path]
         if len(runs) == 1 and out is None:
             files.append(run_report.write(runs[0]))
+        run_files.add(runs[0], files)
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})
     else:

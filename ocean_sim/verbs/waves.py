@@ -8,6 +8,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from ocean_sim.files import run_files
 from ocean_sim.pictures.frame_files import Frame, frame_files
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.after import say_whether_ended
@@ -68,6 +69,7 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         files.append(folder / "surface.csv")
         columns = {"time_s": surface.time, "circulation_m2_s": surface.circulation, "white_cap_cover": surface.cover}
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
+    run_files.add(path.parent, files)
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | gain(path)
         treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
@@ -84,6 +86,7 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
     tracers = path.parent / "tracers.csv"
     if tracers.is_file():
         files += orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
+        run_files.add(path.parent, files)
     console.say("\n".join(str(file) for file in files))
 
 

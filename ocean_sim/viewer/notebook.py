@@ -1,10 +1,12 @@
 """`ocean_sim.view`: the page in a notebook, beside a simulation that cells step, or as a replay of a run."""
 
 import html
+from os import PathLike
 from pathlib import Path
 from secrets import token_urlsafe
 from tempfile import TemporaryDirectory
 
+from ocean_sim.conventions import Unsuited, number
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer.page import page
@@ -41,6 +43,7 @@ def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
     notebook at any address may show it in a frame. A replay lies in the notebook, whole, so it
     is also there where no server can be reached, as on Colab, and when the notebook is opened again.
     """
+    number("height", height, "pixels", 1.0)
     if isinstance(what, Simulation):
         document = page("Ocean Sim", {"mode": "live"})
         files: dict[str, tuple[str, File]] = {
@@ -52,6 +55,8 @@ def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
         what.observers.append(watch)
         watch.show(0.0)
         return View(f'src="{server.address}"', height, server.address, server)
+    if not isinstance(what, Result | str | PathLike):
+        raise Unsuited(f"view takes a simulation, a result or a run folder, not {what!r:.60}")
     folder = what.folder if isinstance(what, Result) else Path(what)
     with TemporaryDirectory() as away:
         content = replay_file([folder], Path(away) / "replay.html").read_bytes()

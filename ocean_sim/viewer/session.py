@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
-from ocean_sim.files import input_file
+from ocean_sim.files import input_file, run_files
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, setting
@@ -123,6 +123,7 @@ class Session:
                 if touched:
                     with whole(claim.folder / "touched.txt") as draft:
                         draft.write_text("\n".join([*touched, ""]), encoding="utf-8")
+                    run_files.add(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
         """Go on until it is ended, by an interrupt or by `done`."""

@@ -51,6 +51,22 @@ def test_a_heave_that_is_let_go_swings_at_its_period():
     assert heave[-1] == pytest.approx(1.0, abs=1e-9)  # ten periods of 2.5 s
 
 
+def test_orders_for_other_boats_are_refused():
+    """One row for all of them was taken for each."""
+    pytest.importorskip("gymnasium")
+    from ocean_sim.gym import OceanVectorEnv
+
+    many = OceanVectorEnv(3)
+    many.reset(seed=1)
+    for actions in (np.zeros((1, 2)), np.zeros(2), np.zeros((3, 3)), None):
+        with pytest.raises(ValueError, match="actions: "):
+            many.step(actions)
+    wrong = ({"num_envs": 0}, {"num_envs": 1.5}, {"height": float("nan")}, {"period": 0.0}, {"depth": -1.0})
+    for keys in wrong:
+        with pytest.raises(ValueError, match=f"{next(iter(keys))}: "):
+            OceanVectorEnv(**({"num_envs": 2} | keys))
+
+
 def test_it_keeps_the_contract_of_gymnasium():
     pytest.importorskip("gymnasium")
     from gymnasium.utils.env_checker import check_env

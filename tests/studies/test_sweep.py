@@ -85,6 +85,90 @@ def test_equal_scenes_have_one_address_and_others_another():
     )
 
 
+NAMED = {  # by what names a file: the scene around its name, and two contents of it
+    "controls": ("ship: {kind: otter, controls: {file: f}}", "time_s,throttle,rudder_rad\n0,0.%d,0\n9,0,0\n"),
+    "components": (
+        "fluid: {kind: spectral_sea, cells: 32, components: f}",
+        "amplitude_m,period_s,heading_deg,phase_deg\n0.%d1,4,0,0\n",
+    ),
+    "schedule": ("wind: {kind: stress, schedule: {file: f}}", "time_s,speed_m_s,heading_deg\n0,%d,0\n9,5,0\n"),
+    "hull": ("ship: {kind: hydrostatic, hull: {shape: {kind: mesh, file: f.stl}, mass: 10}}", "%d"),
+    "motion": ("basin: {motion: {file: f}}", "time_s,x_m\n0,0\n1,0.%d\n2,0\n3,0\n"),
+    "gate": (
+        "basin: {obstacles: [{min: [0, -1], max: [0.2, 0], motion: {file: f}}]}",
+        "time_s,x_m\n0,0\n1,0.%d\n2,0\n3,0\n",
+    ),
+    "initial": ("fluid: {initial: {kind: file, path: f}}", "x,y,u,v\n0.1,-0.1,0,%d\n"),
+    "radiation": (
+        "ship: {kind: dynamic, hull: yacht, radiation: f}",
+        "omega_rad_s,heave_added_kg,heave_damping_kg_s\n"
+        + "".join(f"{0.2 * k},%d00,{(40 - k) ** 2}\n" for k in range(1, 41)),
+    ),
+}
+
+
+@pytest.mark.parametrize("key", NAMED)
+def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
+    """One that has another content is another run; the same content, copied elsewhere in time, is not."""
+    import trimesh
+    from ruamel.yaml import YAML
+
+    written, text = NAMED[key]
+    flat = key in ("motion", "gate", "initial")
+    base = {
+        "basin": {"length": 2.0, "depth": 1.0} if flat else {"length": 40.0, "width": 40.0, "depth": 7.5},
+        "fluid": {"kind": "delta_sph", "spacing": 0.1} if flat else {"kind": "linear_waves"},
+        "duration": 0.4,
+    }
+    if not flat:
+        base["basin"]["walls"] = "periodic" if key == "components" else "none"
+        base["fluid"] |= {} if key == "components" else {"height": 0.1, "period": 4.0}
+    for name, part in YAML(typ="safe").load(written).items():
+        base[name] = base.get(name, {}) | part
+    Path("one.yaml").write_text(json.dumps(base))
+    Path("plan.yaml").write_text("scene: one.yaml\nseeds: [1]\n")
+
+    def address(size: int) -> str:
+        if key == "hull":
+            trimesh.creation.box([1.0 + size, 1.0, 3.0]).export("f.stl")
+        else:
+            Path("f").write_text(text.replace("%d", str(size)))
+        [run] = planned(Path("plan.yaml"))
+        assert list(run.planned["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
+        return runs_module.address(run.order(1))
+
+    first = address(1)
+    assert address(2) != first and address(1) == first
+
+
+def test_a_key_that_signs_packets_is_no_input_and_is_in_no_manifest():
+    Path("key").write_text("secret of thirty-two characters!")
+    ship = "ship: otter\nplatform: {kind: hexapod, geometry: hexapod_a, washout: ship}\nstream: {key: key}\n"
+    Path("sea.yaml").write_text(SEA + ship)
+    Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
+    assert planned(Path("plan.yaml"))[0].planned["inputs"] == {}
+
+
+def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
+    """And a run that begins when its file is another than planned is none: it is a failure that is tried again."""
+    controls = "time_s,throttle,rudder_rad\n0,%s,0\n10,%s,0\n"
+    ship = "ship: {kind: otter, controls: {file: c.csv}}\nmotion: {every: 0.05}\n"
+    Path("sea.yaml").write_text(SEA.replace("}\nduration", "}\nhealth: null\nduration") + ship)
+    Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
+    surges = []
+    for throttle in ("1.0", "-1.0"):
+        Path("c.csv").write_text(controls % (throttle, throttle))
+        assert answered(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
+        surges.append(json.loads(capsys.readouterr().out)[0]["surge_rms_m"])
+    assert surges[0] != surges[1]
+    order = planned(Path("plan.yaml"))[0].order(1)
+    Path("c.csv").write_text(controls % ("0.5", "0.5"))
+    [(_, answer)] = runs_module.answers([order], Path("late"), 1)
+    assert answer["outcome"] == "failed"
+    assert answer["reason"] == "a file that the scene names has changed since this run was planned"
+    assert not any(Path("late").rglob("answer.json"))
+
+
 def test_a_plan_that_is_wrong_says_where():
     assert wrong("scene: sea.yaml\ngird: {seed: [1]}\n") == ["plan.yaml:2:1: gird: unknown key; did you mean 'grid'?"]
     assert wrong("set: {seed: 1}\n") == ["plan.yaml:1:1: scene: missing key"]

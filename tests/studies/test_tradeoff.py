@@ -12,7 +12,17 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
 from ocean_sim.studies import heeds, tradeoff
-from ocean_sim.studies.scene_tradeoff import SEEDS, Budget, best, errors, finest, settings, summary, varied
+from ocean_sim.studies.scene_tradeoff import (
+    SEEDS,
+    Budget,
+    best,
+    clocks_differ,
+    errors,
+    finest,
+    settings,
+    summary,
+    varied,
+)
 from ocean_sim.studies.shared import pareto, runs, table
 from ocean_sim.studies.shared.clocked import Clocked
 from ocean_sim.studies.shared.scene_run import seen
@@ -153,6 +163,54 @@ def test_a_budget_counts_in_its_own_unit():
     cost = {"wall_per_s": 0.6, "wall_s": 20.0}
     assert Budget.of("16ms").spent(cost) == pytest.approx(10.0)
     assert (Budget.of("realtime").spent(cost), Budget.of("30s").spent(cost)) == (0.6, 20.0)
+
+
+def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
+    """Wall time tells of an idle machine, where several cores work for a run, and of nothing where others have them."""
+    waited, shared = {"wall_per_s": 8.0, "cpu_per_s": 0.8}, {"wall_per_s": 0.7, "cpu_per_s": 1.4}
+    assert Budget.of("realtime").spent(waited) == 0.8 and Budget.of("realtime").spent(shared) == 0.7
+    assert Budget.of("16ms").spent(waited) == pytest.approx(1e3 * 0.8 / 60.0)
+    assert Budget.of("30s").spent({"wall_s": 300.0, "cpu_s": 29.0}) == 29.0
+    rows = [
+        {"setting": "coarse", "wall_per_s": 0.9, "cpu_per_s": 0.1, "x": 2.0, "x_spread": 0.0},
+        {"setting": "fine", "wall_per_s": 8.0, "cpu_per_s": 0.8, "x": 1.0, "x_spread": 0.0},
+        {"setting": "too fine", "wall_per_s": 15.0, "cpu_per_s": 1.5, "x": 0.0, "x_spread": 0.0},
+    ]
+    found = best(rows, "x", Budget.of("realtime"))
+    assert found is not None and found["setting"] == "fine"
+    assert clocks_differ(rows).startswith("the machine was busy: wall time is 10 times processor time")
+    assert "wall time is 0.5 times processor time" in clocks_differ([shared])
+    assert clocks_differ([{"wall_per_s": 1.4, "cpu_per_s": 1.0}]) == clocks_differ([]) == ""
+
+
+@pytest.mark.parametrize(
+    "wind, seeds",
+    [
+        ("wind: still", 1),
+        ("wind: {kind: stress, u10: 5.0}", 1),
+        ("wind: {kind: vortex, noise: [1.0, 0.0, 0.0]}", SEEDS[True]),
+        ("wind: wide", SEEDS[True]),
+    ],
+)
+def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys, wind, seeds):
+    """Runs are made up: each finished; a seed more would be the same bytes again."""
+
+    def made_up(order, folder, limit=None):
+        out = Path(folder)
+        out.mkdir(parents=True)
+        time = np.arange(0.0, 20.0, 0.05)
+        size = order["scene"]["fluid"]["height"]
+        table.write(out / "gauges.csv", [{"time_s": t, "centre_m": size * np.sin(2.0 * t)} for t in time])
+        return {"outcome": "done", "reason": "", "wall_per_s": 5.0, "cpu_per_s": 0.5, "wall_s": 9.0, "cpu_s": 1.0}
+
+    monkeypatch.setattr(runs, "performed", made_up)
+    Path("sea.yaml").write_text(SEA + wind + "\n")
+    words = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--budget", "realtime", "--quick", "--out", "o"]
+    assert answered(words) == 0
+    said = capsys.readouterr().out
+    assert len([*Path("o/runs").iterdir()]) == 2 * seeds + 1  # and once again the best, which is the finest
+    assert ("nothing is drawn from it" in said) == (seeds == 1)
+    assert "most accurate within realtime" in said and "wall time is 10 times processor time" in said
 
 
 def test_the_finest_value_is_known_by_its_key():

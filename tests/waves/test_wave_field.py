@@ -60,6 +60,34 @@ def test_a_square_fits_to_itself_and_keeps_the_height_of_the_sea(field):
     assert again.sea.significant_height == pytest.approx(field.sea.significant_height)
 
 
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda field: field.elevation(np.zeros((2, 3)), 0.0),  # y read as z
+        lambda field: field.normal(np.zeros((2, 3)), 0.0),
+        lambda field: field.velocity(np.zeros((2, 2)), 0.0),
+        lambda field: field.elevation([1.0, 2.0], 0.0),
+        lambda field: field.elevation(None, 0.0),
+        lambda field: field.elevation([["a", "b"]], 0.0),
+        lambda field: field.elevation(np.zeros((2, 2)), float("nan")),
+        lambda field: field.velocity(np.zeros((2, 3)), "0"),
+        lambda field: field.field(0, 10.0, 0.0),
+        lambda field: field.field(2.5, 10.0, 0.0),
+        lambda field: field.field(4, -10.0, 0.0),
+        lambda field: field.periodic(float("nan")),
+    ],
+)
+def test_what_is_no_point_no_time_and_no_square_is_said(field, ask):
+    with pytest.raises(ValueError, match=r"^(points|time|cells|side): .*(expected|is not)"):
+        ask(field)
+
+
+def test_what_is_not_known_stays_unknown(field):
+    """Masked points, none at all, and lists of whole numbers."""
+    assert np.isnan(field.elevation([[np.nan, 0.0], [1, 2]], 3)).tolist() == [True, False]
+    assert field.elevation(np.zeros((0, 2)), np.array(1.0)).shape == (0,)
+
+
 def test_water_of_particles_is_refused():
     tank = {"basin": {"length": 1.0, "depth": 0.5}, "fluid": {"kind": "ballistic", "spacing": 0.1}}
     with pytest.raises(Refused, match="not a sum of plane waves"):

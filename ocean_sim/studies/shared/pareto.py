@@ -172,7 +172,9 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
     high = -(-len(names) // wide)
     figure = Figure(figsize=(5.4 * wide, 4.4 * high), layout="constrained")
     FigureCanvasAgg(figure)
-    key = budget.column if budget is not None else "wall_per_s"
+    key = "wall_per_s"
+    if budget is not None:
+        key, rows = "time", [row | {"time": budget.seconds(row)} for row in rows]
     for k, name in enumerate(names):
         axes = figure.add_subplot(high, wide, k + 1)
         axes.set_xscale("log")
@@ -189,7 +191,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")
             axes.legend(fontsize="x-small")
-        axes.set_xlabel("wall seconds of the run" if key == "wall_s" else "wall seconds per simulated second")
+        axes.set_xlabel("wall seconds per simulated second" if budget is None else "seconds that the budget limits")
         axes.set_ylabel(f"{name}, compared with the reference (square)")
         axes.grid(alpha=0.3)
         spaced(axes.xaxis)

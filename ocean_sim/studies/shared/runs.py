@@ -21,7 +21,7 @@ from threading import Event
 from time import perf_counter
 from typing import Any
 
-from ocean_sim.conventions import Lacking
+from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
@@ -173,7 +173,10 @@ def _main(folder: Path) -> None:
     outlive_no_parent()
     with stoppable(), Claim(folder):
         order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
-        _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+        try:
+            _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+        except Refused as why:
+            sys.exit(str(why))
 
 
 if __name__ == "__main__":

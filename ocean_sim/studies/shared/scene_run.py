@@ -1,32 +1,36 @@
 """The run of one scene as a task of a study: its whole run folder, and its row in a table."""
 
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
-from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.conventions import Diverged, Motions, Refused
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.clocked import Clocked
 from ocean_sim.waves.record import Unmeasurable, measured
 
 ENERGIES = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
+CLOCKS = ("wall_per_s", "cpu_per_s", "wall_s", "cpu_s")  # what changes from call to call
 PICTURES = ("render", "frames", "report")  # a study makes none unless it is asked to
 
 
 def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
     """The order of a scene's run; `threads` where the scene leaves them open."""
-    return {"task": __name__, "scene": config.resolved(), "machine": {"threads": threads}}
+    content = {"task": __name__, "scene": config.resolved(), "inputs": config.inputs()}
+    return content | {"machine": {"threads": threads}}
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Runs the scene; a run that left the physical world is `stopped`, with the reason."""
-    began, reason = perf_counter(), ""
+    began, processor, reason = perf_counter(), process_time(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}
     config = load(order["scene"], more)
+    if config.inputs() != order["inputs"]:
+        raise Refused("a file that the scene names has changed since this run was planned")
     with Clocked(config, folder) as simulation:
         try:
             simulation.run(config.duration)
@@ -42,7 +46,8 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
             "threads": simulation.backend.threads,
             "precision": simulation.backend.precision,
         } | simulation.cost()
-    return facts | {"wall_s": perf_counter() - began} | plain(seen(Result(folder)))
+    whole = {"wall_s": perf_counter() - began, "cpu_s": process_time() - processor}
+    return facts | whole | plain(seen(Result(folder)))
 
 
 def seen(result: Result) -> dict[str, float | None]:

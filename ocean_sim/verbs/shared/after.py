@@ -5,6 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files import run_files
 from ocean_sim.files.claim import MANIFEST
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
@@ -43,6 +44,7 @@ def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | N
             from ocean_sim.observers.shared import run_report
 
             files = [*files, run_report.write(folder)]  # with the new pictures
+        run_files.add(folder, files)
     made(files, as_json)
     replaced = [file.name for file in files if file in before]
     if replaced:
@@ -101,6 +103,7 @@ def export(
     asked: dict[str, Any] = {"particles": particles, "surface": surface, "scene": scene, "z_up": z_up, "every": every}
     with console.claim(out or folder / "export") as written:
         files = export_run(folder, out=written, **asked)
+        run_files.add(folder, files)
     made(files, as_json)
 
 

@@ -6,14 +6,14 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from io import TextIOWrapper
+from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.claim import Claim, foreign
+from ocean_sim.files.claim import Claim, claimed
 from ocean_sim.files.whole_file import naming
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
 from ocean_sim.machine import extra_missing
@@ -22,9 +22,22 @@ __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
 complained: set[str] = set()  # what has been said once
-NAMED = 3  # of the files that are in the way
 MOST = 2000  # bytes of a message about what went wrong
 OUTPUT = naming("standard output")
+
+
+class Outlet(FileIO):
+    """A standard stream that leads nowhere once its reader has gone, as `| head` does: the command goes on."""
+
+    over: ClassVar = False  # the command has ended, and what went wrong is told
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError as failure:
+            if self.over or isinstance(failure, BrokenPipeError):
+                return len(data)
+            raise
 
 
 class Stopped(Failed):
@@ -33,15 +46,16 @@ class Stopped(Failed):
 
 def open_streams() -> None:
     """Make the three standard streams such as anything can be printed to: one that was closed leads nowhere, before
-    another file gets its number, and what an encoding lacks is escaped."""
+    another file gets its number, what an encoding lacks is escaped, and the reader may go."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
             stream = Path(os.devnull).open(mode)
-            setattr(sys, name, stream)
-            setattr(sys, f"__{name}__", stream)  # Taichi takes two that differ for a notebook
         elif mode == "w" and isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+            raw, by_line = Outlet(stream.fileno(), "wb", closefd=False), stream.line_buffering
+            stream = TextIOWrapper(BufferedWriter(raw), stream.encoding, "backslashreplace", line_buffering=by_line)
+        setattr(sys, name, stream)
+        setattr(sys, f"__{name}__", stream)  # Taichi takes two that differ for a notebook
 
 
 def say(text: str = "") -> None:
@@ -120,14 +134,8 @@ def settings(sets: list[str]) -> dict[str, Node]:
 
 
 def claim(out: Path, *ours: str) -> Claim:
-    """A claim on the folder that `--out` names; raises Refused, also where patterns of names are given, the telling one
-    first, and the folder holds other things (see `foreign`)."""
-    if out.exists() and not out.is_dir():
-        raise Refused(f"--out {out}: this is a file, not a folder")
-    if ours and (others := foreign(out, *ours)):
-        named = ", ".join(others[:NAMED] + ["..."] * (len(others) > NAMED))
-        raise Refused(f"--out {out}: this folder holds other things ({named}); name a new folder")
-    return Claim(out)
+    """A claim on the folder that `--out` names, as `claimed`."""
+    return claimed(out, *ours, named=f"--out {out}")
 
 
 def megabytes(count: float) -> float:

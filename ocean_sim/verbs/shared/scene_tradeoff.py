@@ -12,6 +12,7 @@ from ocean_sim.studies.scene_tradeoff import (
     Budget,
     Setting,
     best,
+    clocks_differ,
     errors,
     folder_of,
     measures,
@@ -20,6 +21,7 @@ from ocean_sim.studies.scene_tradeoff import (
     varied,
 )
 from ocean_sim.studies.shared import pareto, table
+from ocean_sim.studies.shared.scene_run import CLOCKS
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.sweep import shown, text
 
@@ -40,10 +42,11 @@ def of_scene(
     """Runs every setting with every seed, one run at a time; leaves tradeoff.csv, seeds.csv and a picture."""
     limit = asked(budget)
     plan = settings(scene, profile, console.settings(sets), varied(vary or [EVERY_PROFILE]), quick)
-    seeds = SEEDS[quick]
+    seeds = SEEDS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not as_json:
         finest = next(setting for setting in plan if setting.finest).line()
-        console.say(f"{len(plan)} settings with {seeds} seeds each, one run at a time; the reference is {finest}")
+        each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
+        console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
     pairs = [(setting, k) for setting in plan for k in range(seeds)]
     answers = made([setting.order(k) for setting, k in pairs], out, as_json)
     rows, single = compared(plan, seeds, answers, out)
@@ -61,11 +64,13 @@ def of_scene(
     )
     found = None if limit is None else answer(plan, rows, judge, limit, seeds, out, as_json)
     if as_json:
-        console.answer({"judged_by": judge, "rows": rows, "answer": found})
+        console.answer({"judged_by": judge, "rows": rows, "answer": found, "clocks": clocks_differ(rows)})
         return
     show(rows, judge, known)
     if limit is not None:
         console.say(verdict(found, rows, judge, limit))
+        if told := clocks_differ(rows):
+            console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
@@ -92,7 +97,7 @@ def compared(plan: list[Setting], seeds: int, answers: list[dict[str, Any]], out
         for k, run in enumerate(own):
             gap = distance(setting, reference, k, out) if run["outcome"] == "done" else {}
             apart.append(gap)
-            facts = {key: run.get(key) for key in ("outcome", "reason", "wall_per_s", "cpu_per_s", "wall_s")}
+            facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCKS)}
             single.append(dict(setting.values) | {"seed": setting.scenes[k].seed} | facts | gap)
         rows.append(summary(setting, own, apart))
     return rows, single
@@ -129,7 +134,15 @@ def answer(
 
 def show(rows: list[dict[str, Any]], judge: str, known: list[str]) -> None:
     """The settings for people, the cheapest first."""
-    names = ["setting", "wall_per_s", "wall_s", judge, f"{judge}_spread", *[k for k in known if k != judge][:3]]
+    names = [
+        "setting",
+        "wall_per_s",
+        "cpu_per_s",
+        "wall_s",
+        judge,
+        f"{judge}_spread",
+        *[k for k in known if k != judge][:3],
+    ]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)

@@ -1,4 +1,4 @@
-"""Files that a user names: which are read, and where their names lead from.
+"""Files that a user names or a run left: which are read, by which rules, and where their names lead from.
 
 A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
 machine. What is not a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
@@ -9,7 +9,7 @@ import os
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from typing import Annotated
+from typing import Annotated, NamedTuple
 from zipfile import ZipFile
 
 import numpy as np
@@ -27,6 +27,34 @@ class Unreadable(Refused, ValueError):
     def __init__(self, path: str | Path, reason: str) -> None:
         self.reason = reason
         super().__init__(f"{shown(path)}: {reason}")
+
+
+class Rule(str):
+    """One rule of a file: a sentence without its full stop, which ends every refusal by it."""
+
+    @property
+    def sentence(self) -> str:
+        """The rule with a capital letter."""
+        return self[0].upper() + self[1:]
+
+    def broken(self, path: str | Path, found: str) -> Unreadable:
+        """The error of a file in which this was found."""
+        return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
+
+
+class Checked(NamedTuple):
+    """All rules of one reader, for the docs; a module of readers keeps its own as `CHECKS`."""
+
+    title: str
+    rules: tuple[Rule, ...]
+
+
+REGULAR = Rule(
+    f"a file is a regular one, not a folder, a pipe or a device, of at most {MOST_BYTES / 1e6:g} MB, unpacked"
+)
+TEXT = Rule("text is in UTF-8")
+
+CHECKS = (Checked("Every file", (REGULAR, TEXT)),)
 
 
 def shown(path: str | Path) -> str:

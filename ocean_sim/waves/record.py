@@ -66,8 +66,7 @@ def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarr
     """Times (n,) [s] of a gauges.csv from `begin` on, and the heights (n,) [m] of each elevation gauge; raises
     ValueError."""
     table = csv_file.numbers(path)
-    if "time_s" not in table:
-        raise ValueError(f"{path}: has no column time_s")
+    time = table.series()[0]
     heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}
     if not heights:
         raise ValueError(f"{path}: has no elevation gauge (a column <name>{SUFFIX}); pressures are not waves")

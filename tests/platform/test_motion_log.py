@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -40,12 +38,12 @@ def with_value(name, row, value):
 
 BAD = {
     "rows that are missing": (without(columns(), np.r_[0:300, 340:1001]), "rows are missing or out of order"),
-    "rows that are shuffled": (without(columns(), np.r_[0:300, 301, 300, 302:1001]), "not in the order of time"),
-    "rows that are there twice": (without(columns(), np.r_[0:300, 299:1001]), "not in the order of time"),
-    "NaN": (with_value("roll_rad", 500, np.nan), "roll_rad is nan in row 501"),
-    "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is inf in row 4"),
+    "rows that are shuffled": (without(columns(), np.r_[0:300, 301, 300, 302:1001]), "times rise from row to row"),
+    "rows that are there twice": (without(columns(), np.r_[0:300, 299:1001]), "times rise from row to row"),
+    "NaN": (with_value("roll_rad", 500, np.nan), "roll_rad is 'nan' in row 501"),
+    "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is 'inf' in row 4"),
     "a jump": (with_value("heave_m", 700, 10.0), "the ship jumps by .* m between"),
-    "no rows": (without(columns(), np.r_[0:0]), "has 0 rows"),
+    "no rows": (without(columns(), np.r_[0:0]), "has no rows"),
     "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
     "a turn at once": (
         changed("roll_rad", lambda roll: roll + 1.5 * (np.arange(len(roll)) >= 700)),
@@ -58,10 +56,10 @@ BAD = {
     "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
     "rates in degrees": (
         changed("roll_rate_rad_s", np.degrees),
-        "its angles turn at .*, its rates are .* in degrees",
+        "roll_rad changes by 0.017.* times what roll_rate_rad_s make of it .* in degrees",
     ),
-    "angles in degrees": (changed("roll_rad", np.degrees), "is one in degrees?"),
-    "too few rows a second": (columns(60.0, dt=0.5), "a platform needs at least 10 a second"),
+    "angles in degrees": (changed("roll_rad", np.degrees), "in degrees?"),
+    "too few rows a second": (columns(60.0, dt=0.5), "row every 0.5 s; rows are evenly spaced, .* 10 a second"),
 }
 
 
@@ -78,7 +76,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
     with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: it has another unit"):
         read(write(tmp_path / "a.csv", in_degrees))
-    with pytest.raises(ValueError, match="frame 'enu'; a frame is one of"):
+    with pytest.raises(ValueError, match="frame 'enu'; .* one of"):
         read(write(tmp_path / "b.csv", table, frame="enu"))
     for frame in ("ned", "flu"):
         with pytest.raises(ValueError, match="gravity does not point down"):
@@ -92,7 +90,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
         read(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "", 1), *lines[51:]]))
-    with pytest.raises(ValueError, match="surge_m is '' in row 48"):
+    with pytest.raises(ValueError, match="surge_m is empty in row 48"):
         read(path)
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
@@ -104,32 +102,32 @@ def test_other_units_and_frames_are_named(tmp_path):
 
 def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
     whole = read(log)
-    assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.head["seed"] == "7"
+    assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.table.head["seed"] == "7"
     np.testing.assert_allclose(whole.ride.specific_force[0], [0.0, 0.0, G - (2 * np.pi / 6.0) ** 2], atol=1e-7)
     for frame in ("ned", "flu", "ship"):
-        names = whole.names
+        names = whole.table.names
         rows = np.array([[float(cell) for cell in row] for row in converted(whole, frame)])
         there = read(write(tmp_path / f"{frame}.csv", dict(zip(names, rows.T)), frame))
         for one, other in zip(there.ride, whole.ride):
             np.testing.assert_allclose(one, other, atol=1e-8)
         back = np.array([[float(cell) for cell in row] for row in converted(there, "ship")])
-        np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.lines], atol=1e-8)
+        np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.table.rows], atol=1e-8)
 
 
 def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
     table = columns(1.0)
-    convertible(Path("a.csv"), read(write(tmp_path / "whole.csv", table)))
+    convertible(read(write(tmp_path / "whole.csv", table)))
     alone = {name: column for name, column in table.items() if name != "force_buoyancy_y_N"}
     words = table | {"force_buoyancy_z_N": ["none"] * 101}
     for name, wrong, sentence in (
-        ("alone.csv", alone, "has no column force_buoyancy_y_N; without it a vector cannot be converted to other axes"),
+        ("alone.csv", alone, "has no column force_buoyancy_y_N"),
         ("words.csv", words, "force_buoyancy_z_N is 'none' in row 1"),
     ):
         path = tmp_path / name
         rows = [",".join(str(cell) for cell in row) for row in zip(*wrong.values())]
         path.write_text("\n".join([",".join(wrong), *rows]))
         with pytest.raises(ValueError, match=sentence):
-            convertible(path, read(path))
+            convertible(read(path))
 
 
 def test_axes_of_the_frames(log):
@@ -140,8 +138,8 @@ def test_axes_of_the_frames(log):
     np.testing.assert_allclose(FRAMES["ship"] @ flu, [0.991343, 8.237563, -0.187498])
     assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in FRAMES.values())
     whole = read(log)
-    row = dict(zip(whole.names, list(converted(whole, "ned"))[150]))
-    own = dict(zip(whole.names, whole.lines[150].split(",")))
+    row = dict(zip(whole.table.names, list(converted(whole, "ned"))[150]))
+    own = dict(zip(whole.table.names, whole.table.rows[150].split(",")))
     assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
     assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]

@@ -66,13 +66,9 @@ def of_csv(file: str) -> BemTable:
     given = [(a, b) for a, b in pairs if a == b or any(column in table for column in columns_of(a, b))]
     scattering = dict(scattering_columns(table))
     wanted = [FREQUENCY, *(column for a, b in given for column in columns_of(a, b))]
-    missing = [name for name in wanted if name not in table]
     if not names:
         raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
-    if missing:
-        raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
-    if not np.isfinite([table[name] for name in [*wanted, *scattering]]).all():
-        raise ValueError(f"{shown(file)} holds what is not a number")
+    table.finite(*wanted, *scattering)
     added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
     for a, b in given:
         i, j = names.index(a), names.index(b)

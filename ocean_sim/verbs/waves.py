@@ -34,6 +34,7 @@ from ocean_sim.waves.record import (
     evenly,
     measured,
     sampling_error,
+    slow_part,
     spectra,
     trend,
 )
@@ -70,13 +71,19 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | gain(path)
-        treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
+        treated: dict[str, dict[str, Any]] = {}
+        for name, height in heights.items():
+            warning = slow_part(*evenly(time, height), treatment)
+            treated[name] = treatment_of(treatment, time, height) | ({"warnings": [warning]} if warning else {})
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     show(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
     for sentence in sampling([sampling_error(treatment.deviation(*evenly(time, height))) for height in steady]):
         console.say(sentence)
+    for name, height in heights.items():
+        if warning := slow_part(*evenly(time, height), treatment):
+            console.say(f"{name}: {warning}")
     for name, height in heights.items() if treatment.detrended else ():
         console.say(f"{name}: less a trend of {trend(*evenly(time, height)):.3g} m/s")
     if surface is not None:
@@ -140,7 +147,7 @@ def record(run: Path) -> Path:
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
         raise console.Refused(f"{run}: there is no such run folder")
-    if not path.is_file():
+    if not path.exists():
         remedy = "name gauges in its scene, as in gauges: {elevation: {centre: [0.0, 0.0]}}"
         raise console.Refused(f"{run}: this run has no gauges.csv; {remedy}")
     return path

@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import csv_file
-from ocean_sim.files.csv_file import NAMED, RISING, WHOLE, Table
+from ocean_sim.files.csv_file import NAMED, Table
 from ocean_sim.files.input_file import Checked, Rule
 
 if TYPE_CHECKING:

@@ -8,16 +8,17 @@ Trans. SNAME 78), at the frequency at which she meets the waves.
 """
 
 from collections.abc import Iterator
+from io import BytesIO
 from itertools import combinations_with_replacement
-from math import degrees
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.input_file import Unreadable, shown
+from ocean_sim.files.hdf5_file import DECLARED, WORDS, data_set
+from ocean_sim.files.input_file import Checked, Rule, shown
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.rigid_body import cross
 
@@ -25,6 +26,11 @@ FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
 COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}  # of two motions in their order
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
+PANELS = Rule(
+    "a NetCDF file is one of added mass and damping by Capytaine, in finite numbers, of a hull without forward speed"
+)
+CHECKS = (Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANELS)),)
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
@@ -96,36 +102,42 @@ def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tupl
 def of_capytaine(file: str) -> BemTable:
     import h5py
 
-    input_file.content(file)  # a regular file, and not too large
+    content = BytesIO(input_file.content(file))
     try:
-        with h5py.File(file) as data:
-            words = [motion.decode().lower() for motion in data["influenced_dof"][:]]
-            push = [motion.decode().lower() for motion in data["radiating_dof"][:]]
-            omega, order = np.unique(data["omega"][:], return_index=True)
+        with h5py.File(content) as data:
+            words, push = (
+                [motion.decode().lower() for motion in data_set(data, name, WORDS).tolist()] for name in DIRECTIONS
+            )
+            omega = data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
-            axes = ("omega", "influenced_dof", "radiating_dof")
-            mass, loss = (laid(data[name], axes)[order] for name in ("added_mass", "radiation_damping"))
+            order = np.argsort(omega, kind="stable")
+            mass, loss = (
+                laid(data, name, ("omega", *DIRECTIONS))[order] for name in ("added_mass", "radiation_damping")
+            )
             added, damping = (symmetric(np.moveaxis(whole[:, rows][:, :, columns], 0, 2)) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:
-                parts = laid(data["diffraction_force"], ("complex", "influenced_dof", "wave_direction", "omega"))
-                headings = np.array([degrees(angle) for angle in data["wave_direction"][:]])
+                parts = laid(data, "diffraction_force", ("complex", DIRECTIONS[0], "wave_direction", "omega"))
+                headings = np.degrees(data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
                 for motion in names:
                     own = parts[0, words.index(motion)] + 1j * parts[1, words.index(motion)]
                     force[Motions._fields.index(motion)] = own[inwards][:, order]
                 found = Scattered(headings[inwards], force)
-            speed = float(data["forward_speed"][()]) if "forward_speed" in data else 0.0
-            depth = float(data["water_depth"][()]) if "water_depth" in data else None
-            axis = float(data["rotation_center"][2]) if "rotation_center" in data else None
-    except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
-        what = str(error).splitlines()[0]
-        raise Unreadable(file, f"this is not a NetCDF file of added mass and damping by Capytaine ({what})") from None
+            speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
+            depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None
+            axis = float(data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
+    except Exception as error:  # HDF5 has errors of its own
+        why = f"{error}" if type(error) is ValueError else "a part of it is missing or damaged"
+        raise PANELS.broken(file, why) from None
+    if not names or not all(np.isfinite(part).all() for part in (omega, added, damping, *(found or ()))):
+        what = "a value that is not a finite number" if names else f"no motion among {', '.join(Motions._fields)}"
+        raise PANELS.broken(file, f"it has {what}")
     if speed != 0.0:
-        raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
-    return BemTable(omega, names, added, damping, found, depth, axis)
+        raise PANELS.broken(file, f"it is of a hull under way at {speed:g} m/s")
+    return BemTable(omega[order], names, added, damping, found, depth, axis)
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -133,10 +145,11 @@ def symmetric(matrix: np.ndarray) -> np.ndarray:
     return 0.5 * (matrix + matrix.transpose(1, 0, 2))
 
 
-def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:
+def laid(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
     """An array of an HDF5 file with its axes in this order."""
-    names = [dimension[0].name.strip("/") for dimension in data.dims]  # type: ignore[attr-defined]
-    return np.transpose(data[:], [names.index(axis) for axis in axes])  # type: ignore[index]
+    numbers = data_set(data, name)
+    names = [dimension[0].name.strip("/") for dimension in data[name].dims]
+    return np.transpose(numbers, [names.index(axis) for axis in axes])
 
 
 class Scattering:

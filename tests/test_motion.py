@@ -109,12 +109,12 @@ def test_what_a_file_lacks_is_said(tmp_path):
     path = tmp_path / "roll.csv"
     assert "there is no such file" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,pitch\n0,0\n1,0\n2,0\n3,0\n")
-    assert "needs the columns time_s" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "no column of an axis" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,x,roll_z\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n")
-    assert "say axis" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "`axis` says which" in motion(file=str(path)).problems(SLICE)[0][1]
     assert motion(file=str(path), axis="x").build().axis == "x"
     path.write_text("time_s,x\n0,0\n1,0\n1,0\n3,0\n")
-    assert "in the order of time" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "times rise from row to row" in motion(file=str(path)).problems(SLICE)[0][1]
 
 
 def place_in_tank(built: TankMotion, world: np.ndarray, time: float) -> np.ndarray:

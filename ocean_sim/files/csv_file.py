@@ -150,9 +150,10 @@ def unreached(what: str, times: np.ndarray, duration: float, instead: str) -> li
     first, last = float(times[0]), float(times[-1])
     if first < duration and last >= 0.0:
         return []
+    if last < 0.0:
+        return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {REACHED}"]
     late = f"begins at {first:.12g} s, when the run of {duration:g} s is over"
-    where = f"ends at {last:.12g} s, before the run begins" if last < 0.0 else late
-    return [f"{what} {where}: {instead}; {REACHED}"]
+    return [f"{what} {late}: {instead.format('first')}; {REACHED}"]
 
 
 def separator_of(names: str, row: str) -> str:

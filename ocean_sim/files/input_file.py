@@ -5,11 +5,12 @@ machine. What is not a regular file (a folder, a pipe, a device) is refused befo
 end.
 """
 
+import json
 import os
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 from zipfile import ZipFile
 
 import numpy as np
@@ -65,19 +66,25 @@ def shown(path: str | Path) -> str:
     return name if len(name) <= 120 else f"{name[:57]}...{name[-60:]}"
 
 
+def size_of(path: str | Path, most: int = MOST_BYTES) -> int:
+    """Size of a regular file of at most `most` bytes; raises Unreadable, and OSError where there is none."""
+    found = os.stat(path)
+    if S_ISDIR(found.st_mode):
+        raise Unreadable(path, "this is a folder, not a file")
+    if not S_ISREG(found.st_mode):
+        raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
+    if found.st_size > most:
+        raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
+    return found.st_size
+
+
 def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
     """The bytes of a regular file of at most `most` bytes, and no more than its size says: what the kernel makes up may
     never end. Raises Unreadable."""
     try:
-        found = os.stat(path)
-        if S_ISDIR(found.st_mode):
-            raise Unreadable(path, "this is a folder, not a file")
-        if not S_ISREG(found.st_mode):
-            raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
-        if found.st_size > most:
-            raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
+        size = size_of(path, most)
         with Path(path).open("rb") as file:
-            return file.read(found.st_size)
+            return file.read(size)
     except FileNotFoundError:
         raise Unreadable(path, "there is no such file") from None
     except (OSError, ValueError) as error:
@@ -93,6 +100,14 @@ def text(path: str | Path, most: int = MOST_BYTES) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise Unreadable(path, f"this is not UTF-8 text (byte {error.start})") from None
+
+
+def document(path: str | Path) -> Any:
+    """The value in a JSON file; raises Unreadable."""
+    try:
+        return json.loads(text(path))
+    except (json.JSONDecodeError, RecursionError):
+        raise Unreadable(path, "this is not a whole JSON file") from None
 
 
 def arrays(path: str | Path) -> dict[str, np.ndarray]:

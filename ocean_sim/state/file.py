@@ -88,9 +88,8 @@ def read(path: Path) -> Checkpoint:
     try:
         with h5py.File(BytesIO(data), "r") as file:
             most = max(input_file.MOST_BYTES, MAX_PACKING * len(data))
-            parts = {
-                key: mapping(json.loads(bytes(data_set(file, key, "u", most)))) for key in ("scene", "made", "tree")
-            }
+            texts = {key: bytes(data_set(file, key, "u", most)) for key in ("scene", "made", "tree")}
+            parts = {key: mapping(json.loads(text)) for key, text in texts.items()}
             arrays = {f".{path}": data_set(file["arrays"], path, "biufc", most) for path in file["arrays"]}
             time, steps = float(file.attrs["time_s"]), int(file.attrs["steps"])
             if not (isfinite(time) and time >= 0.0 and steps >= 0):

@@ -1,14 +1,13 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-import json
 from math import isfinite
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
-from ocean_sim.pictures.frame_files import Frame, frame_files
+from ocean_sim.files.input_file import document
+from ocean_sim.pictures.frame_files import Frame, frame_files, opened
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.after import say_whether_ended
 from ocean_sim.verbs.shared.wave_files import (
@@ -100,11 +99,11 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
-        with np.load(folder / "frames" / "grid.npz") as file:
+        with opened(folder / "frames" / "grid.npz") as file:
             x, z, lower, upper = (file[name] for name in ("x", "z", "lower", "upper"))
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
-    except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
+    except ValueError:
         if not quiet:
             console.say(f"{folder / 'frames'}: cannot be read, so circulation and white caps are left out")
         return None
@@ -170,8 +169,8 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
     try:
-        wind = json.loads((path.parent / "manifest.json").read_text(encoding="utf-8"))["scene"]["wind"]
-    except (OSError, ValueError, KeyError, TypeError):
+        wind = document(path.parent / "manifest.json")["scene"]["wind"]
+    except (ValueError, KeyError, TypeError):
         return None
     return wind if isinstance(wind, dict) and "kind" in wind else None
 

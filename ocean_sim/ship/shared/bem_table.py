@@ -28,7 +28,7 @@ COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg_m2"): "kg_
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
 DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
 PANELS = Rule(
-    "a NetCDF file is one of added mass and damping by Capytaine, in finite numbers, of a hull without forward speed"
+    "a NetCDF file is Capytaine's, of added mass and damping, in finite numbers, of a hull without forward speed"
 )
 CHECKS = (Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANELS)),)
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
@@ -112,9 +112,8 @@ def of_capytaine(file: str) -> BemTable:
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
             order = np.argsort(omega, kind="stable")
-            mass, loss = (
-                laid(data, name, ("omega", *DIRECTIONS))[order] for name in ("added_mass", "radiation_damping")
-            )
+            axes = ("omega", *DIRECTIONS)
+            mass, loss = (laid(data, name, axes)[order] for name in ("added_mass", "radiation_damping"))
             added, damping = (symmetric(np.moveaxis(whole[:, rows][:, :, columns], 0, 2)) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:

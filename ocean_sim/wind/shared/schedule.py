@@ -122,7 +122,7 @@ class Scheduled(Timed):
         if self.course is None:
             return []
         last = float(self.course.time[-1])
-        found = csv_file.unreached("the schedule", self.course.time, duration, "one row blows all the time")
+        found = csv_file.unreached("the schedule", self.course.time, duration, "only its {} row blows")
         if not found and isinstance(self.schedule, File) and last < duration:
             return [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
         return found

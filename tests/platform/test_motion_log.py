@@ -76,7 +76,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
     with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: it has another unit"):
         read(write(tmp_path / "a.csv", in_degrees))
-    with pytest.raises(ValueError, match="frame 'enu'; .* one of"):
+    with pytest.raises(ValueError, match=r"frame .enu.; .* one of"):
         read(write(tmp_path / "b.csv", table, frame="enu"))
     for frame in ("ned", "flu"):
         with pytest.raises(ValueError, match="gravity does not point down"):
@@ -111,7 +111,9 @@ def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
         for one, other in zip(there.ride, whole.ride):
             np.testing.assert_allclose(one, other, atol=1e-8)
         back = np.array([[float(cell) for cell in row] for row in converted(there, "ship")])
-        np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.table.rows], atol=1e-8)
+        np.testing.assert_allclose(
+            back, [[float(cell) for cell in line.split(",")] for line in whole.table.rows], atol=1e-8
+        )
 
 
 def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
@@ -186,3 +188,77 @@ def test_the_time_between_rows_is_that_of_the_run(every, tmp_path):
     table = columns(60.0, every)
     assert read(write(tmp_path / "motion.csv", table)).every == as_logged(every)
     assert as_logged(every) == pytest.approx(every, rel=5e-8)
+
+
+def moved(seconds=20.0, dt=0.02):
+    """A ship that surges, sways, heaves, rolls, pitches and yaws: all columns that say the same twice, FLU axes."""
+    from scipy.spatial.transform import Rotation
+
+    t = np.arange(round(seconds / dt) + 1) * dt
+
+    def wave(size, omega, phase, k):
+        return size * omega**k * np.cos(omega * t + phase + k * np.pi / 2.0)
+
+    motions = {"surge": (0.4, 0.9, 0.3), "sway": (0.3, 1.1, 1.2), "heave": (0.5, 1.0, 0.1)}
+    turns = {"roll": (0.15, 0.8, 0.5), "pitch": (0.06, 1.2, 2.0), "yaw": (0.2, 0.5, 1.0)}
+    table = {"time_s": t} | {f"{name}_m": wave(*how, 0) for name, how in motions.items()}
+    table |= {f"{name}_velocity_m_s": wave(*how, 1) for name, how in motions.items()}
+    table |= {f"{name}_acceleration_m_s2": wave(*how, 2) for name, how in motions.items()}
+    angle, change = ([wave(*how, k) for how in turns.values()] for k in (0, 1))
+    table |= {f"{name}_rad": value for name, value in zip(turns, angle)}
+    (r, p, _), (r_t, p_t, y_t) = angle, change
+    rates = (
+        r_t - y_t * np.sin(p),
+        p_t * np.cos(r) + y_t * np.sin(r) * np.cos(p),
+        y_t * np.cos(r) * np.cos(p) - p_t * np.sin(r),
+    )
+    table |= {f"{name}_rate_rad_s": value for name, value in zip(turns, rates)}
+    pose = Rotation.from_euler("ZYX", np.column_stack(angle)[:, ::-1])
+    felt = np.column_stack([table[f"{name}_acceleration_m_s2"] for name in motions]) + [0.0, 0.0, G]
+    table |= dict(zip(FORCES, pose.inv().apply(felt).T))
+    return table | dict(zip(("qx", "qy", "qz", "qw"), pose.as_quat().T))
+
+
+def written(path, table, offset=0.0, digits=6):
+    rows = [
+        ",".join(f"{value:.{digits}f}" for value in row)
+        for row in zip(*(table | {"time_s": table["time_s"] + offset}).values())
+    ]
+    path.write_text("\n".join(["# frame: flu", ",".join(table), *rows]) + "\n")
+    return path
+
+
+def test_what_a_log_says_twice_agrees(tmp_path):
+    table, path = moved(), tmp_path / "log.csv"
+    assert len(read(written(path, table)).ride.time) == 1001
+    noisy = {name: v + 0.01 * np.std(v) * np.random.default_rng(1).normal(size=len(v)) for name, v in table.items()}
+    read(written(path, noisy | {"time_s": table["time_s"]}))
+    read(
+        written(path, table | {"sway_m": 0.0 * table["sway_m"], "sway_velocity_m_s": 0.0 * table["sway_m"]})
+    )  # not known
+    for name in [name for name in table if name not in ("time_s", "qw")]:
+        with pytest.raises(ValueError, match="agree|Columns that say the same|gravity") as refused:
+            read(written(path, table | {name: -table[name]}))
+        assert "gravity" in str(refused.value) or name.startswith("q") or name in str(refused.value) or name.split("_")[0] in str(refused.value)
+    for name, factor, unit in (
+        ("yaw_rad", 180.0 / np.pi, "degrees"),
+        ("pitch_rate_rad_s", 180.0 / np.pi, "degrees"),
+        ("heave_velocity_m_s", 1.9438, "knots"),
+        ("sway_velocity_m_s", 3.6, "km/h"),
+        ("surge_acceleration_m_s2", 1.0 / G, "in g"),
+    ):
+        with pytest.raises(ValueError, match=unit):
+            read(written(path, table | {name: factor * table[name]}))
+    for one, other in (("roll_rad", "pitch_rad"), ("roll_rate_rad_s", "yaw_rate_rad_s"), (FORCES[0], FORCES[1])):
+        with pytest.raises(ValueError, match="agree|Columns that say the same"):
+            read(written(path, table | {one: table[other], other: table[one]}))
+
+
+@pytest.mark.parametrize("offset", [0.0, 86400.0, 1709294400.0, 2e9])
+@pytest.mark.parametrize("digits", [2, 6])
+def test_a_gap_is_found_to_the_digits_of_the_times(tmp_path, offset, digits):
+    table, path = moved(), tmp_path / "log.csv"
+    assert read(written(path, table, offset, max(digits, 4))).every == pytest.approx(0.02, abs=1e-8)
+    for gap in (1, 2, 50):
+        with pytest.raises(ValueError, match="rows are missing or out of order between .*, rows 400 and 401"):
+            read(written(path, without(table, np.r_[0:400, 400 + gap : 1001]), offset, max(digits, 4)))

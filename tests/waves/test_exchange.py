@@ -62,7 +62,7 @@ def test_elevations_for_openfast_come_back(tmp_path):
     np.testing.assert_allclose(back, time, atol=1e-6)
     np.testing.assert_allclose(eta, np.sin(time), atol=1e-8)
     path.write_text("Time Elev\n0.0 1.0\n0.1 1.0\n0.5 1.0\n")
-    with pytest.raises(Unreadable, match="row 2 has 0.1 s after 0 s; .* evenly spaced"):
+    with pytest.raises(Unreadable, match=r"row 2 has 0\.1 s after 0 s; .* evenly spaced"):
         exchange.of_openfast(path)
 
 

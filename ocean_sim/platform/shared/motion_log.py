@@ -226,7 +226,7 @@ def compare(
     like = np.where(
         known[:, None] & known, says.T @ follows / len(says) / np.maximum(np.outer(size, other), 1e-300), 0.0
     )
-    for i in np.flatnonzero(known):
+    for i in np.flatnonzero(known).tolist():
         own, k, ratio = like[i, i], int(np.abs(like[i]).argmax()), size[i] / other[i]
         factor = np.copysign(ratio, own)
         found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {own:.2f})"

@@ -27,9 +27,7 @@ ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"),
 COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}  # of two motions in their order
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
 DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
-PANELS = Rule(
-    "a NetCDF file is Capytaine's, of added mass and damping, in finite numbers, of a hull without forward speed"
-)
+PANELS = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
 CHECKS = (Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANELS)),)
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
 

@@ -21,6 +21,9 @@ MAGIC, FORMAT, AIRY = 37.0221, 100, 6
 BEGIN = struct.pack("<fi", MAGIC, FORMAT)
 HEAD, SIZES, TAIL = struct.Struct("<fiii30s20si"), struct.Struct("<ffiifi"), struct.Struct("<if")
 NAME = b"ocean-sim"
+SWD = Rule(
+    f"a .swd file is of format {FORMAT} and has plane waves (shape {AIRY}) of finite numbers, wavenumbers above 0"
+)
 EVEN = Rule("an .Elev file has two or more rows of time [s] and elevation [m], evenly spaced in time, under its head")
 
 
@@ -37,21 +40,21 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
     """The sea in a .swd file of plane waves; raises Unreadable."""
     data = input_file.content(path)
     if not data.startswith(BEGIN):
-        raise Unreadable(path, "this is not a .swd file of format 100")
+        raise SWD.broken(path, "it begins otherwise")
     try:
         _, _, shape, _, _, _, length = HEAD.unpack_from(data)
         if shape != AIRY:
-            raise Unreadable(path, f"its waves are of shape {shape}; plane waves, shape {AIRY}, are read")
+            raise SWD.broken(path, f"its waves are of shape {shape}")
         at = HEAD.size + length + SIZES.size
         count, depth = TAIL.unpack_from(data, at)
         rows = np.frombuffer(data, "<f4", 4 * count, at + TAIL.size).reshape(count, 4).astype(float)
     except (struct.error, ValueError) as error:
         if isinstance(error, Unreadable):
             raise
-        raise Unreadable(path, "this .swd file ends too early") from None
+        raise SWD.broken(path, "it ends too early") from None
     amplitude, k, heading, phase = rows.T
     if not (np.isfinite(rows).all() and (k > 0.0).all()):
-        raise Unreadable(path, "it has a value that is not a number, or a wavenumber that is not above 0")
+        raise SWD.broken(path, f"component {int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0))) + 1} is none")
     deep = depth if depth > 0.0 else 1e3 * 2.0 * np.pi / float(k.min())  # infinite where it is below 0
     wavevector = k[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=1)
     return waves.Components(amplitude, wavevector, -phase, deep, gravity)

@@ -15,7 +15,9 @@ from ocean_sim.waves import exchange
 ONSET = 5.0  # [periods] in which what is not linear sets in
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
 PERIODS = Rule("every period_s is above 0")
-CHECKS = (Checked("Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file", (PERIODS,)),)
+CHECKS = (
+    Checked("Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file", (PERIODS, exchange.SWD)),
+)
 Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
 
 

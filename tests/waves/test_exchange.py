@@ -44,9 +44,9 @@ def test_a_swd_file_comes_back_and_others_are_refused(tmp_path):
     )
     data = exchange.swd(SEA)
     for wrong, sentence in (
-        (b"hello\n", "this is not a .swd file"),
+        (b"hello\n", "it begins otherwise; a .swd file"),
         (data[:-1], "ends too early"),
-        (b"\0" + data[1:], "not a .swd file"),
+        (b"\0" + data[1:], "it begins otherwise"),
         (data[:8] + b"\x05" + data[9:], "of shape 5"),
     ):
         path.write_bytes(wrong)

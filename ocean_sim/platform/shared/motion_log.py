@@ -41,10 +41,14 @@ CHUNK = 2000  # rows at a time
 
 COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noise from row to row does not count
 MIN_COMPARED_ROWS = 8  # fewer are alike by chance
-OPPOSITE, ALIKE = -0.8, 0.9  # correlations from which one column is another with its sign changed, or is that column
+OPPOSITE, UNLIKE, ALIKE = (
+    -0.8,
+    0.8,
+    0.9,
+)  # correlations of a column with its opposite, at most with another, with itself
 MAX_FACTOR = 2.0  # between two columns that say the same: every confusion of units is further apart
 MIN_TURN, MIN_SPEED, MIN_FELT = 1e-3, 0.01, 0.05  # [rad/s], [m/s], [m/s2] below which columns are not compared
-MAX_TURNED_APART = 0.1  # [rad] between a quaternion and the angles, in half of all rows
+MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
 UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
 
 AXES_NAMED = Rule(f"its head says its axes, `# frame:` one of {', '.join(FRAMES)}, and gravity points down in them")
@@ -232,7 +236,7 @@ def compare(
         found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {own:.2f})"
         if own < OPPOSITE:
             raise AGREEING.broken(table.path, f"{found}: is one of the other sign?")
-        if abs(like[i, k]) > ALIKE and own < 0.5:
+        if abs(like[i, k]) > ALIKE and own < UNLIKE:
             raise AGREEING.broken(table.path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
         if own > ALIKE and not 1.0 / MAX_FACTOR < ratio < MAX_FACTOR:
             most = max(ratio, 1.0 / ratio)

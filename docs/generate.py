@@ -83,10 +83,8 @@ def checked_files() -> str:
     sections = "".join(
         f"\n## {checked.title}\n\n" + "".join(f"- {rule.sentence}.\n" for rule in checked.rules) for checked in checks()
     )
-    return (
-        "# What is checked of your files\n\nA file that breaks one of these rules is refused before anything runs, with "
-        "its name, what was found and where, and the rule.\n" + sections
-    )
+    opening = "A file that breaks one of these rules is refused before anything runs, with what was found, and where."
+    return f"# What is checked of your files\n\n{opening}\n{sections}"
 
 
 def checks() -> list[Checked]:

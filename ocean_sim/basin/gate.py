@@ -59,7 +59,7 @@ class Gate(Model):
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
         """(n,) times [s] and (n, 3) ways [m] in its file; raises Unreadable."""
         assert self.file is not None
-        table = csv_file.numbers(self.file)
+        table = csv_file.Table(self.file)
         axes = [axis for axis in AXES if axis in table] or list(AXES)
         times, *ways = table.series(*axes, fewest=FEWEST_ROWS)
         along = dict(zip(axes, ways, strict=True))

@@ -186,7 +186,7 @@ class Recorded(Tank):
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
-        table = csv_file.numbers(self.file)
+        table = csv_file.Table(self.file)
         names = {name.removesuffix("_m").removesuffix("_rad"): name for name in table}
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in names]  # type: ignore[attr-defined]
         if self.axis is not None:

@@ -6,7 +6,7 @@ column of numbers and '' in a column of words. The reader of a table states what
 
 - `columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
   numbers. A last line that a killed run did not finish is left out.
-- `numbers`, of a table that a person names, a `Table`: cells lie between commas, semicolons, tabs or spaces, numbers
+- `Table`, of a table that a person names: cells lie between commas, semicolons, tabs or spaces, numbers
   have a decimal point or, where no comma separates cells, a decimal comma, and times may be dates (ISO 8601). A column
   that is asked for holds finite numbers alone.
 - `records`, every cell as text, row by row.
@@ -51,33 +51,28 @@ CHECKS = (
 
 
 class Lines(NamedTuple):
-    """A CSV file as text: the keys of its comments, the names of its columns, and its rows."""
+    """A CSV file as text: the keys of its comments, the line with the names of its columns, and its rows."""
 
     head: dict[str, str]
-    names: list[str]
+    heading: str
     rows: list[str]
 
 
 def lines(text: str) -> Lines:
-    """The parts of the text of a CSV file that a run wrote; without names where there are only comments."""
-    head, names, rows = parts(text)
-    return Lines(head, [name.strip() for name in cells(names)] if names else [], rows)
-
-
-def parts(text: str) -> tuple[dict[str, str], str, list[str]]:
-    """The keys of the comments of a CSV file, the line with its names, and its rows."""
+    """The parts of the text of a CSV file; an empty heading where there are only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
-    names, *rows = [line for line in written if line[0] != "#"] or [""]
-    return {key.strip(): value.strip() for key, _, value in comments}, names, rows
+    heading, *rows = [line for line in written if line[0] != "#"] or [""]
+    return Lines({key.strip(): value.strip() for key, _, value in comments}, heading, rows)
 
 
 class Table(dict[str, np.ndarray]):
-    """Columns (n,) by name of a table that a person names; a cell that is not a number is NaN."""
+    """Columns (n,) by name of a table that a person names; a cell that is not a number is NaN. Raises Unreadable, a
+    ValueError, also where there is no row."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = path
-        self.head, names, self.rows = parts(input_file.text(path))
+        self.head, names, self.rows = lines(input_file.text(path))
         if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
             names, *self.rows = self.rows
         if not self.rows:
@@ -171,19 +166,15 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     """Each column, (n,), of a table that a run wrote, as float64 or as words, by its name; none where there are no
     names. Raises Unreadable, a ValueError."""
     text = input_file.text(path)
-    _, names, rows = lines(text[: text.rfind("\n") + 1])
+    _, heading, rows = lines(text[: text.rfind("\n") + 1])
+    names = [name.strip() for name in cells(heading)] if heading else []
     return {name: column(found) for name, found in by_column(path, names, rows, cells).items()}
-
-
-def numbers(path: str | Path) -> Table:
-    """A table that a person names; raises Unreadable, a ValueError, also where there is no row."""
-    return Table(path)
 
 
 def records(text: str) -> list[dict[str, str]]:
     """The rows of the text of a CSV file, each cell as text by the name of its column."""
-    _, names, rows = lines(text)
-    return [dict(zip(names, cells(row))) for row in rows]
+    _, heading, rows = lines(text)
+    return [dict(zip(map(str.strip, cells(heading)), cells(row))) for row in rows]
 
 
 def by_column(

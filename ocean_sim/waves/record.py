@@ -86,7 +86,7 @@ def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarr
         time, height = exchange.of_openfast(path)
         table = {f"WaveElev{SUFFIX}": height}
     else:
-        table = csv_file.numbers(path)
+        table = csv_file.Table(path)
         time = table.series()[0]
     names = [name for name in table if name.endswith(SUFFIX)]
     if not names:

@@ -77,7 +77,7 @@ class Seas(waves.OpenTrain):
             sea = exchange.of_swd(self.components)
             heading = np.degrees(np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1]))
             return dict(zip(COLUMNS, (sea.amplitude, 2.0 * pi / sea.omega, heading, np.degrees(sea.phase))))
-        found = csv_file.numbers(self.components)
+        found = csv_file.Table(self.components)
         period = found.finite(*COLUMNS)[1]
         if (period <= 0.0).any():
             row = int(period.argmin())

@@ -175,13 +175,13 @@ def test_what_is_no_file_is_not_opened(name, why, tmp_path):
 
     os.mkfifo(tmp_path / "fifo")
     with pytest.raises(input_file.Unreadable, match=why):
-        csv_file.numbers(tmp_path / name)
+        csv_file.Table(tmp_path / name)
 
 
 def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path):
     path = tmp_path / "t.csv"
     path.write_bytes(b"\xef\xbb\xbftime_s,x_m\n0,1\n1,2\n")
-    assert csv_file.numbers(path)["time_s"].tolist() == [0.0, 1.0]
+    assert csv_file.Table(path)["time_s"].tolist() == [0.0, 1.0]
     for content, why in {
         "time_s,x_m\n0,1\n1\n": "row 2 has 1 cells under 2 names, '1'",
         "time_s,time_s\n0,1\n": "two columns 'time_s'",
@@ -189,7 +189,7 @@ def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path
     }.items():
         path.write_text(content)
         with pytest.raises(input_file.Unreadable, match=why):
-            csv_file.numbers(path)
+            csv_file.Table(path)
 
 
 def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):
@@ -245,7 +245,7 @@ def test_a_spoilt_run_folder_is_refused_in_a_sentence(verb, tell, tmp_path, monk
 
 @pytest.mark.parametrize("odd", ["pipe", "device", "folder", "deep"])
 def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
-    """Whatever stands in its place: each reader of the files of a run ends, with a sentence or without what it holds."""
+    """Each reader of the files of a run ends, with a sentence or without what the file holds."""
     import os
 
     from ocean_sim.conventions import Refused

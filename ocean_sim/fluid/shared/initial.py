@@ -189,7 +189,7 @@ class FromFile(Start):
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
-        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.numbers(self.path)
+        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
             raise Unreadable(self.path, f"{unnumbered[0]} is not a column of numbers")

@@ -103,7 +103,7 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 
 def read(path: str | Path) -> MotionLog:
     """A whole motion log. Raises Unreadable, a ValueError, where it cannot be read, or is none."""
-    table = csv_file.numbers(path)
+    table = csv_file.Table(path)
     missing = [name for name in REQUIRED if name not in table]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))

@@ -64,7 +64,7 @@ def bem_table(file: str) -> BemTable:
 
 
 def of_csv(file: str) -> BemTable:
-    table = csv_file.numbers(file)
+    table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     pairs = list(combinations_with_replacement(names, 2))
     given = [(a, b) for a, b in pairs if a == b or any(column in table for column in columns_of(a, b))]

@@ -110,7 +110,7 @@ class Track(Model):
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        _, *orders = csv_file.numbers(file).series(*COLUMNS)
+        _, *orders = csv_file.Table(file).series(*COLUMNS)
         for name, values, most in zip(COLUMNS, orders, MAX_ORDERS, strict=True):
             row = int(np.abs(values).argmax())
             if abs(values[row]) > most:
@@ -176,7 +176,7 @@ class Crew:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
         if isinstance(controls, Track):
-            self.time, *orders = (column.tolist() for column in csv_file.numbers(controls.file).series(*COLUMNS))
+            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*COLUMNS))
             self.orders = list(zip(*orders, strict=True))
         elif isinstance(controls, list) and controls:
             self.time = [row.time for row in controls]

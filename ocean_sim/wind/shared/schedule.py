@@ -112,7 +112,7 @@ class Scheduled(Timed):
         if self.schedule is None:
             return None
         if isinstance(self.schedule, File):
-            return Schedule(*csv_file.numbers(self.schedule.file).series("speed_m_s", "heading_deg"))
+            return Schedule(*csv_file.Table(self.schedule.file).series("speed_m_s", "heading_deg"))
         if not self.schedule:
             raise ValueError("needs at least one row")
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))

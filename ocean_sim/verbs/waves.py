@@ -204,7 +204,7 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
     """The table for people."""
     rows = [[name, *(cell(getattr(sea, key)) for key in COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in COLUMNS.items()]
-    console.table(f"{path}: {len(time)} samples from {time[0]:g} to {time[-1]:g} s", ["gauge", *heads], rows)
+    console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
         for sentence in shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")

@@ -304,7 +304,7 @@ def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_
     steps = np.diff(time)
     if steps.max() > 0.5 * periods.mean():
         k = int(steps.argmax())
-        gap = f"has a gap of {steps[k]:.3g} s after {time[k]:g} s"
+        gap = f"has a gap of {steps[k]:.3g} s after {time[k]:.12g} s"
         raise Unmeasurable(f"{gap}, more than half of its mean wave of {periods.mean():.3g} s")
     f_peak = peak_frequency(interval, deviation)
     m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else moments(interval, deviation, CUT_OFF * f_peak)

@@ -267,3 +267,17 @@ def test_a_gap_is_found_to_the_digits_of_the_times(tmp_path, offset, digits):
     for gap in (1, 2, 50):
         with pytest.raises(ValueError, match=r"rows are missing or out of order between .*, rows 400 and 401"):
             read(written(path, without(table, np.r_[0:400, 400 + gap : 1001]), offset, max(digits, 4)))
+
+
+@pytest.mark.parametrize(
+    "name, value, said",
+    [
+        ("roll_rate_rad_s", 0.0, "roll_rad turns by"),
+        ("yaw_rad", 0.0, "yaw_rate_rad_s says"),
+        ("qw", 0.0, "unit length"),
+    ],
+)
+def test_a_column_that_was_left_out_is_said(tmp_path, name, value, said):
+    table = moved()
+    with pytest.raises(ValueError, match=said):
+        read(written(tmp_path / "log.csv", table | {name: value + 0.0 * table[name]}))

@@ -41,13 +41,11 @@ CHUNK = 2000  # rows at a time
 
 COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noise from row to row does not count
 MIN_COMPARED_ROWS = 8  # fewer are alike by chance
-OPPOSITE, UNLIKE, ALIKE = (
-    -0.8,
-    0.8,
-    0.9,
-)  # correlations of a column with its opposite, at most with another, with itself
-MAX_FACTOR = 2.0  # between two columns that say the same: every confusion of units is further apart
-MIN_TURN, MIN_SPEED, MIN_FELT = 1e-3, 0.01, 0.05  # [rad/s], [m/s], [m/s2] below which columns are not compared
+# Correlations of a column with its opposite, at most with another column, and with itself.
+OPPOSITE, UNLIKE, ALIKE = -0.8, 0.8, 0.9
+MAX_FACTOR = 1.5  # between two columns that say the same: every confusion of units is further apart
+MIN_TURN, MIN_SPEED, MIN_FELT = 1e-3, 0.01, 0.01  # [rad/s], [m/s], [m/s2] below which columns are not compared
+SURE_TURN = 0.05  # [rad/s] beside which angles, or rates, that move by less than a tenth of it are wrong
 MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
 UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
 
@@ -157,6 +155,10 @@ def believable(table: Table, ride: Ride, frame: str, every: float) -> None:
     angles, n = [f"{name}_rad" for name in ("roll", "pitch", "yaw")], compared_rows(ride, every)
     turn, rate = change_over(np.unwrap(ride.attitude, axis=0), n, every), mean_over(euler_rates(ride), n)
     compare(table, angles, RATES, turn, rate, MIN_TURN)
+    sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
+    for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
+        found = f"{angles[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
+        raise AGREEING.broken(path, found)
     if (leap > FASTEST_TURN * np.diff(time)).any():
         k, angle = int(np.argmax(leap)), np.degrees(leap.max())
         found = f"the ship turns by {angle:.3g} degrees between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
@@ -194,7 +196,13 @@ def agreeing(table: Table, ride: Ride, frame: str, every: float) -> None:
         from scipy.spatial.transform import Rotation
 
         w, *vector = table.finite(*QUATERNION)
-        pose = Rotation.from_quat(np.column_stack([np.column_stack(vector) @ FRAMES[frame], w]))
+        quaternion = np.column_stack([np.column_stack(vector) @ FRAMES[frame], w])
+        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0)
+        if off.max() > MAX_TURNED_APART:
+            raise AGREEING.broken(
+                table.path, f"its quaternion is {off.max():.3g} from unit length in row {off.argmax() + 1}"
+            )
+        pose = Rotation.from_quat(quaternion)
         apart = float(np.median((body * pose).magnitude()))
         if apart > MAX_TURNED_APART:
             found = f"its quaternion, qw first, is {apart:.3g} rad from its angles in half of the rows"
@@ -242,11 +250,6 @@ def compare(
             most = max(ratio, 1.0 / ratio)
             unit = next((unit for known, unit in UNIT_FACTORS.items() if 0.9 < most / known < 1.1), "another unit")
             raise AGREEING.broken(table.path, f"{found}: is one in {unit}?")
-
-
-def turns(attitude: np.ndarray) -> np.ndarray:
-    """(n - 1, 3) differences from row to row [rad], the short way around."""
-    return (np.diff(attitude, axis=0) + np.pi) % (2.0 * np.pi) - np.pi
 
 
 def leaps(attitude: np.ndarray) -> np.ndarray:

@@ -43,8 +43,11 @@ COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noi
 MIN_COMPARED_ROWS = 8  # fewer are alike by chance
 # Correlations of a column with its opposite, at most with another column, and with itself.
 OPPOSITE, UNLIKE, ALIKE = -0.8, 0.8, 0.9
-MAX_FACTOR = 1.5  # between two columns that say the same: every confusion of units is further apart
-MIN_TURN, MIN_SPEED, MIN_FELT = 1e-3, 0.01, 0.01  # [rad/s], [m/s], [m/s2] below which columns are not compared
+MAX_FACTOR, MAX_FELT_FACTOR = (
+    1.5,
+    3.0,
+)  # between columns that say the same; felt is also what short waves do between rows
+MIN_TURN, MIN_SPEED, MIN_CHANGE, MIN_FELT = 1e-3, 0.01, 0.01, 0.05  # [rad/s], [m/s], [m/s2]: less is not compared
 SURE_TURN = 0.05  # [rad/s] beside which angles, or rates, that move by less than a tenth of it are wrong
 MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
 UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
@@ -155,14 +158,14 @@ def believable(table: Table, ride: Ride, frame: str, every: float) -> None:
     angles, n = [f"{name}_rad" for name in ("roll", "pitch", "yaw")], compared_rows(ride, every)
     turn, rate = change_over(np.unwrap(ride.attitude, axis=0), n, every), mean_over(euler_rates(ride), n)
     compare(table, angles, RATES, turn, rate, MIN_TURN)
-    sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
-    for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
-        found = f"{angles[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
-        raise AGREEING.broken(path, found)
     if (leap > FASTEST_TURN * np.diff(time)).any():
         k, angle = int(np.argmax(leap)), np.degrees(leap.max())
         found = f"the ship turns by {angle:.3g} degrees between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
         raise POSSIBLE.broken(path, f"{found}; are its angles in degrees?")
+    sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
+    for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
+        found = f"{angles[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
+        raise AGREEING.broken(path, found)
     upward = turned(ride.attitude, ride.specific_force)[:, 2]
     felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
     if 0.5 < felt < 2.0 or felt > MOST_FELT:
@@ -178,7 +181,7 @@ def believable(table: Table, ride: Ride, frame: str, every: float) -> None:
 def agreeing(table: Table, ride: Ride, frame: str, every: float) -> None:
     """Refuse positions and what follows from them that disagree, by how they change within COMPARED_SECONDS."""
     n = compared_rows(ride, every)
-    for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_FELT)):
+    for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
         pairs = [pair for pair in pairs if all(name in table for name in pair)]
         if pairs:
@@ -191,7 +194,7 @@ def agreeing(table: Table, ride: Ride, frame: str, every: float) -> None:
     says = change_over(change_over(position, n, every), n, every)
     follows = body[n : len(body) - n].apply(says) + mean_over(mean_over(body.apply([0.0, 0.0, GRAVITY]), n), n)
     made = ("positions, angles and gravity",) * 3
-    compare(table, felt, made, mean_over(mean_over(ride.specific_force, n), n), follows, MIN_FELT)
+    compare(table, felt, made, mean_over(mean_over(ride.specific_force, n), n), follows, MIN_FELT, MAX_FELT_FACTOR)
     if all(name in table for name in QUATERNION):
         from scipy.spatial.transform import Rotation
 
@@ -226,7 +229,13 @@ def mean_over(values: np.ndarray, n: int) -> np.ndarray:
 
 
 def compare(
-    table: Table, names: Sequence[str], others: Sequence[str], says: np.ndarray, follows: np.ndarray, least: float
+    table: Table,
+    names: Sequence[str],
+    others: Sequence[str],
+    says: np.ndarray,
+    follows: np.ndarray,
+    least: float,
+    most: float = MAX_FACTOR,
 ) -> None:
     """Refuse columns that say (n, k) where (n, k) follows from `others`: another sign, axis or unit; where either moves
     less than `least`, nothing is known."""
@@ -246,9 +255,9 @@ def compare(
             raise AGREEING.broken(table.path, f"{found}: is one of the other sign?")
         if abs(like[i, k]) > ALIKE and own < UNLIKE:
             raise AGREEING.broken(table.path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
-        if own > ALIKE and not 1.0 / MAX_FACTOR < ratio < MAX_FACTOR:
-            most = max(ratio, 1.0 / ratio)
-            unit = next((unit for known, unit in UNIT_FACTORS.items() if 0.9 < most / known < 1.1), "another unit")
+        if own > ALIKE and not 1.0 / most < ratio < most:
+            apart = max(ratio, 1.0 / ratio)
+            unit = next((unit for factor, unit in UNIT_FACTORS.items() if 0.9 < apart / factor < 1.1), "another unit")
             raise AGREEING.broken(table.path, f"{found}: is one in {unit}?")
 
 

@@ -8,10 +8,12 @@ import csv
 import re
 import shutil
 from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from ocean_sim import conventions
+from ocean_sim.files.input_file import Checked
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, named
 from ocean_sim.reading.keys import Key, keys
 from ocean_sim.reading.scene import always_on, observer_names
@@ -66,6 +68,7 @@ def pages(folder: Path) -> None:
         "figures": figures(),
         "errata": errata(),
         "glossary": glossary(),
+        "files": checked_files(),
         "changes": (DOCS.parent / "CHANGELOG.md").read_text(encoding="utf-8"),
     }
     made |= {f"scene_{section}": text for section, text in sections().items()}
@@ -73,6 +76,25 @@ def pages(folder: Path) -> None:
     folder.mkdir(parents=True)
     for name, text in made.items():
         (folder / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+def checked_files() -> str:
+    """The rules of every reader of files, as its refusals say them."""
+    sections = "".join(
+        f"\n## {checked.title}\n\n" + "".join(f"- {rule.sentence}.\n" for rule in checked.rules) for checked in checks()
+    )
+    opening = "A file that breaks one of these rules is refused before anything runs, with what was found, and where."
+    return f"# What is checked of your files\n\n{opening}\n{sections}"
+
+
+def checks() -> list[Checked]:
+    """Of all modules that read files, the general rules of `files` first."""
+    paths = [path.relative_to(PACKAGE) for path in sorted(PACKAGE.rglob("*.py")) if "\nCHECKS = " in path.read_text()]
+    first = [Path("files", name) for name in ("input_file.py", "csv_file.py")]
+    order = [*first, *(path for path in paths if path not in first)]
+    return [
+        each for path in order for each in import_module(".".join(("ocean_sim", *path.with_suffix("").parts))).CHECKS
+    ]
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.conventions import Refused, Unsuited, figures
-from ocean_sim.files import csv_file, run_files
+from ocean_sim.files import csv_file, input_file, run_files
 from ocean_sim.files.claim import MANIFEST, Claim, claimed
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.machine import stop_if_asked, stoppable
@@ -38,13 +38,13 @@ class Result:
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """What was run: the resolved scene, versions, backend, seed, hashes."""
-        return json.loads((self.folder / "manifest.json").read_text(encoding="utf-8"))
+        return input_file.document(self.folder / "manifest.json")
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """What happened on the way, one entry an event; without a last line that a killed run did not finish."""
         path = self.folder / "events.jsonl"
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        text = input_file.text(path) if path.exists() else ""
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
     def table(self, name: str) -> dict[str, np.ndarray]:

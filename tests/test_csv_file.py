@@ -27,7 +27,7 @@ def test_an_empty_cell_is_nan_among_numbers_and_empty_among_words(file):
 
 
 def test_a_table_of_numbers_has_nan_where_a_word_is(file):
-    table = csv_file.numbers(file("a,b\n1,\nx,-2e3\n,nan\n"))
+    table = csv_file.Table(file("a,b\n1,\nx,-2e3\n,nan\n"))
     np.testing.assert_array_equal(table["a"], [1.0, np.nan, np.nan])
     np.testing.assert_array_equal(table["b"], [np.nan, -2000.0, np.nan])
 
@@ -36,11 +36,9 @@ def test_all_readers_read_the_same_numbers(file):
     """The quick way, of a table that has nothing else, and the one cell by cell."""
     values = np.random.default_rng(3).normal(size=(50, 2)) * 10.0 ** np.arange(-25, 25)[:, None]
     rows = "".join(f"{a:.17g},{b:.9g}\n" for a, b in values)
-    quick, slow = csv_file.numbers(file("a,b\n" + rows)), csv_file.columns(file("a,b,c\n" + rows.replace("\n", ",w\n")))
-    parts = csv_file.lines("a,b\n" + rows)
-    named = csv_file.finite("t.csv", parts.names, parts.rows, ["b", "a"])
-    assert quick["a"].tolist() == slow["a"].tolist() == named["a"].tolist() == values[:, 0].tolist()
-    assert quick["b"].tolist() == slow["b"].tolist() == named["b"].tolist()
+    quick, slow = csv_file.Table(file("a,b\n" + rows)), csv_file.columns(file("a,b,c\n" + rows.replace("\n", ",w\n")))
+    assert quick["a"].tolist() == slow["a"].tolist() == values[:, 0].tolist()
+    assert quick["b"].tolist() == slow["b"].tolist()
 
 
 def test_a_line_that_a_killed_run_did_not_finish_is_no_row(file):
@@ -50,10 +48,10 @@ def test_a_line_that_a_killed_run_did_not_finish_is_no_row(file):
     assert csv_file.columns(file("a,b\n1,2\n\0\0\0\0"))["b"].tolist() == [2.0]  # as a power cut leaves it
     assert csv_file.columns(file("a,b")) == {}
     for uneven in ("a,b\n1\n3,4\n", "a,b\n1,2\n3\n", "a,b\n1,2,3\n"):
-        with pytest.raises(Unreadable, match="it has 2 names and a row of"):
+        with pytest.raises(Unreadable, match=r"row \d has \d cells under 2 names"):
             csv_file.columns(file(uneven))
-    with pytest.raises(Unreadable, match="it has 2 names and a row of 1, '5'"):
-        csv_file.numbers(file("a,b\n1,2\n3,4\n5"))
+    with pytest.raises(Unreadable, match="row 3 has 1 cells under 2 names, '5'"):
+        csv_file.Table(file("a,b\n1,2\n3,4\n5"))
 
 
 def test_a_table_without_rows_or_without_a_heading(file):
@@ -61,7 +59,7 @@ def test_a_table_without_rows_or_without_a_heading(file):
     assert list(table) == ["a", "b"] and len(table["a"]) == 0
     assert csv_file.columns(file("# a remark\n")) == {} == csv_file.columns(file(""))
     with pytest.raises(Unreadable, match="no rows under a heading"):
-        csv_file.numbers(file("a,b\n"))
+        csv_file.Table(file("a,b\n"))
     with pytest.raises(Unreadable, match="two columns 'a'"):
         csv_file.columns(file("a,a\n1,2\n"))
 
@@ -74,8 +72,65 @@ def test_a_cell_in_quotes_holds_commas(file):
     assert csv_file.lines(text).head == {"of": "me"}
 
 
-@pytest.mark.parametrize("cell, shown", [("", "''"), ("word", "'word'"), ("inf", "inf"), ("nan", "nan")])
-def test_the_first_cell_that_is_no_finite_number_is_named(cell, shown):
-    rows = ["1,2,x", "1,2,", f"1,{cell},3", f"{cell},2,3"]
-    with pytest.raises(ValueError, match=f"t.csv: b is {shown} in row 3"):
-        csv_file.finite("t.csv", ["a", "b", "c"], rows, ["a", "b"])
+@pytest.mark.parametrize("cell, shown", [("", "empty"), ("word", "'word'"), ("inf", "'inf'"), ("nan", "'nan'")])
+def test_the_first_cell_that_is_no_finite_number_is_named(file, cell, shown):
+    table = csv_file.Table(file(f"a,b,c\n1,2,x\n1,2,\n1,{cell},3\n{cell},2,3\n"))
+    with pytest.raises(Unreadable, match=f"t.csv: b is {shown} in row 3"):
+        table.finite("a", "b")
+
+
+DIALECTS = {
+    "comma": lambda row: ",".join(row),
+    "semicolon and decimal comma": lambda row: ";".join(row).replace(".", ","),
+    "tab": lambda row: "\t".join(row),
+    "spaces": lambda row: "   ".join(row),
+    "quotes and decimal comma": lambda row: ",".join(f'"{cell}"' for cell in row).replace(".", ","),
+}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_table_has_the_same_numbers_in_every_dialect(file, seed):
+    rng = np.random.default_rng(seed)
+    values = rng.normal(size=(rng.integers(2, 30), rng.integers(2, 6))) * 10.0 ** rng.integers(-8, 9)
+    values[:, 0] = np.sort(np.abs(values[:, 0])) + rng.choice([0.0, 1e5, 2e9])
+    names = ["time_s", *(f"x{k}_m" for k in range(1, values.shape[1]))]
+    form = rng.choice([".3f", ".9e", ".12g", ".0f"])
+    rows = [[format(value, form) for value in row] for row in values]
+    wanted = [[float(cell) for cell in column] for column in zip(*rows)]
+    for name, written in DIALECTS.items():
+        table = csv_file.Table(file("# from: me\n" + "\n".join(map(written, [names, *rows])) + "\n"))
+        assert [column.tolist() for column in table.finite(*names)] == wanted, name
+        assert list(table) == names and table.head == {"from": "me"}
+
+
+def test_a_table_of_two_dialects_is_refused(file):
+    for text, said in {
+        "time_s;x_m\n0,5;1.25\n": "it has '0,5' and, up to row 1, '1.25'",
+        'time_s,x_m\n0.5,"1,25"\n': "it has '1,25' and, up to row 1, '0.5'",
+        "time_s,x_m\n0,5,1,25\n": "row 1 has 4 cells under 2 names.* decimal comma",
+        "time_s\tx_m\n0.5;1\n": "row 1 has 1 cells under 2 names",
+    }.items():
+        with pytest.raises(Unreadable, match=said):
+            csv_file.Table(file(text))
+    with pytest.raises(Unreadable, match=r"x_m is '1\.234,5' in row 1"):  # a point between thousands
+        csv_file.Table(file("time_s;x_m\n1;1.234,5\n2;0,5\n")).finite("x_m")
+
+
+def test_times_are_dates_or_seconds_and_rise(file):
+    for cells in (
+        ("2024-03-01T12:00:00", "2024-03-01T12:00:00.5"),
+        ("2024-03-01 12:00:00Z", "2024-03-01T13:00:00.5+01:00"),
+    ):
+        [time, x] = csv_file.Table(file("sep=;\ntime_s;x_m\n" + "".join(f"{cell};1\n" for cell in cells))).series("x_m")
+        assert time.tolist() == [0.0, 0.5] and x.tolist() == [1.0, 1.0]
+    for offset in (0.0, 1e5, 2e9):
+        times = offset + 0.02 * np.arange(50)
+        for rows, said in {
+            (*range(20), 21, 20, *range(22, 50)): "in row 22; times rise",
+            (*range(20), 19, *range(20, 50)): "in row 21; times rise",
+        }.items():
+            with pytest.raises(Unreadable, match=said):
+                csv_file.Table(file("time_s\n" + "".join(f"{times[k]:.3f}\n" for k in rows))).series()
+    for cells in (["2024-03-01", "2024-03-02"], ["2024-03-01T12:00:00", "2"], ["12:00", "2024-03-01T12:00:00"]):
+        with pytest.raises(Unreadable, match=f"time_s is '{cells[0]}' in row 1"):
+            csv_file.Table(file("time_s,x_m\n" + "".join(f"{cell},1\n" for cell in cells))).series("x_m")

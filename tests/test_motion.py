@@ -109,12 +109,12 @@ def test_what_a_file_lacks_is_said(tmp_path):
     path = tmp_path / "roll.csv"
     assert "there is no such file" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,pitch\n0,0\n1,0\n2,0\n3,0\n")
-    assert "needs the columns time_s" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "no column of an axis" in motion(file=str(path)).problems(SLICE)[0][1]
     path.write_text("time_s,x,roll_z\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n")
-    assert "say axis" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "`axis` says which" in motion(file=str(path)).problems(SLICE)[0][1]
     assert motion(file=str(path), axis="x").build().axis == "x"
     path.write_text("time_s,x\n0,0\n1,0\n1,0\n3,0\n")
-    assert "in the order of time" in motion(file=str(path)).problems(SLICE)[0][1]
+    assert "times rise from row to row" in motion(file=str(path)).problems(SLICE)[0][1]
 
 
 def place_in_tank(built: TankMotion, world: np.ndarray, time: float) -> np.ndarray:
@@ -202,3 +202,22 @@ def test_what_cannot_be_is_said():
         motion(kind="harmonic", axis="roll", amplitude=0.1, period=2.0)
     with pytest.raises(ValidationError, match="either height"):
         Wavemaker(wall="x_min")
+
+
+@pytest.mark.parametrize("begin", [100.0, 1709294400.0, -100.0])
+def test_rows_that_a_run_does_not_reach_are_said(tmp_path, begin):
+    """Of every file with times that a scene names; a run that reaches into its rows is told nothing."""
+    from ocean_sim.basin.gate import Gate
+    from ocean_sim.ship.shared.propulsion import Helm
+
+    place = "ends at -9" if begin < 0.0 else f"begins at {begin:.12g} s, when the run of 5 s is over"
+    for first, said in ((begin, place), (0.0, None)):
+        times = first + 0.1 * np.arange(51)
+        for name, columns in {"tank": "x_m", "gate": "y_m", "orders": "throttle,rudder_rad"}.items():
+            rows = "".join(f"{t:.3f}{',0.01' * len(columns.split(','))}\n" for t in times)
+            (tmp_path / f"{name}.csv").write_text(f"time_s,{columns}\n{rows}")
+        tank = motion(file=str(tmp_path / "tank.csv")).warnings(5.0)
+        gate = Gate(file=str(tmp_path / "gate.csv")).warnings(5.0)
+        orders = Helm.model_validate({"controls": {"file": str(tmp_path / "orders.csv")}}).late(5.0)
+        for found in (tank, gate, orders):
+            assert any(said in sentence for sentence in found) if said else not found

@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import model_validator
 
-from ocean_sim.basin.tank_motion import splined
+from ocean_sim.basin.tank_motion import FEWEST_ROWS, splined
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.files.input_file import Checked, FileName, shown
 from ocean_sim.model import Model, Vector3, quantity
 
 MOMENTS = 400  # at which the way of an obstacle is looked at
 AXES = ("x_m", "y_m", "z_m")  # columns of a table of ways
+CHECKS = (Checked("Path of an obstacle, `basin.obstacles[].motion.file`: a table over time of four rows or more", ()),)
 
 
 class Moved(NamedTuple):
@@ -58,15 +59,17 @@ class Gate(Model):
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
         """(n,) times [s] and (n, 3) ways [m] in its file; raises Unreadable."""
         assert self.file is not None
-        found = csv_file.numbers(self.file)
-        if "time_s" not in found or not any(axis in found for axis in AXES):
-            raise Unreadable(self.file, "needs the columns time_s and x_m, y_m or z_m")
-        times = found["time_s"]
-        ways = np.stack([found.get(axis, np.zeros(len(times))) for axis in AXES], axis=1)
-        rising = len(times) >= 4 and bool((np.diff(times) > 0.0).all())
-        if not rising or not np.isfinite(times).all() or not np.isfinite(ways).all():
-            raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
-        return times, ways
+        table = csv_file.Table(self.file)
+        axes = [axis for axis in AXES if axis in table] or list(AXES)
+        times, *ways = table.series(*axes, fewest=FEWEST_ROWS)
+        along = dict(zip(axes, ways, strict=True))
+        return times, np.stack([along.get(axis, np.zeros(len(times))) for axis in AXES], axis=1)
+
+    def warnings(self, duration: float) -> list[str]:
+        """Rows of its file that a run of `duration` [s] does not reach."""
+        if self.file is None:
+            return []
+        return csv_file.unreached(shown(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves")
 
     @cached_property
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, shown
 from ocean_sim.model import Model, quantity
 
 Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
@@ -25,6 +25,11 @@ Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
 SAMPLES = 4000  # of a recorded motion, for its mean frequency
 JOLT = 0.05  # of the highest speed of a recorded motion: more than that at one of its ends is a jump
+FEWEST_ROWS = 4  # of a cubic spline
+ONE_AXIS = Rule(
+    "it has the column of one axis (x_m, y_m, z_m, roll_x_rad, roll_y_rad, roll_z_rad), or `axis` says which"
+)
+CHECKS = (Checked("Motion of the tank, `basin.motion.file`: a table over time of four rows or more", (ONE_AXIS,)),)
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
 
 
@@ -181,19 +186,17 @@ class Recorded(Tank):
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
-        found = csv_file.numbers(self.file)
-        columns = {name.removesuffix("_m").removesuffix("_rad"): column for name, column in found.items()}
-        axes: list[Axis] = [axis for axis in Axis.__args__ if axis in columns]  # type: ignore[attr-defined]
+        table = csv_file.Table(self.file)
+        names = {name.removesuffix("_m").removesuffix("_rad"): name for name in table}
+        axes: list[Axis] = [axis for axis in Axis.__args__ if axis in names]  # type: ignore[attr-defined]
         if self.axis is not None:
             axes = [axis for axis in axes if axis == self.axis]
-        if "time_s" not in columns or not axes:
-            wanted = self.axis or "an axis (x, y, z, roll_x, roll_y or roll_z)"
-            raise Unreadable(self.file, f"needs the columns time_s and that of {wanted}")
-        if len(axes) > 1:
-            raise Unreadable(self.file, f"has columns of several axes, {', '.join(axes)}; say axis: {axes[0]}")
-        times, moved = columns["time_s"], columns[axes[0]]
-        if len(times) < 4 or not np.isfinite([times, moved]).all() or not (np.diff(times) > 0.0).all():
-            raise Unreadable(self.file, "needs at least four rows of numbers, in the order of time")
+        if len(axes) != 1:
+            there = (
+                f"it has columns of {' and '.join(axes)}" if axes else f"it has no column of {self.axis or 'an axis'}"
+            )
+            raise ONE_AXIS.broken(self.file, there)
+        times, moved = table.series(names[axes[0]], fewest=FEWEST_ROWS)
         return axes[0], times, moved
 
     @property
@@ -212,11 +215,11 @@ class Recorded(Tank):
         return super().problems(basin) + unmoved(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Whether the tank's speed jumps where its rows begin or end: water feels its acceleration alone."""
+        """Rows that a run does not reach, or a speed that jumps where they begin or end: water feels acceleration."""
         (axis, times, _), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
-        found = []
+        found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT * fastest:

@@ -10,6 +10,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from ocean_sim.conventions import Lacking, Refused
+from ocean_sim.files import input_file
 from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
 LOCK, MANIFEST = ".lock", "manifest.json"
@@ -108,8 +109,8 @@ class Claim:
     def holder(self) -> str:
         """Who holds the lock, in words."""
         try:
-            return self.path.read_text(encoding="utf-8", errors="replace") or "another process"
-        except OSError:
+            return input_file.content(self.path).decode(errors="replace") or "another process"
+        except input_file.Unreadable:
             return "another process"
 
     def close(self) -> None:

@@ -6,96 +6,195 @@ column of numbers and '' in a column of words. The reader of a table states what
 
 - `columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
   numbers. A last line that a killed run did not finish is left out.
-- `numbers`, of a table that a person names: numbers alone; a word is NaN, and every row has to be whole.
-- `finite`, some columns by name, of which every cell has to be a finite number without quotes: the first that is
-  not is an error.
+- `Table`, of a table that a person names: cells lie between commas, semicolons, tabs or spaces, numbers
+  have a decimal point or, where no comma separates cells, a decimal comma, and times may be dates (ISO 8601). A column
+  that is asked for holds finite numbers alone.
 - `records`, every cell as text, row by row.
 """
 
 import csv
-from collections.abc import Sequence
+import re
+from collections.abc import Callable
 from contextlib import suppress
+from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.files import input_file
+from ocean_sim.files.input_file import Checked, Rule
+
+csv.field_size_limit(input_file.MOST_BYTES)  # a cell in quotes may be as long as a file
+
+TIME = "time_s"
+SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
+QUOTED = re.compile(r'"[^"]*"')
+DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
+DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d*(?:[eE][+-]?\d+)?")
+
+WHOLE = Rule("a table has a line with the names of its columns, each once, and under it rows with a cell for each name")
+DIALECT = Rule(
+    "cells are separated by commas, semicolons, tabs or spaces, and all numbers have a decimal point or all a decimal "
+    "comma, which stands in quotes where commas separate cells"
+)
+NAMED = Rule("the columns that are needed are there, by their names with units")
+NUMBERS = Rule("every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)")
+RISING = Rule("times rise from row to row, each once")
+REACHED = Rule("times count from the beginning of the run, and reach into it")
+
+CHECKS = (
+    Checked("Every table", (WHOLE, DIALECT, NAMED, NUMBERS)),
+    Checked("Every table over time", (RISING,)),
+    Checked("Every table over time that a scene names, by a warning", (REACHED,)),
+)
 
 
 class Lines(NamedTuple):
-    """A CSV file as text: the keys of its comments, the names of its columns, and its rows."""
+    """A CSV file as text: the keys of its comments, the line with the names of its columns, and its rows."""
 
     head: dict[str, str]
-    names: list[str]
+    heading: str
     rows: list[str]
 
 
 def lines(text: str) -> Lines:
-    """The parts of the text of a CSV file; without names where there are only comments."""
+    """The parts of the text of a CSV file; an empty heading where there are only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
-    names, *rows = [line for line in written if line[0] != "#"] or [""]
-    head = {key.strip(): value.strip() for key, _, value in comments}
-    return Lines(head, [name.strip() for name in cells(names)] if names else [], rows)
+    heading, *rows = [line for line in written if line[0] != "#"] or [""]
+    return Lines({key.strip(): value.strip() for key, _, value in comments}, heading, rows)
+
+
+class Table(dict[str, np.ndarray]):
+    """Columns (n,) by name of a table that a person names; a cell that is not a number is NaN. Raises Unreadable, a
+    ValueError, also where there is no row."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = path
+        self.head, names, self.rows = lines(input_file.text(path))
+        if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
+            names, *self.rows = self.rows
+        if not self.rows:
+            raise WHOLE.broken(path, "it has no rows under a heading")
+        self.separator = separator_of(names, self.rows[0])
+        self.comma = False  # as the decimal sign
+        self.names = [name.strip() for name in self.cells(names)]
+        if self.separator != "," or any('"' in row for row in self.rows):
+            self.comma = self.has_decimal_commas()
+        quick = self.separator == "," and not self.comma
+        found = by_column(path, self.names, self.rows, cells if quick else self.cells)
+        super().__init__({name: numeric(name, values) for name, values in found.items()})
+
+    def cells(self, row: str) -> list[str]:
+        """The cells of a row, numbers with a decimal point."""
+        if self.separator == " ":
+            row = " ".join(row.split())
+        found = [cell.strip() for cell in cells(row, self.separator)]
+        return [cell.replace(",", ".") if self.comma and DECIMAL_COMMA.fullmatch(cell) else cell for cell in found]
+
+    def has_decimal_commas(self) -> bool:
+        """True if numbers have a decimal comma; raises Unreadable where some have and others a point."""
+        comma = point = ""
+        for k, row in enumerate(self.rows):
+            for cell in self.cells(row):
+                comma = comma or (cell if DECIMAL_COMMA.fullmatch(cell) else "")
+                point = point or (cell if DECIMAL_POINT.fullmatch(cell) else "")
+            if comma and point:
+                raise DIALECT.broken(self.path, f"it has {described(comma)} and, up to row {k + 1}, {described(point)}")
+        return bool(comma)
+
+    def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
+        """Columns (n,), whose cells from the row `since` on are finite numbers; raises Unreadable."""
+        missing = [name for name in wanted if name not in self]
+        if missing:
+            there = described(", ".join(self.names), 80)
+            raise NAMED.broken(self.path, f"it has no column {' and no column '.join(missing)}, but {there}")
+        wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
+        if len(wrong):
+            row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
+            cell = self.cells(self.rows[row])[self.names.index(name)]
+            raise NUMBERS.broken(self.path, f"{name} is {described(cell) if cell else 'empty'} in row {row + 1}")
+        return [self[name] for name in wanted]
+
+    def resolution(self, name: str) -> np.ndarray:
+        """(n,) by how much two numbers of a column may differ by their digits, as written and in double precision."""
+        k, values = self.names.index(name), np.abs(self[name])
+        written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
+        decimals = max(len(cell.partition(".")[2]) for cell in written)
+        digits = max(len(cell.replace(".", "").lstrip("0")) for cell in written)
+        size = 10.0 ** np.ceil(np.log10(np.maximum(values, 1e-300)))
+        return np.maximum.reduce(
+            [np.full(len(values), 10.0**-decimals), size * 10.0**-digits, 4.0 * np.spacing(values)]
+        )
+
+    def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
+        """Times [s], which rise, of at least so many rows, and columns (n,) of finite numbers; raises Unreadable."""
+        time, *found = self.finite(TIME, *wanted)
+        if len(time) < fewest:
+            raise WHOLE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
+        back = np.flatnonzero(np.diff(time) <= 0.0)
+        if len(back):
+            k = int(back[0])
+            raise RISING.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in row {k + 2}")
+        return [time, *found]
+
+
+def unreached(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
+    """A warning of times (n,) [s] of which a run of this duration [s] reaches none, and what holds `instead`."""
+    first, last = float(times[0]), float(times[-1])
+    if first < duration and last >= 0.0:
+        return []
+    if last < 0.0:
+        return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {REACHED}"]
+    late = f"begins at {first:.12g} s, when the run of {duration:g} s is over"
+    return [f"{what} {late}: {instead.format('first')}; {REACHED}"]
+
+
+def separator_of(names: str, row: str) -> str:
+    """The separator of a table by its first two lines: that which gives both as many cells; else one that stands
+    between names."""
+    bare = [QUOTED.sub('""', line) for line in (names, row)]
+    for each in SEPARATORS:
+        counts = [len(line.split() if each == " " else line.split(each)) for line in bare]
+        if counts[0] == counts[1] > 1:
+            return each
+    return next((each for each in ";\t," if each in bare[0]), ",")
 
 
 def columns(path: str | Path) -> dict[str, np.ndarray]:
     """Each column, (n,), of a table that a run wrote, as float64 or as words, by its name; none where there are no
     names. Raises Unreadable, a ValueError."""
     text = input_file.text(path)
-    _, names, rows = lines(text[: text.rfind("\n") + 1])
-    return {name: column(found) for name, found in by_column(path, names, rows).items()}
-
-
-def numbers(path: str | Path) -> dict[str, np.ndarray]:
-    """Each column, (n,), of a table that a person names, by its name; what is not a number is NaN. Raises Unreadable, a
-    ValueError, also where there is no row."""
-    _, names, rows = lines(input_file.text(path))
-    if not rows:
-        raise input_file.Unreadable(path, "it has no rows under a heading")
-    found = by_column(path, names, rows)
-    return {name: values if isinstance(values, np.ndarray) else lenient(values) for name, values in found.items()}
-
-
-def finite(path: str | Path, names: list[str], rows: list[str], wanted: Sequence[str]) -> dict[str, np.ndarray]:
-    """Some columns, (n,), by their names; raises ValueError with the first row in which one is not a finite number."""
-    indices = [names.index(name) for name in wanted]
-    try:
-        table = parsed(rows, indices)
-    except ValueError:
-        row = unparsed(rows, indices) or 0
-        found = dict(zip(names, rows[row].split(",")))
-        name = next((name for name in wanted if unparsed([f"{found[name]},"], [0]) == 0), wanted[0])
-        raise ValueError(f"{path}: {name} is {described(found[name])} in row {row + 1}") from None
-    wrong = np.argwhere(~np.isfinite(table))
-    if len(wrong):
-        row, k = wrong[0]
-        raise ValueError(f"{path}: {wanted[k]} is {table[row, k]} in row {row + 1}")
-    return dict(zip(wanted, table.T))
+    _, heading, rows = lines(text[: text.rfind("\n") + 1])
+    names = [name.strip() for name in cells(heading)] if heading else []
+    return {name: column(found) for name, found in by_column(path, names, rows, cells).items()}
 
 
 def records(text: str) -> list[dict[str, str]]:
     """The rows of the text of a CSV file, each cell as text by the name of its column."""
-    _, names, rows = lines(text)
-    return [dict(zip(names, cells(row))) for row in rows]
+    _, heading, rows = lines(text)
+    return [dict(zip(map(str.strip, cells(heading)), cells(row))) for row in rows]
 
 
-def by_column(path: str | Path, names: list[str], rows: list[str]) -> dict[str, np.ndarray | list[str]]:
+def by_column(
+    path: str | Path, names: list[str], rows: list[str], cells_of: Callable[[str], list[str]]
+) -> dict[str, np.ndarray | list[str]]:
     """Each column by its name: (n,) numbers, all at once where every cell is one, or else its n cells as text."""
     if (name := twice(names)) is not None:
-        raise input_file.Unreadable(path, f"it has two columns {described(name)}")
+        raise WHOLE.broken(path, f"it has two columns {described(name)}")
     try:
         table = parsed(rows) if rows else np.zeros((0, len(names)))
         if table.shape[1] == len(names):
             return dict(zip(names, table.T))
     except ValueError:  # some cell is not a number, or some row is not whole
         pass
-    split = [cells(row) for row in rows]
+    split = [cells_of(row) for row in rows]
     uneven = next((k for k, row in enumerate(split) if len(row) != len(names)), None)
     if uneven is not None:
-        count = f"it has {len(names)} names and a row of {len(split[uneven])}"
-        raise input_file.Unreadable(path, f"{count}, {described(rows[uneven])}")
+        count = f"row {uneven + 1} has {len(split[uneven])} cells under {len(names)} names"
+        rule = DIALECT if len(split[uneven]) > len(names) else WHOLE
+        raise rule.broken(path, f"{count}, {described(rows[uneven])}")
     return {name: list(found) for name, found in zip(names, zip(*split))}
 
 
@@ -109,8 +208,12 @@ def column(found: np.ndarray | list[str]) -> np.ndarray:
         return np.array(found)
 
 
-def lenient(found: list[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is not one."""
+def numeric(name: str, found: np.ndarray | list[str]) -> np.ndarray:
+    """(n,) numbers, NaN where a cell is not one; of times that are dates the seconds since the first."""
+    if isinstance(found, np.ndarray):
+        return found
+    if name == TIME and (dates := dates_in(found)):
+        return np.array([(date - dates[0]).total_seconds() for date in dates])
     values = np.full(len(found), np.nan)
     for k, cell in enumerate(found):
         with suppress(ValueError):
@@ -118,32 +221,28 @@ def lenient(found: list[str]) -> np.ndarray:
     return values
 
 
+def dates_in(found: list[str]) -> list[datetime]:
+    """The dates in all cells, which each have a date and a time of day, in one zone or without; none in other cells."""
+    try:
+        dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
+        return dates if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1 else []
+    except ValueError:
+        return []
+
+
 def number(cell: str) -> float:
     """NaN where the cell is empty; raises ValueError where it is a word."""
     return float(cell) if cell.strip() else float("nan")
 
 
-def cells(line: str) -> list[str]:
+def cells(line: str, separator: str = ",") -> list[str]:
     """The cells of a row."""
-    return next(csv.reader([line])) if '"' in line else line.split(",")
+    return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
 
 
-def parsed(rows: list[str], indices: list[int] | None = None) -> np.ndarray:
-    """(n, columns) the numbers of each row, of some columns or of all; raises ValueError."""
-    return np.loadtxt(rows, delimiter=",", usecols=indices, comments=None, ndmin=2)
-
-
-def unparsed(rows: list[str], indices: list[int]) -> int | None:
-    """Number of the first row that has no numbers in these columns: the half that holds it, and again."""
-    try:
-        parsed(rows, indices)
-    except ValueError:
-        if len(rows) == 1:
-            return 0
-        half = len(rows) // 2
-        first = unparsed(rows[:half], indices)
-        return first if first is not None else half + (unparsed(rows[half:], indices) or 0)
-    return None
+def parsed(rows: list[str]) -> np.ndarray:
+    """(n, columns) the numbers of each row; raises ValueError."""
+    return np.loadtxt(rows, delimiter=",", comments=None, ndmin=2)
 
 
 def twice(names: list[str]) -> str | None:
@@ -151,6 +250,6 @@ def twice(names: list[str]) -> str | None:
     return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 
-def described(text: str) -> str:
+def described(text: str, most: int = 40) -> str:
     """A piece of a file, cut short: for messages."""
-    return repr(text if len(text) <= 40 else f"{text[:37]}...")
+    return repr(text if len(text) <= most else f"{text[: most - 3]}...")

@@ -1,4 +1,4 @@
-"""Files that a user names: which are read, and where their names lead from.
+"""Files that a user names or a run left: which are read, by which rules, and where their names lead from.
 
 A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
 machine. What is not a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
@@ -6,6 +6,7 @@ end.
 """
 
 import hashlib
+import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -14,7 +15,7 @@ from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 from time import time_ns
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 from zipfile import ZipFile
 
 import numpy as np
@@ -35,6 +36,34 @@ class Unreadable(Refused, ValueError):
         super().__init__(f"{shown(path)}: {reason}")
 
 
+class Rule(str):
+    """One rule of a file: a sentence without its full stop, which ends every refusal by it."""
+
+    @property
+    def sentence(self) -> str:
+        """The rule with a capital letter."""
+        return self[0].upper() + self[1:]
+
+    def broken(self, path: str | Path, found: str) -> Unreadable:
+        """The error of a file in which this was found."""
+        return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
+
+
+class Checked(NamedTuple):
+    """All rules of one reader, for the docs; a module of readers keeps its own as `CHECKS`."""
+
+    title: str
+    rules: tuple[Rule, ...]
+
+
+REGULAR = Rule(
+    f"a file is a regular one, not a folder, a pipe or a device, of at most {MOST_BYTES / 1e6:g} MB, unpacked"
+)
+TEXT = Rule("text is in UTF-8")
+
+CHECKS = (Checked("Every file", (REGULAR, TEXT)),)
+
+
 def shown(path: str | Path) -> str:
     """A path as a user would open it from where they are, cut short."""
     relative = os.path.relpath(path) if str(path) else "''"
@@ -43,19 +72,25 @@ def shown(path: str | Path) -> str:
     return name if len(name) <= 120 else f"{name[:57]}...{name[-60:]}"
 
 
+def size_of(path: str | Path, most: int = MOST_BYTES) -> int:
+    """Size of a regular file of at most `most` bytes; raises Unreadable, and OSError where there is none."""
+    found = os.stat(path)
+    if S_ISDIR(found.st_mode):
+        raise Unreadable(path, "this is a folder, not a file")
+    if not S_ISREG(found.st_mode):
+        raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
+    if found.st_size > most:
+        raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
+    return found.st_size
+
+
 def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
     """The bytes of a regular file of at most `most` bytes, and no more than its size says: what the kernel makes up may
     never end. Raises Unreadable."""
     try:
-        found = os.stat(path)
-        if S_ISDIR(found.st_mode):
-            raise Unreadable(path, "this is a folder, not a file")
-        if not S_ISREG(found.st_mode):
-            raise Unreadable(path, "this is not a regular file (but a pipe or a device)")
-        if found.st_size > most:
-            raise Unreadable(path, f"this file has {found.st_size / 1e6:.1f} MB; at most {most / 1e6:g} MB are read")
+        size = size_of(path, most)
         with Path(path).open("rb") as file:
-            return file.read(found.st_size)
+            return file.read(size)
     except FileNotFoundError:
         raise Unreadable(path, "there is no such file") from None
     except (OSError, ValueError) as error:
@@ -71,6 +106,14 @@ def text(path: str | Path, most: int = MOST_BYTES) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise Unreadable(path, f"this is not UTF-8 text (byte {error.start})") from None
+
+
+def document(path: str | Path) -> Any:
+    """The value in a JSON file; raises Unreadable."""
+    try:
+        return json.loads(text(path))
+    except (json.JSONDecodeError, RecursionError):
+        raise Unreadable(path, "this is not a whole JSON file") from None
 
 
 def arrays(path: str | Path) -> dict[str, np.ndarray]:

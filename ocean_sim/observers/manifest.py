@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ocean_sim import kernel_library
-from ocean_sim.files import run_files
+from ocean_sim.files import input_file, run_files
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, program
 from ocean_sim.simulation import Concluding, ObserverConfig
@@ -61,7 +61,7 @@ class Manifest(Concluding):
 
     def resumed(self, changed: str) -> None:
         """Add the time at which the run was resumed to the earlier ones, and how the program had changed."""
-        before, now = json.loads(self.path.read_text(encoding="utf-8")), round(self.simulation.time, 9)
+        before, now = input_file.document(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
         changes += [{"from_s": now, "what": changed}] if changed else []

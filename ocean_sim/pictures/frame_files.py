@@ -10,17 +10,23 @@ from zlib import error as BadStream
 import numpy as np
 from numpy.lib.npyio import NpzFile
 
-from ocean_sim.files.input_file import Unreadable
+from ocean_sim.files.input_file import Unreadable, size_of
 from ocean_sim.pictures.camera import Track
+
+MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
+DAMAGED = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, MemoryError, BadZipFile, BadStream)
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[NpzFile]:
     """A file of frames/, its arrays read when asked for; raises Unreadable where it is not whole."""
     try:
+        size_of(path, MAX_FRAME_BYTES)
         with np.load(path) as file:
+            if sum(member.file_size for member in file.zip.infolist()) > MAX_FRAME_BYTES:
+                raise ValueError
             yield file
-    except (OSError, EOFError, KeyError, ValueError, BadZipFile, BadStream):
+    except DAMAGED:
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
 
 

@@ -3,13 +3,13 @@
 A picture asks nothing of later frames, so it is the same while the run goes on and afterwards.
 """
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.files import input_file
 from ocean_sim.pictures import far_sea
 from ocean_sim.pictures.frame_files import Frame, Log, elevation_of
 from ocean_sim.pictures.ripples import Wind
@@ -109,8 +109,8 @@ def is_open(scene: dict[str, Any], first: Frame, depth: float) -> bool:
 def scene_of(folder: Path) -> dict[str, Any]:
     """The scene in the manifest of a run; empty without one."""
     try:
-        return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["scene"]
-    except (OSError, ValueError, KeyError):
+        return input_file.document(folder / "manifest.json")["scene"]
+    except (ValueError, KeyError, TypeError):
         return {}
 
 

@@ -12,15 +12,19 @@ from collections.abc import Iterator
 from io import BytesIO
 from math import isfinite
 from pathlib import Path
+from sys import maxsize
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ocean_sim.files import input_file
+from ocean_sim.files.hdf5_file import data_set
 from ocean_sim.files.whole_file import whole
 
 HEAD = 512  # bytes, the least block that HDF5 leaves to its user
 MAGIC = "ocean-sim checkpoint 1"
 LARGE = 4096  # numbers that are worth packing
+MAX_PACKING = 300  # times that LZF makes anything smaller, less than that
 PATTERN = "checkpoint_*.h5"
 
 
@@ -76,15 +80,17 @@ def read(path: Path) -> Checkpoint:
     import h5py
 
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise Unreadable(f"{path.name} cannot be read: {error.strerror}") from None
+        data = input_file.content(path, maxsize)
+    except input_file.Unreadable as error:
+        raise Unreadable(f"{path.name} cannot be read: {error.reason}") from None
     if data[:HEAD] != head(data[HEAD:]):
         raise Unreadable(f"{path.name} is damaged, or not a checkpoint: its content does not match its hash")
     try:
         with h5py.File(BytesIO(data), "r") as file:
-            parts = {key: mapping(json.loads(bytes(file[key][()]))) for key in ("scene", "made", "tree")}
-            arrays = {f".{path}": np.asarray(array[()]) for path, array in file["arrays"].items()}
+            most = max(input_file.MOST_BYTES, MAX_PACKING * len(data))
+            texts = {key: bytes(data_set(file, key, "u", most)) for key in ("scene", "made", "tree")}
+            parts = {key: mapping(json.loads(text)) for key, text in texts.items()}
+            arrays = {f".{path}": data_set(file["arrays"], path, "biufc", most) for path in file["arrays"]}
             time, steps = float(file.attrs["time_s"]), int(file.attrs["steps"])
             if not (isfinite(time) and time >= 0.0 and steps >= 0):
                 raise ValueError

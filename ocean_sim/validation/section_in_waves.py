@@ -97,7 +97,7 @@ def in_closed_form(scenario: str, coarse: bool = False) -> Problem:
 
 def in_resonance(period: float) -> bool:
     """Whether damping holds heave more than mass and stiffness together."""
-    table, omega = csv_file.numbers(table_path("section_radiation")), 2.0 * pi / period
+    table, omega = csv_file.Table(table_path("section_radiation")), 2.0 * pi / period
     added, damping = (
         float(np.interp(omega, table["omega_rad_s"], table[name])) for name in ("heave_added_kg", "heave_damping_kg_s")
     )

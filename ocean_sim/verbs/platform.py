@@ -122,7 +122,7 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
     try:
         found = motion_log.read(path)
         if frame is not None:
-            motion_log.convertible(path, found)
+            motion_log.convertible(found)
         return found
     except ValueError as error:
         raise console.Refused(str(error)) from None
@@ -154,13 +154,15 @@ def written(
     """Every file, made in a folder of its own and moved out of it when all are whole."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
-        head = heading(log.every, frame or "flu") | ({"seed": log.head["seed"]} if "seed" in log.head else {})
+        head = heading(log.every, frame or "flu") | (
+            {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
+        )
         table(folder / "platform.csv", head, COLUMNS, turned(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
-            changed = log.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", changed, log.names, motion_log.converted(log, frame))
+            changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
+            table(folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.converted(log, frame))
         console.drawn(pictures.draw, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ocean_sim.files import input_file
 from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.input_file import shown
 from ocean_sim.files.whole_file import set_aside
@@ -99,11 +100,11 @@ def manifest_of(folder: Path) -> dict[str, Any]:
     """manifest.json of a run folder; raises Refused."""
     path = folder / MANIFEST
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
+        manifest = input_file.document(path)
         if not isinstance(manifest["scene"], dict):
             raise TypeError
         return manifest
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError):
         raise console.Refused(f"{path}: this is not the manifest of a run") from None
 
 
@@ -152,7 +153,7 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
 
 def rows(path: Path) -> list[str]:
     """The lines of numbers in a CSV file of a run."""
-    return [line for line in path.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"][1:]
+    return [line for line in input_file.text(path).splitlines() if line and line[0] != "#"][1:]
 
 
 def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:

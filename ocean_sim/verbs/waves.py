@@ -1,15 +1,14 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-import json
 from math import isfinite
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from ocean_sim.files import run_files
-from ocean_sim.pictures.frame_files import Frame, frame_files
+from ocean_sim.files.input_file import document
+from ocean_sim.pictures.frame_files import Frame, frame_files, opened
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.after import say_whether_ended
 from ocean_sim.verbs.shared.wave_files import (
@@ -35,6 +34,7 @@ from ocean_sim.waves.record import (
     evenly,
     measured,
     sampling_error,
+    slow_part,
     spectra,
     trend,
 )
@@ -72,13 +72,19 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
     run_files.add(path.parent, files)
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | gain(path)
-        treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
+        treated: dict[str, dict[str, Any]] = {}
+        for name, height in heights.items():
+            warning = slow_part(*evenly(time, height), treatment)
+            treated[name] = treatment_of(treatment, time, height) | ({"warnings": [warning]} if warning else {})
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     show(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
     for sentence in sampling([sampling_error(treatment.deviation(*evenly(time, height))) for height in steady]):
         console.say(sentence)
+    for name, height in heights.items():
+        if warning := slow_part(*evenly(time, height), treatment):
+            console.say(f"{name}: {warning}")
     for name, height in heights.items() if treatment.detrended else ():
         console.say(f"{name}: less a trend of {trend(*evenly(time, height)):.3g} m/s")
     if surface is not None:
@@ -96,11 +102,11 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
-        with np.load(folder / "frames" / "grid.npz") as file:
+        with opened(folder / "frames" / "grid.npz") as file:
             x, z, lower, upper = (file[name] for name in ("x", "z", "lower", "upper"))
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
-    except (OSError, ValueError, KeyError, IndexError, EOFError, BadZipFile):
+    except ValueError:
         if not quiet:
             console.say(f"{folder / 'frames'}: cannot be read, so circulation and white caps are left out")
         return None
@@ -143,7 +149,7 @@ def record(run: Path) -> Path:
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
         raise console.Refused(f"{run}: there is no such run folder")
-    if not path.is_file():
+    if not path.exists():
         remedy = "name gauges in its scene, as in gauges: {elevation: {centre: [0.0, 0.0]}}"
         raise console.Refused(f"{run}: this run has no gauges.csv; {remedy}")
     return path
@@ -166,8 +172,8 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
     try:
-        wind = json.loads((path.parent / "manifest.json").read_text(encoding="utf-8"))["scene"]["wind"]
-    except (OSError, ValueError, KeyError, TypeError):
+        wind = document(path.parent / "manifest.json")["scene"]["wind"]
+    except (ValueError, KeyError, TypeError):
         return None
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
@@ -201,7 +207,7 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
     """The table for people."""
     rows = [[name, *(cell(getattr(sea, key)) for key in COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in COLUMNS.items()]
-    console.table(f"{path}: {len(time)} samples from {time[0]:g} to {time[-1]:g} s", ["gauge", *heads], rows)
+    console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
         for sentence in shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")

@@ -1,6 +1,5 @@
 """A finished run as a replay: its still and all of its frames in two packets, and a page that holds them."""
 
-import json
 import zlib
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 
 from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import document
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened, ships_in
@@ -40,9 +40,8 @@ class Recorded:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         try:
-            manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-            self.scene: dict[str, Any] = manifest["scene"]
-        except (OSError, ValueError, KeyError, TypeError):
+            self.scene: dict[str, Any] = document(folder / "manifest.json")["scene"]
+        except (ValueError, KeyError, TypeError):
             raise Refused(f"{folder}: this is not a run folder (there is no manifest.json that can be read)") from None
         files = frame_files(folder)
         if not files or not (folder / "frames" / "grid.npz").is_file():

@@ -8,18 +8,23 @@ under lines that do not begin with a number; its rows are evenly spaced.
 """
 
 import struct
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.files import input_file
-from ocean_sim.files.input_file import Unreadable
+from ocean_sim.files.input_file import Rule, Unreadable
 
 MAGIC, FORMAT, AIRY = 37.0221, 100, 6
 BEGIN = struct.pack("<fi", MAGIC, FORMAT)
 HEAD, SIZES, TAIL = struct.Struct("<fiii30s20si"), struct.Struct("<ffiifi"), struct.Struct("<if")
 NAME = b"ocean-sim"
+SWD = Rule(
+    f"a .swd file is of format {FORMAT} and has plane waves (shape {AIRY}) of finite numbers, wavenumbers above 0"
+)
+EVEN = Rule("an .Elev file has two or more rows of time [s] and elevation [m], evenly spaced in time, under its head")
 
 
 def swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
@@ -35,21 +40,21 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
     """The sea in a .swd file of plane waves; raises Unreadable."""
     data = input_file.content(path)
     if not data.startswith(BEGIN):
-        raise Unreadable(path, "this is not a .swd file of format 100")
+        raise SWD.broken(path, "it begins otherwise")
     try:
         _, _, shape, _, _, _, length = HEAD.unpack_from(data)
         if shape != AIRY:
-            raise Unreadable(path, f"its waves are of shape {shape}; plane waves, shape {AIRY}, are read")
+            raise SWD.broken(path, f"its waves are of shape {shape}")
         at = HEAD.size + length + SIZES.size
         count, depth = TAIL.unpack_from(data, at)
         rows = np.frombuffer(data, "<f4", 4 * count, at + TAIL.size).reshape(count, 4).astype(float)
     except (struct.error, ValueError) as error:
         if isinstance(error, Unreadable):
             raise
-        raise Unreadable(path, "this .swd file ends too early") from None
+        raise SWD.broken(path, "it ends too early") from None
     amplitude, k, heading, phase = rows.T
     if not (np.isfinite(rows).all() and (k > 0.0).all()):
-        raise Unreadable(path, "it has a value that is not a number, or a wavenumber that is not above 0")
+        raise SWD.broken(path, f"component {int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0))) + 1} is none")
     deep = depth if depth > 0.0 else 1e3 * 2.0 * np.pi / float(k.min())  # infinite where it is below 0
     wavevector = k[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=1)
     return waves.Components(amplitude, wavevector, -phase, deep, gravity)
@@ -63,22 +68,29 @@ def openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
 
 def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """(n,) times [s] and (n,) elevations [m] of an .Elev file; raises Unreadable."""
-    rows = [line.split()[:2] for line in input_file.text(path).splitlines() if line.strip()]
-    first = next((k for k, row in enumerate(rows) if numeric(row[0])), len(rows))
-    try:
-        table = np.array([[float(cell) for cell in row] for row in rows[first:]])
-    except ValueError:
-        raise Unreadable(path, "a row under its head is not two numbers") from None
-    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-        raise Unreadable(path, "it has no two rows of time and elevation")
+    lines = [line.split()[:2] for line in input_file.text(path).splitlines() if line.strip()]
+    rows = lines[next((k for k, row in enumerate(lines) if numeric(row[0])), len(lines)) :]
+    wrong = next((k for k, row in enumerate(rows) if len(row) < 2 or not all(map(finite, row))), None)
+    if wrong is not None:
+        raise EVEN.broken(path, f"row {wrong + 1} is {' '.join(rows[wrong])!r:.60}")
+    if len(rows) < 2:
+        raise EVEN.broken(path, f"it has {len(rows)}")
+    table = np.array(rows, dtype=float)
     steps = np.diff(table[:, 0])
-    if not (np.isfinite(table).all() and steps.min() > 0.0 and np.ptp(steps) < 0.01 * steps.mean()):
-        raise Unreadable(path, "its times are not evenly spaced")
+    uneven = np.flatnonzero((steps <= 0.0) | (np.abs(steps - np.median(steps)) > 0.01 * np.median(steps)))
+    if len(uneven):
+        k, before = int(uneven[0]) + 1, table[uneven[0], 0]
+        raise EVEN.broken(path, f"row {k + 1} has {table[k, 0]:.12g} s after {before:.12g} s")
     return table[:, 0], table[:, 1]
 
 
+def finite(word: str) -> bool:
+    """True if this is a finite number."""
+    return numeric(word) and isfinite(float(word))
+
+
 def numeric(word: str) -> bool:
-    """Whether a line that begins with it is a row, as OpenFAST sees it."""
+    """True if this is a number, with which the rows of an .Elev file begin."""
     try:
         float(word)
     except ValueError:

@@ -138,7 +138,7 @@ def motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[fl
 def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndarray]:
     """Numbers of the n particles of a tracers.csv, times (m,) [s], and their positions [m] and velocities [m/s], each
     (n, m, 3); raises OSError or ValueError."""
-    table = csv_file.numbers(path)
+    table = csv_file.Table(path)
     names = [int(column[1 : -len("_x_m")]) for column in table if column.endswith("_x_m")]
     if "time_s" not in table or not names:
         raise ValueError("has no column time_s, or no particle")

@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import Checked, Rule
+from ocean_sim.waves import exchange
 
 SUFFIX = "_m"  # of an elevation gauge's column
 FEWEST = 16  # samples of a record
@@ -30,6 +32,21 @@ RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann w
 STEADY = 20  # waves in a record that statistics of irregular waves need at least
 REGULAR = 0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
 STILL = 1e-9  # [m] a range within which a record counts as constant
+TALLEST = (
+    50.0  # [m] from the median; the highest waves measured are 29 m (Holliday et al. 2006, Geophys. Res. Lett. 33)
+)
+UNLIKE = 10.0  # times the usual distance from the median: a wave is within 6
+RAISED = 2.0**0.5  # times the height of the waves alone: beyond it half of the variance is a trend or a tide
+SLOWEST_WAVE = 300.0  # [s] period beyond which the water's level moves, not its waves
+
+LIKE_A_SEA = Rule(
+    f"heights are in metres, within {TALLEST:g} m of each other, and none stands for a value that is missing"
+)
+CHECKS = (
+    Checked(
+        "A wave record, `ocean-sim waves FILE`: a table over time, or OpenFAST's .Elev", (exchange.EVEN, LIKE_A_SEA)
+    ),
+)
 
 
 class Unmeasurable(ValueError):
@@ -63,18 +80,38 @@ class Sea:
 
 
 def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times (n,) [s] of a gauges.csv from `begin` on, and the heights (n,) [m] of each elevation gauge; raises
-    ValueError."""
-    table = csv_file.numbers(path)
-    if "time_s" not in table:
-        raise ValueError(f"{path}: has no column time_s")
-    heights = {name.removesuffix(SUFFIX): column for name, column in table.items() if name.endswith(SUFFIX)}
-    if not heights:
+    """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` on, and the heights (n,) [m] of each elevation
+    gauge; raises ValueError."""
+    if Path(path).suffix.lower() == ".elev":
+        time, height = exchange.of_openfast(path)
+        table = {f"WaveElev{SUFFIX}": height}
+    else:
+        table = csv_file.Table(path)
+        time = table.series()[0]
+    names = [name for name in table if name.endswith(SUFFIX)]
+    if not names:
         raise ValueError(f"{path}: has no elevation gauge (a column <name>{SUFFIX}); pressures are not waves")
-    kept = table["time_s"] >= begin
-    if not kept.any():
-        raise ValueError(f"{path}: ends at {table['time_s'][-1]:g} s, before --begin {begin:g}")
-    return table["time_s"][kept], {name: column[kept] for name, column in heights.items()}
+    first = int(np.searchsorted(time, begin))
+    if first == len(time):
+        raise ValueError(f"{path}: ends at {time[-1]:.12g} s, before --begin {begin:g}")
+    if isinstance(table, csv_file.Table):
+        table.finite(*names, since=first)
+    for name in names:
+        if (row := stand_in(table[name][first:])) is not None:
+            found = f"{name} is {table[name][first + row]:g} in row {first + row + 1}"
+            raise LIKE_A_SEA.broken(path, f"{found}, about {np.median(table[name]):.3g} in others")
+    return time[first:], {name.removesuffix(SUFFIX): table[name][first:] for name in names}
+
+
+def stand_in(heights: np.ndarray) -> int | None:
+    """The first row whose height (n,) [m] no sea has: far from all others and reached at once, or nothing but nines."""
+    off = np.abs(heights - np.median(heights))
+    nines = np.array(
+        [len(digits) > 2 and set(digits) == {"9"} for digits in (f"{abs(h):g}".replace(".", "") for h in heights)]
+    )
+    far = (off > TALLEST) & bool((np.abs(np.diff(heights)) > TALLEST).any())
+    rows = np.flatnonzero(far | nines & (off >= UNLIKE * np.median(off)))
+    return int(rows[0]) if len(rows) else None
 
 
 def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
@@ -129,6 +166,24 @@ class Treatment:
 
 
 AS_IT_WAS = Treatment()
+
+
+def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
+    """A sentence on a trend or a tide that makes a record's height RAISED or more times that of its waves, or None."""
+    treated = treatment.deviation(interval, values)
+    level = Treatment(detrended=True).deviation(interval, values)
+    if not treatment.detrended and treated.std() > max(RAISED * level.std(), STILL):
+        factor = f"{treated.std() / level.std():.2g} times" if level.std() > STILL else "all of"
+        return (
+            f"a trend of {trend(interval, values):.3g} m/s makes the height {factor} that of its waves; take --detrend"
+        )
+    amplitudes = np.fft.rfft(treated)
+    amplitudes[np.fft.rfftfreq(len(treated), interval) < 1.0 / SLOWEST_WAVE] = 0.0
+    waves = np.fft.irfft(amplitudes, len(treated)).std()
+    if STILL < RAISED * waves < treated.std():
+        slow = f"what is slower than {SLOWEST_WAVE:g} s, as a tide, makes the height {treated.std() / waves:.2g} times"
+        return f"{slow} that of its waves; --detrend takes off a straight line, so measure parts with little tide"
+    return None
 
 
 def crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -249,7 +304,7 @@ def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_
     steps = np.diff(time)
     if steps.max() > 0.5 * periods.mean():
         k = int(steps.argmax())
-        gap = f"has a gap of {steps[k]:.3g} s after {time[k]:g} s"
+        gap = f"has a gap of {steps[k]:.3g} s after {time[k]:.12g} s"
         raise Unmeasurable(f"{gap}, more than half of its mean wave of {periods.mean():.3g} s")
     f_peak = peak_frequency(interval, deviation)
     m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else moments(interval, deviation, CUT_OFF * f_peak)

@@ -8,12 +8,16 @@ from pydantic import model_validator
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, Unreadable
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable
 from ocean_sim.model import Model, quantity
 from ocean_sim.waves import exchange
 
 ONSET = 5.0  # [periods] in which what is not linear sets in
 COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
+PERIODS = Rule("every period_s is above 0")
+CHECKS = (
+    Checked("Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file", (PERIODS, exchange.SWD)),
+)
 Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
 
 
@@ -73,12 +77,11 @@ class Seas(waves.OpenTrain):
             sea = exchange.of_swd(self.components)
             heading = np.degrees(np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1]))
             return dict(zip(COLUMNS, (sea.amplitude, 2.0 * pi / sea.omega, heading, np.degrees(sea.phase))))
-        found = csv_file.numbers(self.components)
-        for name in COLUMNS:
-            if name not in found or not np.isfinite(found[name]).all():
-                raise Unreadable(self.components, f"it has no column of numbers {name}; it needs {', '.join(COLUMNS)}")
-        if (found["period_s"] <= 0.0).any():
-            raise Unreadable(self.components, "each period_s must be above 0")
+        found = csv_file.Table(self.components)
+        period = found.finite(*COLUMNS)[1]
+        if (period <= 0.0).any():
+            row = int(period.argmin())
+            raise PERIODS.broken(self.components, f"period_s is {period[row]:g} in row {row + 1}")
         return found
 
     def sea_of(self, basin: waves.Tank, count: int = waves.COMPONENTS) -> waves.Components:

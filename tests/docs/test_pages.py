@@ -208,3 +208,18 @@ def test_the_additions_of_the_page_on_extending_are_one_file_each(tmp_path):
         (copy / caption).write_text(text)
     (tmp_path / "use.py").write_text(ADDED)
     run(tmp_path / "use.py", tmp_path, PYTHONPATH=str(copy))
+
+
+def test_every_reader_of_a_file_that_a_scene_names_has_its_rules_on_the_page(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    from generate import checked_files, checks
+
+    elsewhere = {"seakeeping.py": "radiation.py", "stream.py": "datagrams.py", "shapes.py": "mesh.py"}  # who reads them
+    readers = [path for path in PACKAGE.rglob("*.py") if re.search(r"^    \w+: FileName", path.read_text(), re.M)]
+    known = {path.name for path in PACKAGE.rglob("*.py") if "\nCHECKS = " in path.read_text()} | {"mesh.py"}
+    assert len(readers) >= 9 and all(elsewhere.get(path.name, path.name) in known for path in readers)
+    page = checked_files()
+    for checked in checks():
+        assert f"\n## {checked.title}\n" in page
+        for rule in checked.rules:
+            assert rule.sentence in page and rule in str(rule.broken("a.csv", "it is wrong"))

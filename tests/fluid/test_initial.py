@@ -197,7 +197,7 @@ def test_what_a_file_lacks_is_said(tmp_path):
     path.write_text("x,y,u,v\n0,0,0,0\n")
     assert "no column z and no column w" in said(basin, kind="file", path=str(path))
     path.write_text("x,y,z,u,v,w\n0,0,0,0,,0\n")
-    assert "not a number" in said(basin, kind="file", path=str(path))
+    assert "v is nan in row 1" in said(basin, kind="file", path=str(path))
     path.write_text("x,y,z,u,v,w\n0,0,0,0,0,0\n9,0,0,0,0,0\n")
     assert "1 particles are outside the basin" in said(basin, kind="file", path=str(path))
 

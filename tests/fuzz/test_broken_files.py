@@ -175,21 +175,21 @@ def test_what_is_no_file_is_not_opened(name, why, tmp_path):
 
     os.mkfifo(tmp_path / "fifo")
     with pytest.raises(input_file.Unreadable, match=why):
-        csv_file.numbers(tmp_path / name)
+        csv_file.Table(tmp_path / name)
 
 
 def test_a_table_begins_with_a_byte_order_mark_or_not_and_has_even_rows(tmp_path):
     path = tmp_path / "t.csv"
     path.write_bytes(b"\xef\xbb\xbftime_s,x_m\n0,1\n1,2\n")
-    assert csv_file.numbers(path)["time_s"].tolist() == [0.0, 1.0]
+    assert csv_file.Table(path)["time_s"].tolist() == [0.0, 1.0]
     for content, why in {
-        "time_s,x_m\n0,1\n1\n": "2 names and a row of 1, '1'",
+        "time_s,x_m\n0,1\n1\n": "row 2 has 1 cells under 2 names, '1'",
         "time_s,time_s\n0,1\n": "two columns 'time_s'",
         "time_s,x_m\n": "no rows under a heading",
     }.items():
         path.write_text(content)
         with pytest.raises(input_file.Unreadable, match=why):
-            csv_file.numbers(path)
+            csv_file.Table(path)
 
 
 def test_files_are_found_from_the_folder_of_the_scene(tmp_path, monkeypatch):
@@ -241,3 +241,47 @@ def test_a_spoilt_run_folder_is_refused_in_a_sentence(verb, tell, tmp_path, monk
         assert err.strip() and not any(talk in err for talk in TALK), (name, err)
         code, out, err = tell(verb[0], name, *verb[1:], "--out", f"{name}-out", "--json")
         assert code in (1, 2, 3) and json.loads(out)["error"], (name, out)
+
+
+@pytest.mark.parametrize("odd", ["pipe", "device", "folder", "deep"])
+def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
+    """Each reader of the files of a run ends, with a sentence or without what the file holds."""
+    import os
+
+    from ocean_sim.conventions import Refused
+    from ocean_sim.observers.shared.page import picture
+    from ocean_sim.observers.shared.run_report import Run
+    from ocean_sim.pictures.frame_files import Frame
+    from ocean_sim.pictures.sea_state import scene_of
+    from ocean_sim.result import Result
+    from ocean_sim.state import file as checkpoints
+    from ocean_sim.studies.shared import table
+    from ocean_sim.viewer.replay import Recorded
+
+    def put(name):
+        path = tmp_path / name
+        if odd == "pipe":
+            os.mkfifo(path)
+        elif odd == "device":
+            path.symlink_to("/dev/zero")
+        elif odd == "folder":
+            path.mkdir()
+        else:
+            path.write_text("[" * 100_000)
+        return path
+
+    for read in (lambda path: Recorded(path.parent), lambda path: Result(path.parent).manifest):
+        put("manifest.json") if not os.path.lexists(tmp_path / "manifest.json") else None
+        with pytest.raises(Refused):
+            read(tmp_path / "manifest.json")
+    assert scene_of(tmp_path) == {} and Run.json(tmp_path / "manifest.json") is None
+    with pytest.raises(checkpoints.Unreadable):
+        checkpoints.read(put(checkpoints.name(1.0)))
+    with pytest.raises(input_file.Unreadable):
+        Frame(put("frame_00000.npz"))
+    if odd != "deep":
+        with pytest.raises(input_file.Unreadable):
+            table.read(put("results.csv"))
+        with pytest.raises(input_file.Unreadable):
+            _ = put("events.jsonl") and Result(tmp_path).events
+    assert picture(put("preview.png"), "a picture") == ""

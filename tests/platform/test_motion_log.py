@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -40,12 +38,12 @@ def with_value(name, row, value):
 
 BAD = {
     "rows that are missing": (without(columns(), np.r_[0:300, 340:1001]), "rows are missing or out of order"),
-    "rows that are shuffled": (without(columns(), np.r_[0:300, 301, 300, 302:1001]), "not in the order of time"),
-    "rows that are there twice": (without(columns(), np.r_[0:300, 299:1001]), "not in the order of time"),
-    "NaN": (with_value("roll_rad", 500, np.nan), "roll_rad is nan in row 501"),
-    "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is inf in row 4"),
+    "rows that are shuffled": (without(columns(), np.r_[0:300, 301, 300, 302:1001]), "times rise from row to row"),
+    "rows that are there twice": (without(columns(), np.r_[0:300, 299:1001]), "times rise from row to row"),
+    "NaN": (with_value("roll_rad", 500, np.nan), "roll_rad is 'nan' in row 501"),
+    "infinity": (with_value("pitch_rate_rad_s", 3, np.inf), "pitch_rate_rad_s is 'inf' in row 4"),
     "a jump": (with_value("heave_m", 700, 10.0), "the ship jumps by .* m between"),
-    "no rows": (without(columns(), np.r_[0:0]), "has 0 rows"),
+    "no rows": (without(columns(), np.r_[0:0]), "has no rows"),
     "one row": (without(columns(), np.r_[0:1]), "has 1 rows"),
     "a turn at once": (
         changed("roll_rad", lambda roll: roll + 1.5 * (np.arange(len(roll)) >= 700)),
@@ -58,10 +56,10 @@ BAD = {
     "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
     "rates in degrees": (
         changed("roll_rate_rad_s", np.degrees),
-        "its angles turn at .*, its rates are .* in degrees",
+        "roll_rad changes by 0.017.* times what roll_rate_rad_s make of it .* in degrees",
     ),
-    "angles in degrees": (changed("roll_rad", np.degrees), "is one in degrees?"),
-    "too few rows a second": (columns(60.0, dt=0.5), "a platform needs at least 10 a second"),
+    "angles in degrees": (changed("roll_rad", np.degrees), "in degrees?"),
+    "too few rows a second": (columns(60.0, dt=0.5), "row every 0.5 s; rows are evenly spaced, .* 10 a second"),
 }
 
 
@@ -78,7 +76,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
     with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: it has another unit"):
         read(write(tmp_path / "a.csv", in_degrees))
-    with pytest.raises(ValueError, match="frame 'enu'; a frame is one of"):
+    with pytest.raises(ValueError, match=r"frame .enu.; .* one of"):
         read(write(tmp_path / "b.csv", table, frame="enu"))
     for frame in ("ned", "flu"):
         with pytest.raises(ValueError, match="gravity does not point down"):
@@ -92,7 +90,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
         read(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "", 1), *lines[51:]]))
-    with pytest.raises(ValueError, match="surge_m is '' in row 48"):
+    with pytest.raises(ValueError, match="surge_m is empty in row 48"):
         read(path)
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
@@ -104,32 +102,34 @@ def test_other_units_and_frames_are_named(tmp_path):
 
 def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
     whole = read(log)
-    assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.head["seed"] == "7"
+    assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.table.head["seed"] == "7"
     np.testing.assert_allclose(whole.ride.specific_force[0], [0.0, 0.0, G - (2 * np.pi / 6.0) ** 2], atol=1e-7)
     for frame in ("ned", "flu", "ship"):
-        names = whole.names
+        names = whole.table.names
         rows = np.array([[float(cell) for cell in row] for row in converted(whole, frame)])
         there = read(write(tmp_path / f"{frame}.csv", dict(zip(names, rows.T)), frame))
         for one, other in zip(there.ride, whole.ride):
             np.testing.assert_allclose(one, other, atol=1e-8)
         back = np.array([[float(cell) for cell in row] for row in converted(there, "ship")])
-        np.testing.assert_allclose(back, [[float(cell) for cell in line.split(",")] for line in whole.lines], atol=1e-8)
+        np.testing.assert_allclose(
+            back, [[float(cell) for cell in line.split(",")] for line in whole.table.rows], atol=1e-8
+        )
 
 
 def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
     table = columns(1.0)
-    convertible(Path("a.csv"), read(write(tmp_path / "whole.csv", table)))
+    convertible(read(write(tmp_path / "whole.csv", table)))
     alone = {name: column for name, column in table.items() if name != "force_buoyancy_y_N"}
     words = table | {"force_buoyancy_z_N": ["none"] * 101}
     for name, wrong, sentence in (
-        ("alone.csv", alone, "has no column force_buoyancy_y_N; without it a vector cannot be converted to other axes"),
+        ("alone.csv", alone, "has no column force_buoyancy_y_N"),
         ("words.csv", words, "force_buoyancy_z_N is 'none' in row 1"),
     ):
         path = tmp_path / name
         rows = [",".join(str(cell) for cell in row) for row in zip(*wrong.values())]
         path.write_text("\n".join([",".join(wrong), *rows]))
         with pytest.raises(ValueError, match=sentence):
-            convertible(path, read(path))
+            convertible(read(path))
 
 
 def test_axes_of_the_frames(log):
@@ -140,8 +140,8 @@ def test_axes_of_the_frames(log):
     np.testing.assert_allclose(FRAMES["ship"] @ flu, [0.991343, 8.237563, -0.187498])
     assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in FRAMES.values())
     whole = read(log)
-    row = dict(zip(whole.names, list(converted(whole, "ned"))[150]))
-    own = dict(zip(whole.names, whole.lines[150].split(",")))
+    row = dict(zip(whole.table.names, list(converted(whole, "ned"))[150]))
+    own = dict(zip(whole.table.names, whole.table.rows[150].split(",")))
     assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
     assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]
@@ -179,7 +179,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
     ride = read(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
     np.testing.assert_array_equal(ride.specific_force, np.tile([0.0, 0.0, G], (101, 1)))
-    assert ride_of(csv_file.numbers(tmp_path / "still.csv"), "world").seq[-1] == 100
+    assert ride_of(csv_file.Table(tmp_path / "still.csv"), "world").seq[-1] == 100
 
 
 @pytest.mark.parametrize("every", [0.01, 1.0 / 60.0, 0.0123456789])
@@ -188,3 +188,96 @@ def test_the_time_between_rows_is_that_of_the_run(every, tmp_path):
     table = columns(60.0, every)
     assert read(write(tmp_path / "motion.csv", table)).every == as_logged(every)
     assert as_logged(every) == pytest.approx(every, rel=5e-8)
+
+
+def moved(seconds=20.0, dt=0.02):
+    """A ship that surges, sways, heaves, rolls, pitches and yaws: all columns that say the same twice, FLU axes."""
+    from scipy.spatial.transform import Rotation
+
+    t = np.arange(round(seconds / dt) + 1) * dt
+
+    def wave(size, omega, phase, k):
+        return size * omega**k * np.cos(omega * t + phase + k * np.pi / 2.0)
+
+    motions = {"surge": (0.4, 0.9, 0.3), "sway": (0.3, 1.1, 1.2), "heave": (0.5, 1.0, 0.1)}
+    turns = {"roll": (0.15, 0.8, 0.5), "pitch": (0.06, 1.2, 2.0), "yaw": (0.2, 0.5, 1.0)}
+    table = {"time_s": t} | {f"{name}_m": wave(*how, 0) for name, how in motions.items()}
+    table |= {f"{name}_velocity_m_s": wave(*how, 1) for name, how in motions.items()}
+    table |= {f"{name}_acceleration_m_s2": wave(*how, 2) for name, how in motions.items()}
+    angle, change = ([wave(*how, k) for how in turns.values()] for k in (0, 1))
+    table |= {f"{name}_rad": value for name, value in zip(turns, angle)}
+    (r, p, _), (r_t, p_t, y_t) = angle, change
+    rates = (
+        r_t - y_t * np.sin(p),
+        p_t * np.cos(r) + y_t * np.sin(r) * np.cos(p),
+        y_t * np.cos(r) * np.cos(p) - p_t * np.sin(r),
+    )
+    table |= {f"{name}_rate_rad_s": value for name, value in zip(turns, rates)}
+    pose = Rotation.from_euler("ZYX", np.column_stack(angle)[:, ::-1])
+    felt = np.column_stack([table[f"{name}_acceleration_m_s2"] for name in motions]) + [0.0, 0.0, G]
+    table |= dict(zip(FORCES, pose.inv().apply(felt).T))
+    return table | dict(zip(("qx", "qy", "qz", "qw"), pose.as_quat().T))
+
+
+def written(path, table, offset=0.0, digits=6):
+    rows = [
+        ",".join(f"{value:.{digits}f}" for value in row)
+        for row in zip(*(table | {"time_s": table["time_s"] + offset}).values())
+    ]
+    path.write_text("\n".join(["# frame: flu", ",".join(table), *rows]) + "\n")
+    return path
+
+
+def test_what_a_log_says_twice_agrees(tmp_path):
+    table, path = moved(), tmp_path / "log.csv"
+    assert len(read(written(path, table)).ride.time) == 1001
+    noisy = {name: v + 0.01 * np.std(v) * np.random.default_rng(1).normal(size=len(v)) for name, v in table.items()}
+    read(written(path, noisy | {"time_s": table["time_s"]}))
+    read(
+        written(path, table | {"sway_m": 0.0 * table["sway_m"], "sway_velocity_m_s": 0.0 * table["sway_m"]})
+    )  # not known
+    for name in [name for name in table if name not in ("time_s", "qw")]:
+        with pytest.raises(ValueError, match=r"agree|Columns that say the same|gravity") as refused:
+            read(written(path, table | {name: -table[name]}))
+        assert (
+            "gravity" in str(refused.value)
+            or name.startswith("q")
+            or name in str(refused.value)
+            or name.split("_")[0] in str(refused.value)
+        )
+    for name, factor, unit in (
+        ("yaw_rad", 180.0 / np.pi, "degrees"),
+        ("pitch_rate_rad_s", 180.0 / np.pi, "degrees"),
+        ("heave_velocity_m_s", 1.9438, "knots"),
+        ("sway_velocity_m_s", 3.6, "km/h"),
+        ("surge_acceleration_m_s2", 1.0 / G, "in g"),
+    ):
+        with pytest.raises(ValueError, match=unit):
+            read(written(path, table | {name: factor * table[name]}))
+    for one, other in (("roll_rad", "pitch_rad"), ("roll_rate_rad_s", "yaw_rate_rad_s"), (FORCES[0], FORCES[1])):
+        with pytest.raises(ValueError, match=r"agree|Columns that say the same"):
+            read(written(path, table | {one: table[other], other: table[one]}))
+
+
+@pytest.mark.parametrize("offset", [0.0, 86400.0, 1709294400.0, 2e9])
+@pytest.mark.parametrize("digits", [2, 6])
+def test_a_gap_is_found_to_the_digits_of_the_times(tmp_path, offset, digits):
+    table, path = moved(), tmp_path / "log.csv"
+    assert read(written(path, table, offset, max(digits, 4))).every == pytest.approx(0.02, abs=1e-8)
+    for gap in (1, 2, 50):
+        with pytest.raises(ValueError, match=r"rows are missing or out of order between .*, rows 400 and 401"):
+            read(written(path, without(table, np.r_[0:400, 400 + gap : 1001]), offset, max(digits, 4)))
+
+
+@pytest.mark.parametrize(
+    "name, value, said",
+    [
+        ("roll_rate_rad_s", 0.0, "roll_rad turns by"),
+        ("yaw_rad", 0.0, "yaw_rate_rad_s says"),
+        ("qw", 0.0, "unit length"),
+    ],
+)
+def test_a_column_that_was_left_out_is_said(tmp_path, name, value, said):
+    table = moved()
+    with pytest.raises(ValueError, match=said):
+        read(written(tmp_path / "log.csv", table | {name: value + 0.0 * table[name]}))

@@ -95,7 +95,7 @@ def test_a_ship_takes_the_file_and_one_of_no_use_is_refused(tmp_path):
         assert np.isfinite(ship.last.parts).all() and not ship.through.any()
     wrong = tmp_path / "x.nc"
     wrong.write_bytes(b"CDF\x01 something")
-    with pytest.raises(Unreadable, match="not a NetCDF file of added mass and damping by Capytaine"):
+    with pytest.raises(Unreadable, match="a NetCDF file is Capytaine's"):
         bem_table(str(wrong))
 
 
@@ -368,3 +368,77 @@ def test_a_ship_whose_damping_is_complete_is_left_alone(tmp_path):
 def test_water_that_takes_more_mass_away_than_there_is_is_refused(tmp_path):
     with pytest.raises(SceneError, match="leaves her less than no mass"):
         said_of(tmp_path, ROLL | {"roll_added_kg_m2": -4.0e7})
+def replaced(name, **how):
+    """A change of a file of Capytaine: another data set under a name, or a link."""
+
+    def change(data):
+        import h5py
+
+        del data[name]
+        if "link" in how:
+            data[name] = getattr(h5py, how["link"])(*how["to"])
+        elif how.get("group"):
+            data.create_group(name)
+        else:
+            data.create_dataset(name, **how)
+
+    return change
+
+
+def with_values(name, value):
+    def change(data):
+        data[name][...] = value
+
+    return change
+
+
+SPOILT = {
+    "a size without end": (
+        replaced("omega", shape=(10**13,), dtype="f8", chunks=(10**6,), compression="gzip"),
+        "8e.07 MB",
+    ),
+    "a chunk without end": (
+        replaced("omega", shape=(20,), maxshape=(None,), dtype="f8", chunks=(10**8,)),
+        "omega unpacks",
+    ),
+    "names without end": (replaced("influenced_dof", shape=(3 * 10**8,), dtype="S5", chunks=(10**6,)), "1500 MB"),
+    "a group": (replaced("omega", group=True), "no data set omega"),
+    "words": (replaced("omega", data=["a", "b"]), "omega holds"),
+    "complex numbers": (replaced("omega", data=np.ones(20, complex)), "omega holds"),
+    "a compound": (replaced("omega", data=np.zeros(20, dtype=[("a", "f8")])), "omega holds"),
+    "nothing": (replaced("omega", dtype="f8", shape=None), "no data set omega"),
+    "a file elsewhere": (replaced("omega", link="ExternalLink", to=("/dev/zero", "/x")), "no data set omega"),
+    "a link to itself": (replaced("omega", link="SoftLink", to=("/omega",)), "no data set omega"),
+    "numbers elsewhere": (replaced("omega", shape=(20,), dtype="f8", external=[("/dev/zero", 0, 160)]), "another file"),
+    "no axes": (replaced("added_mass", data=np.ones((20, 6, 6))), "missing or damaged"),
+    "no number": (with_values("added_mass", np.nan), "not a finite number"),
+    "the other sign": (with_values("radiation_damping", -1.0), "of the other sign"),
+    "a frequency twice": (with_values("omega", 1.0), "rise, each once"),
+    "an infinite frequency": (with_values("omega", np.inf), "not a finite number"),
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_a_spoilt_file_of_a_panel_method_is_refused_in_a_sentence(tmp_path, what):
+    import h5py
+
+    change, said = SPOILT[what]
+    file = tmp_path / "spoilt.nc"
+    file.write_bytes(BARGE.read_bytes())
+    with h5py.File(file, "r+") as data:
+        change(data)
+    with pytest.raises(Unreadable, match=said) as refused:
+        Radiation(str(file))
+    assert "\n" not in str(refused.value) and str(refused.value).isprintable()
+
+
+def test_a_flipped_byte_of_a_panel_method_raises_nothing_else(tmp_path):
+    rng, whole = np.random.default_rng(0), np.frombuffer(BARGE.read_bytes(), np.uint8)
+    for _ in range(60):
+        data = whole.copy()
+        data[rng.integers(len(data), size=4)] = rng.integers(256, size=4)
+        (tmp_path / "flipped.nc").write_bytes(data.tobytes())
+        try:
+            Radiation(str(tmp_path / "flipped.nc"))
+        except Unreadable as error:
+            assert str(error).isprintable()

@@ -148,10 +148,10 @@ def changed(rows: list[str], what: str) -> list[str]:
     "what, sentence",
     [
         ("no damping", "has no column heave_damping_kg_s"),
-        ("not a number", "holds what is not a number"),
-        ("frequencies fall", "4 to 300 frequencies above 0 in rising order"),
-        ("ends early", "the damping of heave still is 100% of its most"),
-        ("no waves", "heave has no damping, so no waves to remember"),
+        ("not a number", "heave_added_kg is 'much' in row 3"),
+        ("frequencies fall", "4 to 300 frequencies above 0, which rise"),
+        ("ends early", "that of heave still is 100% of its most; damping"),
+        ("no waves", "that of heave lies between 0 and 0; damping is above 0"),
         ("another table", "has no column of added mass, such as heave_added_kg"),
     ],
 )

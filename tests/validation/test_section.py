@@ -32,7 +32,7 @@ def test_without_slots_waves_push_as_reciprocity_demands():
 
 @pytest.mark.parametrize("name, body", [("section_radiation", {}), ("box_radiation", BOX)])
 def test_the_table_is_what_the_panels_say(name, body):
-    table = csv_file.numbers(table_path(name))
+    table = csv_file.Table(table_path(name))
     row = int(np.flatnonzero(table["omega_rad_s"] == 7.0)[0])
     added, damping, scattered, _ = answers(7.0, **body)
     for k, motion in enumerate(MOTIONS):

@@ -1,6 +1,7 @@
 """Records of waves against closed forms, a published sea-state and seas whose spectrum is known; and the command."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -438,3 +439,53 @@ def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):
     assert breaking_cover(falling(3.0 * long, 0.5, 0.5, depth=0.2)) == 0.0  # long waves on shallow water fall slowly
     assert breaking_cover(falling(short, 0.5, 0.5)) > 0.2
     assert breaking_cover(falling(short, 0.5, 0.5, shortest=2.0)) == 0.0
+
+
+def measured_by_the_command(tmp_path, capsys, height, *options, time=None):
+    time = 0.5 * np.arange(len(height)) if time is None else time
+    path = tmp_path / "record.csv"
+    path.write_text("time_s,eta_m\n" + "".join(f"{t:.3f},{h:.5g}\n" for t, h in zip(time, height)))
+    code = answered(["waves", str(path), "--out", str(tmp_path / "out"), *options])
+    out = capsys.readouterr()
+    return code, " ".join((out.out + out.err).split())
+
+
+@pytest.mark.parametrize("value", [9999.0, -9999.0, -999.0, 99.99, -99.9, 9.999, 1e20])
+@pytest.mark.parametrize("row", [0, 300])
+def test_heights_that_no_sea_has_are_refused(tmp_path, capsys, value, row):
+    height = six_cosines(0.5)[1] * 0.2
+    height[row : row + 3] = value
+    code, said = measured_by_the_command(tmp_path, capsys, height)
+    assert code == 2 and f"eta_m is {value:g} in row {row + 1}" in said
+
+
+def test_a_trend_or_a_tide_is_said(tmp_path, capsys):
+    time, height = six_cosines(0.5)
+    assert "--detrend" not in measured_by_the_command(tmp_path, capsys, height - 20.0)[1]
+    code, said = measured_by_the_command(tmp_path, capsys, height + 0.004 * time)
+    assert code == 0 and "a trend of 0.004 m/s makes the height 2.9 times that of its waves; take --detrend" in said
+    assert "take --detrend" not in measured_by_the_command(tmp_path, capsys, height + 0.004 * time, "--detrend")[1]
+    code, said = measured_by_the_command(tmp_path, capsys, height + 2.0 * np.cos(2.0 * np.pi * time / 1000.0), "--json")
+    assert code == 0 and "as a tide, makes the height 2 times that of its waves" in said
+
+
+def test_records_of_other_programs_are_read_whole_or_refused(tmp_path, capsys, monkeypatch):
+    from ocean_sim.waves import exchange
+
+    monkeypatch.chdir(tmp_path)
+    time, height = (values[:400] for values in six_cosines(0.5))
+    Path("sea.Elev").write_text(exchange.openfast(time, height))
+    Path("sea.csv").write_text("time_s,WaveElev_m\n" + "".join(f"{t:.6f},{h:.9e}\n" for t, h in zip(time, height)))
+    answers = []
+    for name in ("sea.Elev", "sea.csv"):
+        assert answered(["waves", name, "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1] and answers[0]["WaveElev"]["waves"] > 20
+    lines = Path("sea.Elev").read_text().splitlines()
+    for row, said in (
+        ("word 1.0", "row 41 is"),
+        ("20.0 nan", "row 41 is"),
+        ("99.0 0.1", "row 41 has 99 s after 19.5 s"),
+    ):
+        Path("bad.Elev").write_text("\n".join([*lines[:43], row, *lines[44:]]))
+        assert answered(["waves", "bad.Elev"]) == 2 and said in " ".join(capsys.readouterr().err.split())

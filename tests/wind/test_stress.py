@@ -161,7 +161,7 @@ def test_a_schedule_that_does_not_reach_over_the_run_is_told(tmp_path):
     """A measured wind with the times of a calendar blows as in its first row, which is not what was measured."""
     path = tmp_path / "wind.csv"
     path.write_text("time_s,speed_m_s,heading_deg\n1700000000,5,90\n1700000600,12,90\n")
-    said = "the schedule begins at 1.7e+09 s, when the run of 60 s is over: only its first row blows"
+    said = "the schedule begins at 1700000000 s, when the run of 60 s is over: only its first row blows"
     assert any(said in sentence for sentence in told({"schedule": {"file": str(path)}}))
     path.write_text("time_s,speed_m_s,heading_deg\n0,5,90\n20,12,90\n")
     said = "wind.csv ends at 20 s; its last row blows on until 60 s"
@@ -178,8 +178,8 @@ def test_a_schedule_that_blows_across_a_slice_is_told():
 def test_a_row_of_a_file_that_is_no_wind_is_named(tmp_path):
     path = tmp_path / "wind.csv"
     for rows, said in (
-        ("0,5,90\n10,,90\n", "wind.csv: speed_m_s is not a number in row 2"),
-        ("2026-01-01,5,90\n", "wind.csv: time_s is not a number in row 1"),
+        ("0,5,90\n10,,90\n", "wind.csv: speed_m_s is empty in row 2"),
+        ("2026-01-01,5,90\n", "wind.csv: time_s is '2026-01-01' in row 1"),
         ("0,5,90\n10,6,90\n9,7,90\n", "9 s follows 10 s in row 3"),
     ):
         path.write_text("time_s,speed_m_s,heading_deg\n" + rows)

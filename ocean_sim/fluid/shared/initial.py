@@ -17,11 +17,14 @@ from pydantic import Field, model_validator
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, Unreadable, arrays, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, arrays, shown
 from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 
 State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
+ONE_COLUMN = Rule("a column is known by its name before the first _, and there is one of each")
+ONCE = Rule("each particle is there once: no two rows have the same place and velocity")
+CHECKS = (Checked("Particles, `fluid.initial.file.path`: a table, or an npz file of arrays", (ONE_COLUMN, ONCE)),)
 Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, sentence
 
 DISORDER = 0x4_0000  # stream of random numbers
@@ -186,12 +189,15 @@ class FromFile(Start):
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
-        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.numbers(self.path)
+        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
             raise Unreadable(self.path, f"{unnumbered[0]} is not a column of numbers")
-        found = {name: np.atleast_1d(column).astype(float) for name, column in found.items()}
-        return {name.split("_")[0]: column for name, column in found.items()}
+        short = {name: name.split("_")[0] for name in found}
+        if (name := csv_file.twice([*short.values()])) is not None:
+            alike = " and ".join(long for long in short if short[long] == name)
+            raise ONE_COLUMN.broken(self.path, f"it has {alike}")
+        return {short[name]: np.atleast_1d(column).astype(float) for name, column in found.items()}
 
     def problems(self, basin: Basin) -> Problems:
         try:
@@ -205,10 +211,18 @@ class FromFile(Start):
             yield ("path",), f"{shown(self.path)} has no column {' and no column '.join(missing)}"
         elif len(sizes) != 1 or sizes == {(0,)}:
             yield ("path",), f"the columns of {shown(self.path)} must be of one length, and not empty"
-        elif not all(np.isfinite(column).all() for column in columns.values()):
-            yield ("path",), f"{shown(self.path)} holds what is not a number"
+        elif len(wrong := np.argwhere(~np.isfinite([*columns.values()]).T)):
+            (row, k), names = wrong[0], [*columns]
+            found = f"{names[k]} is {columns[names[k]][row]} in row {row + 1}"
+            yield ("path",), f"{csv_file.NUMBERS.broken(self.path, found)}"
         else:
             positions = self.positions(basin)
+            rows = np.hstack([positions, vectors(columns, "uvw", basin)])
+            _, first, count = np.unique(rows, axis=0, return_index=True, return_counts=True)
+            if len(first) < len(rows):
+                row = int(first[count > 1].min())
+                found = f"{len(rows) - len(first)} rows repeat others, the first row {row + 1}"
+                yield ("path",), f"{ONCE.broken(self.path, found)}"
             low, up = np.array(basin.lower), np.array(basin.upper)
             outside = np.flatnonzero(((positions < low - 1e-9) | (positions > up + 1e-9)).any(axis=1))
             if len(outside):

@@ -93,6 +93,7 @@ class WaterConfig(FluidConfig):
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water that it holds back is not at rest; "
                     f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
                 )
+            found += gate.warnings(preflight.duration)
             fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
             if fastest > speed and self.sound_speed(tank) > 0.0:
                 found.append(

@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from ocean_sim.files import input_file
+
 WIDEST, QUALITY = 1200, 82  # pixels of a picture in the page, and JPEG quality
 STYLE = """
 :root { color-scheme: light dark; --ink: #16242c; --paper: #fff; --soft: #4a5d68; --line: #dde5ea; --block: #f4f7f9;
@@ -89,9 +91,9 @@ def picture(path: Path, caption: str, link: str | None = None) -> str:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with Image.open(path) as file:
+        with Image.open(io.BytesIO(input_file.content(path))) as file:
             image = file.convert("RGB")
-    except (OSError, UnidentifiedImageError):
+    except (OSError, ValueError, UnidentifiedImageError, Image.DecompressionBombError):
         return ""
     if image.width > WIDEST:
         image = image.resize((WIDEST, round(image.height * WIDEST / image.width)), Image.Resampling.LANCZOS)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files import csv_file
+from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.whole_file import whole
 from ocean_sim.observers.shared.page import page, picture, plot, table, text
 from ocean_sim.observers.shared.svg_plot import curves
@@ -263,15 +263,15 @@ class Run:
     @staticmethod
     def json(path: Path) -> Any:
         try:
-            return json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            return input_file.document(path)
+        except ValueError:
             return None
 
     @staticmethod
     def lines(path: Path) -> list[dict[str, Any]]:
         """The whole lines of events.jsonl."""
         found = []
-        for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
+        for line in input_file.text(path).splitlines() if path.is_file() else ():
             try:
                 found.append(json.loads(line))
             except ValueError:

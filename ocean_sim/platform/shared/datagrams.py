@@ -41,13 +41,15 @@ USAGE = """usage: python -m ocean_sim.platform.shared.datagrams [udp://127.0.0.1
        python -m ocean_sim.platform.shared.datagrams stop udp://127.0.0.1:5005 [KEYFILE]
 The first receives packets, prints what comes, and reports where the legs are; the second stops that platform."""
 SPIN = 0.0005  # [s] before its time for which a packet is waited for without sleeping
+KEY = input_file.Rule(f"a key has {LEAST_KEY} to {MOST_KEY} bytes")
+CHECKS = (input_file.Checked("A key, `stream.key`", (KEY,)),)
 
 
 def key_in(file: str) -> bytes:
     """The key in a file, which sender and receiver share; raises Unreadable, a ValueError."""
     key = input_file.content(file, MOST_KEY).strip()
     if len(key) < LEAST_KEY:
-        raise input_file.Unreadable(file, f"a key has at least {LEAST_KEY} bytes, this one {len(key)}")
+        raise KEY.broken(file, f"it has {len(key)} bytes")
     return key
 
 

@@ -1,16 +1,22 @@
 """Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and converted to other axes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.csv_file import described, twice
+from ocean_sim.files import csv_file
+from ocean_sim.files.csv_file import NAMED, Table
+from ocean_sim.files.input_file import Checked, Rule
 
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+TIME = csv_file.TIME
+QUATERNION = ("qw", "qx", "qy", "qz")
 MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
 FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
@@ -33,6 +39,30 @@ MOST_FELT = 20.0  # [m/s2] in the half of all rows
 UNEVEN = 0.01  # part of the time between rows by which it may differ
 CHUNK = 2000  # rows at a time
 
+COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noise from row to row does not count
+MIN_COMPARED_ROWS = 8  # fewer are alike by chance
+# Correlations of a column with its opposite, at most with another column, and with itself.
+OPPOSITE, UNLIKE, ALIKE = -0.8, 0.8, 0.9
+MAX_FACTOR, MAX_FELT_FACTOR = (
+    1.5,
+    3.0,
+)  # between columns that say the same; felt is also what short waves do between rows
+MIN_TURN, MIN_SPEED, MIN_CHANGE, MIN_FELT = 1e-3, 0.01, 0.01, 0.05  # [rad/s], [m/s], [m/s2]: less is not compared
+SURE_TURN = 0.05  # [rad/s] beside which angles, or rates, that move by less than a tenth of it are wrong
+MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
+UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
+
+AXES_NAMED = Rule(f"its head says its axes, `# frame:` one of {', '.join(FRAMES)}, and gravity points down in them")
+EVEN = Rule(f"rows are evenly spaced, to the digits of their times, {SLOWEST:g} a second or more, without a gap")
+POSSIBLE = Rule(
+    f"a ship moves at less than {FASTEST:g} m/s, turns at less than {FASTEST_TURN:g} rad/s and feels about 1 g"
+)
+AGREEING = Rule(
+    "columns that say the same agree: angles, rates and quaternion, positions, velocities and accelerations, "
+    "and specific force with all of them and gravity"
+)
+CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", (AXES_NAMED, EVEN, POSSIBLE, AGREEING)),)
+
 
 class Ride(NamedTuple):
     """Rows of a motion log, along FLU body axes: x forward, y left, z up."""
@@ -50,12 +80,10 @@ class Ride(NamedTuple):
 
 
 class MotionLog(NamedTuple):
-    """A motion log that has been read: its head, its lines and what a platform needs of them."""
+    """A motion log that has been read: its table and what a platform needs of it."""
 
-    head: dict[str, str]
+    table: Table
     frame: str  # ship, ned or flu
-    names: list[str]
-    lines: list[str]
     every: float  # time between rows [s]
     ride: Ride
 
@@ -75,54 +103,38 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 
 
 def read(path: str | Path) -> MotionLog:
-    """A whole motion log. Raises ValueError with the reason where it cannot be read, or is none."""
-    path = Path(path)
-    head, names, lines = csv_file.lines(input_file.text(path))
-    checked(path, names, lines)
-    frame = head.get("frame", "ship")
-    if frame not in FRAMES:
-        raise ValueError(f"{path}: its head says frame {frame!r}; a frame is one of {', '.join(FRAMES)}")
-    table = csv_file.finite(path, names, lines, [name for name in (*REQUIRED, "seq") if name in names])
-    every = spacing(path, table)
-    ride = ride_of(table, frame)
-    believable(path, table, ride, frame)
-    return MotionLog(head, "ship" if frame == "world" else frame, names, lines, every, ride)
-
-
-def checked(path: Path, names: list[str], lines: list[str]) -> None:
-    """Refuse a file without two whole rows of what a platform needs, each column once."""
-    if len(lines) < 2:
-        raise ValueError(f"{path} has {len(lines)} rows; a platform needs at least two")
-    if (name := twice(names)) is not None:
-        raise ValueError(f"{path} has two columns {described(name)}")
-    missing = [name for name in REQUIRED if name not in names]
+    """A whole motion log. Raises Unreadable, a ValueError, where it cannot be read, or is none."""
+    table = csv_file.Table(path)
+    missing = [name for name in REQUIRED if name not in table]
     if missing:
         unit = next(unit for unit in UNITS if missing[0].endswith(unit))
-        words = [name for name in names if name.isidentifier() and name not in REQUIRED]
+        words = [name for name in table if name.isidentifier() and name not in REQUIRED]
         other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
         found = f", but {other[0]}: it has another unit" if other else ""
-        raise ValueError(f"{path} has no column {missing[0]}{found}")
-    uneven = next((k for k, line in enumerate(lines) if line.count(",") != len(names) - 1), None)
-    if uneven is not None:
-        count = lines[uneven].count(",") + 1
-        raise ValueError(f"{path}: row {uneven + 1} has {count} cells under {len(names)} names")
+        raise NAMED.broken(path, f"it has no column {missing[0]}{found}")
+    frame = table.head.get("frame", "ship")
+    if frame not in FRAMES:
+        raise AXES_NAMED.broken(path, f"its head says frame {frame!r}")
+    table.series(*(name for name in (*REQUIRED, "seq") if name in table), fewest=2)
+    every = spacing(table)
+    ride = ride_of(table, frame)
+    believable(table, ride, frame, every)
+    agreeing(table, ride, frame, every)
+    return MotionLog(table, "ship" if frame == "world" else frame, every, ride)
 
 
-def spacing(path: Path, table: dict[str, np.ndarray]) -> float:
+def spacing(table: Table) -> float:
     """Time between rows [s], which has to be the same everywhere."""
-    time, steps = table["time_s"], np.diff(table["time_s"])
+    time, steps = table[TIME], np.diff(table[TIME])
     every = float(np.median(steps))
-    if every <= 0.0 or (steps <= 0.0).any():
-        k = int(np.argmin(steps)) + 1
-        raise ValueError(f"{path}: its rows are not in the order of time: {time[k]:g} s after {time[k - 1]:g} s")
-    off = np.abs(steps - every) > UNEVEN * every + 2e-9 * np.abs(time[1:])
+    off = np.abs(steps - every) > UNEVEN * every + table.resolution(TIME)[1:]
     seq_steps = np.diff(table["seq"]) if "seq" in table else np.ones(len(steps))
     if off.any() or (seq_steps != 1).any():
         k = int(np.argmax(off | (seq_steps != 1)))
-        where = f"between {time[k]:g} s and {time[k + 1]:g} s"
-        raise ValueError(f"{path}: rows are missing or out of order {where}; they should be {every:g} s apart")
+        where = f"between {time[k]:.12g} s and {time[k + 1]:.12g} s, rows {k + 1} and {k + 2}"
+        raise EVEN.broken(table.path, f"rows are missing or out of order {where}; they should be {every:g} s apart")
     if every > 1.0 / SLOWEST:
-        raise ValueError(f"{path} has a row every {every:g} s; a platform needs at least {SLOWEST:g} a second")
+        raise EVEN.broken(table.path, f"it has a row every {every:g} s")
     return as_logged(float(time[-1] - time[0]) / len(steps))
 
 
@@ -132,50 +144,134 @@ def as_logged(every: float) -> float:
     return float(f"{every:.8g}")
 
 
-def believable(path: Path, table: dict[str, np.ndarray], ride: Ride, frame: str) -> None:
-    """Refuse what no ship can do: jumps, other units, gravity along another axis."""
-    time = ride.time
+def believable(table: Table, ride: Ride, frame: str, every: float) -> None:
+    """Refuse what no ship can do: jumps, other units, angles and rates that disagree, gravity along another axis."""
+    time, path = ride.time, table.path
     position = np.column_stack([table[name] for name in MOTIONS[:3]])
-    jump = np.linalg.norm(np.diff(position, axis=0), axis=1)
+    jump, leap = np.linalg.norm(np.diff(position, axis=0), axis=1), leaps(ride.attitude)
     if (jump > FASTEST * np.diff(time)).any():
         k = int(np.argmax(jump))
-        raise ValueError(f"{path}: the ship jumps by {jump[k]:.3g} m between {time[k]:g} s and {time[k + 1]:g} s")
+        found = f"the ship jumps by {jump[k]:.3g} m between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
+        raise POSSIBLE.broken(path, found)
     if np.abs(ride.rate).max() > FASTEST_TURN or np.abs(ride.attitude).max() > 1000.0:
-        raise ValueError(f"{path}: it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
-    turn = np.median(np.linalg.norm(turns(ride.attitude), axis=1) / np.diff(time))
-    rate = np.median(np.linalg.norm(euler_rates(ride), axis=1))
-    if min(turn, rate) > 1e-4 and not 0.05 < turn / rate < 20.0:
-        raise ValueError(f"{path}: its angles turn at {turn:.3g} rad/s, its rates are {rate:.3g}; is one in degrees?")
-    leap = leaps(ride.attitude)
+        raise POSSIBLE.broken(path, f"it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
+    angles, n = [f"{name}_rad" for name in ("roll", "pitch", "yaw")], compared_rows(ride, every)
+    turn, rate = change_over(np.unwrap(ride.attitude, axis=0), n, every), mean_over(euler_rates(ride), n)
+    compare(table, angles, RATES, turn, rate, MIN_TURN)
     if (leap > FASTEST_TURN * np.diff(time)).any():
-        k = int(np.argmax(leap))
-        raise ValueError(
-            f"{path}: the ship turns by {np.degrees(leap[k]):.3g} degrees between {time[k]:g} s and {time[k + 1]:g} s"
-        )
+        k, angle = int(np.argmax(leap)), np.degrees(leap.max())
+        found = f"the ship turns by {angle:.3g} degrees between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
+        raise POSSIBLE.broken(path, f"{found}; are its angles in degrees?")
+    sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
+    for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
+        found = f"{angles[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
+        raise AGREEING.broken(path, found)
     upward = turned(ride.attitude, ride.specific_force)[:, 2]
     felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
-    if 0.5 < felt < 2.0:
-        raise ValueError(f"{path}: its specific force is about {felt:.2g} m/s2, at rest {GRAVITY} m/s2; is it in g?")
-    if felt > MOST_FELT:
-        raise ValueError(
-            f"{path}: its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is it in another unit?"
-        )
+    if 0.5 < felt < 2.0 or felt > MOST_FELT:
+        unit = "g" if felt < 2.0 else "another unit"
+        found = f"its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is it in {unit}?"
+        raise POSSIBLE.broken(path, found)
     if felt > 5.0 and up < 0.5 * felt:
         means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"
-        raise ValueError(f"{path}: gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?")
+        found = f"gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?"
+        raise AXES_NAMED.broken(path, found)
 
 
-def turns(attitude: np.ndarray) -> np.ndarray:
-    """(n - 1, 3) differences from row to row [rad], the short way around."""
-    return (np.diff(attitude, axis=0) + np.pi) % (2.0 * np.pi) - np.pi
+def agreeing(table: Table, ride: Ride, frame: str, every: float) -> None:
+    """Refuse positions and what follows from them that disagree, by how they change within COMPARED_SECONDS."""
+    n = compared_rows(ride, every)
+    for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
+        pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
+        pairs = [pair for pair in pairs if all(name in table for name in pair)]
+        if pairs:
+            names, others = zip(*pairs)
+            whole, parts = (np.column_stack(table.finite(*columns)) for columns in (names, others))
+            compare(table, names, others, change_over(whole, n, every), mean_over(parts, n), least)
+    felt = tuple(FORCES[int(np.abs(column).argmax())] for column in FRAMES[frame].T)
+    position = np.column_stack([table[name] for name in ("surge_m", "sway_m", "heave_m")]) * signs(frame)
+    body = rotation(ride.attitude).inv()
+    says = change_over(change_over(position, n, every), n, every)
+    follows = body[n : len(body) - n].apply(says) + mean_over(mean_over(body.apply([0.0, 0.0, GRAVITY]), n), n)
+    made = ("positions, angles and gravity",) * 3
+    compare(table, felt, made, mean_over(mean_over(ride.specific_force, n), n), follows, MIN_FELT, MAX_FELT_FACTOR)
+    if all(name in table for name in QUATERNION):
+        from scipy.spatial.transform import Rotation
+
+        w, *vector = table.finite(*QUATERNION)
+        quaternion = np.column_stack([np.column_stack(vector) @ FRAMES[frame], w])
+        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0)
+        if off.max() > MAX_TURNED_APART:
+            raise AGREEING.broken(
+                table.path, f"its quaternion is {off.max():.3g} from unit length in row {off.argmax() + 1}"
+            )
+        pose = Rotation.from_quat(quaternion)
+        apart = float(np.median((body * pose).magnitude()))
+        if apart > MAX_TURNED_APART:
+            found = f"its quaternion, qw first, is {apart:.3g} rad from its angles in half of the rows"
+            raise AGREEING.broken(table.path, f"{found}: is its order another, or its sense?")
+
+
+def compared_rows(ride: Ride, every: float) -> int:
+    """Number of rows over which columns are compared: of COMPARED_SECONDS, or less in a short log."""
+    return max(1, min(round(COMPARED_SECONDS / every), len(ride.time) // 4))
+
+
+def change_over(values: np.ndarray, n: int, every: float) -> np.ndarray:
+    """(m - n, 3) mean rate of change of (m, 3) values over n rows that are `every` [s] apart."""
+    return (values[n:] - values[:-n]) / (n * every)
+
+
+def mean_over(values: np.ndarray, n: int) -> np.ndarray:
+    """(m - n, 3) mean of (m, 3) values over n rows, by the trapezoidal rule."""
+    whole = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(0.5 * (values[1:] + values[:-1]), axis=0)])
+    return (whole[n:] - whole[:-n]) / n
+
+
+def compare(
+    table: Table,
+    names: Sequence[str],
+    others: Sequence[str],
+    says: np.ndarray,
+    follows: np.ndarray,
+    least: float,
+    most: float = MAX_FACTOR,
+) -> None:
+    """Refuse columns that say (n, k) where (n, k) follows from `others`: another sign, axis or unit; where either moves
+    less than `least`, nothing is known."""
+    if len(says) < MIN_COMPARED_ROWS:
+        return
+    says, follows = says - says.mean(axis=0), follows - follows.mean(axis=0)
+    size, other = says.std(axis=0), follows.std(axis=0)
+    known = (size > least) & (other > least)
+    like = np.where(
+        known[:, None] & known, says.T @ follows / len(says) / np.maximum(np.outer(size, other), 1e-300), 0.0
+    )
+    for i in np.flatnonzero(known).tolist():
+        own, k, ratio = like[i, i], int(np.abs(like[i]).argmax()), size[i] / other[i]
+        factor = np.copysign(ratio, own)
+        found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {own:.2f})"
+        if own < OPPOSITE:
+            raise AGREEING.broken(table.path, f"{found}: is one of the other sign?")
+        if abs(like[i, k]) > ALIKE and own < UNLIKE:
+            raise AGREEING.broken(table.path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
+        if own > ALIKE and not 1.0 / most < ratio < most:
+            apart = max(ratio, 1.0 / ratio)
+            unit = next((unit for factor, unit in UNIT_FACTORS.items() if 0.9 < apart / factor < 1.1), "another unit")
+            raise AGREEING.broken(table.path, f"{found}: is one in {unit}?")
 
 
 def leaps(attitude: np.ndarray) -> np.ndarray:
     """(n - 1,) angle from row to row [rad], about whichever axis."""
+    pose = rotation(attitude)
+    return (pose[:-1].inv() * pose[1:]).magnitude()
+
+
+def rotation(attitude: np.ndarray) -> "Rotation":
+    """(n,) turns of body axes to those of the world by (n, 3) roll, pitch and yaw [rad]."""
     from scipy.spatial.transform import Rotation
 
-    pose = Rotation.from_euler("ZYX", attitude[:, ::-1])
-    return (pose[:-1].inv() * pose[1:]).magnitude()
+    return Rotation.from_euler("ZYX", attitude[:, ::-1])
 
 
 def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -196,9 +292,9 @@ def euler_rates(ride: Ride) -> np.ndarray:
 
 def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
     """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
-    found = origins(log.names, AXES[frame] @ AXES[log.frame].T)
-    for line in log.lines:
-        cells = line.split(",")
+    found = origins(log.table.names, AXES[frame] @ AXES[log.frame].T)
+    for row in log.table.rows:
+        cells = log.table.cells(row)
         yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
 
 
@@ -225,13 +321,10 @@ def negated(cell: str) -> str:
     return f"-{cell}" if float(cell) else cell
 
 
-def convertible(path: Path, log: MotionLog) -> None:
+def convertible(log: MotionLog) -> None:
     """Refuse a log that cannot be converted to other axes: a vector lacks a component, or a cell is not a number."""
-    wanted = [name for triple in vectors(log.names) for name in triple] + sideways(log.names)
-    missing = next((name for name in wanted if name not in log.names), None)
-    if missing is not None:
-        raise ValueError(f"{path} has no column {missing}; without it a vector cannot be converted to other axes")
-    csv_file.finite(path, log.names, log.lines, wanted)
+    wanted = [name for triple in vectors(log.table.names) for name in triple] + sideways(log.table.names)
+    log.table.finite(*wanted)
 
 
 def sideways(names: list[str]) -> list[str]:

@@ -8,16 +8,17 @@ Trans. SNAME 78), at the frequency at which she meets the waves.
 """
 
 from collections.abc import Iterator
+from io import BytesIO
 from itertools import product
-from math import degrees
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.input_file import Unreadable, shown
+from ocean_sim.files.hdf5_file import DECLARED, WORDS, data_set
+from ocean_sim.files.input_file import Checked, Rule, shown
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.rigid_body import cross
 
@@ -26,6 +27,9 @@ ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"),
 COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}
 UNEQUAL = 0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
+PANELS = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
+CHECKS = (Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANELS)),)
 HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
@@ -61,7 +65,7 @@ def bem_table(file: str) -> BemTable:
 
 
 def of_csv(file: str) -> BemTable:
-    table = csv_file.numbers(file)
+    table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
     scattering = dict(scattering_columns(table))
@@ -76,8 +80,7 @@ def of_csv(file: str) -> BemTable:
     if unread:
         right = "a motion has heave_added_kg and the like, two of them heave_pitch_added_kg_m"
         raise ValueError(f"{shown(file)}: nothing reads the column {', '.join(unread)}; {right}")
-    if not np.isfinite([table[name] for name in [*wanted, *scattering]]).all():
-        raise ValueError(f"{shown(file)} holds what is not a number")
+    table.finite(*wanted, *scattering)
     added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
     for a, b in given:
         i, j = names.index(a), names.index(b)
@@ -108,37 +111,41 @@ def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tupl
 def of_capytaine(file: str) -> BemTable:
     import h5py
 
-    input_file.content(file)  # a regular file, and not too large
+    content = BytesIO(input_file.content(file))
     try:
-        with h5py.File(file) as data:
-            words = [motion.decode().lower() for motion in data["influenced_dof"][:]]
-            push = [motion.decode().lower() for motion in data["radiating_dof"][:]]
-            omega, order = np.unique(data["omega"][:], return_index=True)
+        with h5py.File(content) as data:
+            words, push = (
+                [motion.decode().lower() for motion in data_set(data, name, WORDS).tolist()] for name in DIRECTIONS
+            )
+            omega = data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
-            axes = ("omega", "influenced_dof", "radiating_dof")
-            mass, loss = (laid(data[name], axes)[order] for name in ("added_mass", "radiation_damping"))
+            order = np.argsort(omega, kind="stable")
+            axes = ("omega", *DIRECTIONS)
+            mass, loss = (laid(data, name, axes)[order] for name in ("added_mass", "radiation_damping"))
             added, damping = (np.moveaxis(whole[:, rows][:, :, columns], 0, 2) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:
-                parts = laid(data["diffraction_force"], ("complex", "influenced_dof", "wave_direction", "omega"))
-                headings = np.array([degrees(angle) for angle in data["wave_direction"][:]])
+                parts = laid(data, "diffraction_force", ("complex", DIRECTIONS[0], "wave_direction", "omega"))
+                headings = np.degrees(data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
                 for motion in names:
                     own = parts[0, words.index(motion)] + 1j * parts[1, words.index(motion)]
                     force[Motions._fields.index(motion)] = own[inwards][:, order]
                 found = Scattered(headings[inwards], force)
-            speed = float(data["forward_speed"][()]) if "forward_speed" in data else 0.0
-            depth = float(data["water_depth"][()]) if "water_depth" in data else None
-            axis = float(data["rotation_center"][2]) if "rotation_center" in data else None
-    except (OSError, KeyError, ValueError, AttributeError, IndexError) as error:
-        what = str(error).splitlines()[0]
-        raise Unreadable(file, f"this is not a NetCDF file of added mass and damping by Capytaine ({what})") from None
-    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
+            speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
+            depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None
+            axis = float(data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
+    except Exception as error:  # HDF5 has errors of its own
+        why = f"{error}" if type(error) is ValueError else "a part of it is missing or damaged"
+        raise PANELS.broken(file, why) from None
+    if not names or not all(np.isfinite(part).all() for part in (omega, added, damping, *(found or ()))):
+        what = "a value that is not a finite number" if names else f"no motion among {', '.join(Motions._fields)}"
+        raise PANELS.broken(file, f"it has {what}")
     if speed != 0.0:
-        raise Unreadable(file, f"it is of a hull under way at {speed:g} m/s; tables of one without speed are read")
-    return BemTable(omega, names, added, damping, found, depth, axis)
+        raise PANELS.broken(file, f"it is of a hull under way at {speed:g} m/s")
+    return BemTable(omega[order], names, added, damping, found, depth, axis)
 
 
 def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
@@ -153,10 +160,11 @@ def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
     return 0.5 * (matrix + mirrored)
 
 
-def laid(data: "object", axes: tuple[str, ...]) -> np.ndarray:
+def laid(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
     """An array of an HDF5 file with its axes in this order."""
-    names = [dimension[0].name.strip("/") for dimension in data.dims]  # type: ignore[attr-defined]
-    return np.transpose(data[:], [names.index(axis) for axis in axes])  # type: ignore[index]
+    numbers = data_set(data, name)
+    names = [dimension[0].name.strip("/") for dimension in data[name].dims]
+    return np.transpose(numbers, [names.index(axis) for axis in axes])
 
 
 class Scattering:

@@ -9,13 +9,16 @@ import numpy as np
 from pydantic import field_validator, model_validator
 
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.shared.pilot import Helmsman, Pilot
 from ocean_sim.ship.shared.plain import Three
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
-COLUMNS = ("time_s", "throttle", "rudder_rad")
+COLUMNS = ("throttle", "rudder_rad")
+MAX_ORDERS = (1.0, pi / 2)  # to either side
+ORDERS = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
+CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDERS,)),)
 SWIFT = 0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
 
 
@@ -107,17 +110,11 @@ class Track(Model):
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        found = csv_file.numbers(file)
-        missing = [name for name in COLUMNS if name not in found]
-        if missing:
-            raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
-        table = np.array([found[name] for name in COLUMNS])
-        if not np.isfinite(table).all():
-            raise ValueError(f"{shown(file)} holds what is not a number")
-        if not (np.diff(table[0]) > 0.0).all():
-            raise ValueError(f"{shown(file)}: its rows must be in the order of time, each time once")
-        if np.abs(table[1]).max() > 1.0 or np.abs(table[2]).max() > pi / 2:
-            raise ValueError(f"{shown(file)}: throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2")
+        _, *orders = csv_file.Table(file).series(*COLUMNS)
+        for name, values, most in zip(COLUMNS, orders, MAX_ORDERS, strict=True):
+            row = int(np.abs(values).argmax())
+            if abs(values[row]) > most:
+                raise ORDERS.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
         return file
 
 
@@ -165,11 +162,8 @@ class Helm(Model):
         """What is said of orders that come when a run of this duration [s] is over."""
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
-        first = float(Crew(self.controls).time[0])
-        if first < duration:
-            return []
-        begins = f"controls: their first row is of {first:.9g} s, when the run of {duration:g} s is over"
-        return [f"{begins}: it holds all the time; times count from the beginning of the run"]
+        times = np.array(Crew(self.controls).time)
+        return csv_file.unreached("controls", times, duration, "only its {} row holds")
 
     def crew(self) -> "Crew | Helmsman":
         return Crew(self.controls) if self.helm is None else self.helm.crew()
@@ -182,8 +176,7 @@ class Crew:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
         if isinstance(controls, Track):
-            table = csv_file.numbers(controls.file)
-            self.time, *orders = (table[name].tolist() for name in COLUMNS)
+            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*COLUMNS))
             self.orders = list(zip(*orders, strict=True))
         elif isinstance(controls, list) and controls:
             self.time = [row.time for row in controls]

@@ -20,12 +20,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files.input_file import shown
+from ocean_sim.files.input_file import Checked, Rule
 from ocean_sim.ship.shared.bem_table import Scattering, bem_table
 from ocean_sim.ship.shared.rigid_body import cross
 
 LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
 FEWEST, MOST = 4, 300  # frequencies
+NEGATIVE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
+FREQUENCIES = Rule(f"there are {FEWEST} to {MOST} frequencies above 0, which rise, each once")
+DAMPED = Rule("damping is above 0, or there are no waves to remember; of the other sign it is of another convention")
+FALLEN = Rule(f"damping has fallen below {LEFT:.0%} of its most at the highest frequency; let the table go on")
+CHECKS = (Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCIES, DAMPED, FALLEN)),)
 FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL = 3.0  # [highest frequencies] to which damping is carried on
 GIVEN = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
@@ -52,19 +57,22 @@ class Radiation:
     def __init__(self, file: str) -> None:
         table = bem_table(file)
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
-        omega = table.omega
-        if not FEWEST <= len(omega) <= MOST or not (omega[0] > 0.0 and (np.diff(omega) > 0.0).all()):
-            raise ValueError(f"{shown(file)}: {FEWEST} to {MOST} frequencies above 0 in rising order are needed")
+        omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
+        if not FEWEST <= len(omega) <= MOST:
+            raise FREQUENCIES.broken(file, f"it has {len(omega)}")
+        if len(back):
+            raise FREQUENCIES.broken(file, f"{omega[back[0]]:g} rad/s is the one in row {back[0] + 1}")
         self.omega, self.mass, self.damping = omega, table.added, table.damping
         self.scattering = None if table.scattered is None else Scattering(table)
         self.depth, self.axis = table.depth, table.axis
         names, own = table.motions, self.damping[np.diag_indices(len(table.motions))]
-        for name, most, last in zip(names, own.max(axis=1), own[:, -1]):
-            if not most > 0.0:
-                raise ValueError(f"{shown(file)}: {name} has no damping, so no waves to remember")
+        for name, least, most, last in zip(names, own.min(axis=1), own.max(axis=1), own[:, -1]):
+            if not most > 0.0 or least < -NEGATIVE * most:
+                raise DAMPED.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
             if not last <= LEFT * most:
-                still = f"the damping of {name} still is {last / most:.0%} of its most"
-                raise ValueError(f"{shown(file)}: at {omega[-1]:g} rad/s {still}; go on")
+                raise FALLEN.broken(
+                    file, f"at {omega[-1]:g} rad/s that of {name} still is {last / most:.0%} of its most"
+                )
 
     def couples(self, one: int, other: int) -> bool:
         """True if the table has what one motion does to another, by their numbers in `Motions`."""

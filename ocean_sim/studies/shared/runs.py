@@ -22,6 +22,7 @@ from time import perf_counter
 from typing import Any
 
 from ocean_sim.conventions import Lacking, Refused
+from ocean_sim.files import input_file
 from ocean_sim.files.claim import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
@@ -147,8 +148,8 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 def _kept(folder: Path) -> dict[str, Any] | None:
     """The answer in a folder, if there is a complete one."""
     try:
-        answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        answer = input_file.document(folder / ANSWER)
+    except ValueError:
         return None
     return answer if isinstance(answer, dict) else None
 
@@ -172,7 +173,7 @@ def _main(folder: Path) -> None:
     """What the child does: its last word on standard error is the reason if it fails."""
     outlive_no_parent()
     with stoppable(), Claim(folder):
-        order = json.loads((folder / ORDER).read_text(encoding="utf-8"))
+        order = input_file.document(folder / ORDER)
         try:
             _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
         except Refused as why:

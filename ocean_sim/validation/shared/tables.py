@@ -14,4 +14,4 @@ def table_path(name: str) -> Path:
 
 def table(name: str) -> dict[str, np.ndarray]:
     """The columns of data/<name>.csv."""
-    return csv_file.numbers(table_path(name))
+    return csv_file.Table(table_path(name))

@@ -1,11 +1,10 @@
 """`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
-import json
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files import run_files
+from ocean_sim.files import input_file, run_files
 from ocean_sim.files.claim import MANIFEST
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
@@ -118,8 +117,8 @@ def finished(folder: Path) -> None:
 
 def say_whether_ended(folder: Path) -> None:
     """A sentence about a run that is not over."""
-    with suppress(OSError, ValueError, AttributeError):  # there may be no manifest, or none that can be read
-        if json.loads((folder / MANIFEST).read_text(encoding="utf-8")).get("outcome") == "running":
+    with suppress(ValueError, AttributeError):  # there may be no manifest, or none that can be read
+        if input_file.document(folder / MANIFEST).get("outcome") == "running":
             console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 

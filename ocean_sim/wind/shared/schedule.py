@@ -8,9 +8,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import FileName, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, shown
 from ocean_sim.model import Model, quantity
 
+SPEEDS = Rule("a speed is not negative; turn the heading")
+CHECKS = (Checked("A wind over time, `wind.schedule.file`: a table over time", (SPEEDS,)),)
 Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config, sentence
 
 
@@ -90,7 +92,7 @@ class Schedule:
             order = f"{time[row + 1]:g} s follows {time[row]:g} s in row {row + 2}"
             raise ValueError(f"rows must be in the order of time, each time once; {order}")
         if (speed < 0.0).any():
-            raise ValueError("a speed is not negative; turn the heading")
+            raise ValueError(f"speed is {speed.min():g} m/s in row {int(speed.argmin()) + 1}; {SPEEDS}")
         self.time, self.speed, self.heading = time, speed, np.unwrap(heading, period=360.0)
 
     def at(self, time: float) -> tuple[float, float]:
@@ -110,15 +112,7 @@ class Scheduled(Timed):
         if self.schedule is None:
             return None
         if isinstance(self.schedule, File):
-            found, names = csv_file.numbers(self.schedule.file), ("time_s", "speed_m_s", "heading_deg")
-            missing = [name for name in names if name not in found]
-            if missing:
-                raise ValueError(f"{shown(self.schedule.file)} has no column {' and no column '.join(missing)}")
-            for name in names:
-                wrong = np.flatnonzero(~np.isfinite(found[name]))
-                if len(wrong):
-                    raise ValueError(f"{shown(self.schedule.file)}: {name} is not a number in row {wrong[0] + 1}")
-            return Schedule(*(found[name] for name in names))
+            return Schedule(*csv_file.Table(self.schedule.file).series("speed_m_s", "heading_deg"))
         if not self.schedule:
             raise ValueError("needs at least one row")
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
@@ -127,13 +121,11 @@ class Scheduled(Timed):
         """What is said of a schedule whose rows do not reach over a run of this duration [s]."""
         if self.course is None:
             return []
-        first, last = float(self.course.time[0]), float(self.course.time[-1])
-        if first >= duration:
-            begins = f"the schedule begins at {first:.9g} s, when the run of {duration:g} s is over"
-            return [f"{begins}: only its first row blows; times count from the beginning of the run"]
-        if isinstance(self.schedule, File) and last < duration:
+        last = float(self.course.time[-1])
+        found = csv_file.unreached("the schedule", self.course.time, duration, "only its {} row blows")
+        if not found and isinstance(self.schedule, File) and last < duration:
             return [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
-        return []
+        return found
 
     def unscheduled(self) -> Problems:
         """Why the schedule cannot be followed."""

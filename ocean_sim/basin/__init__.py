@@ -28,6 +28,7 @@ KARMAN = 0.41  # of the logarithmic law
 GRAINS = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
 LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken to have in it
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
+SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
@@ -243,6 +244,9 @@ class Config(Model):
                 found.append((("floor",), "a basin that is periodic along y has no floor; set floor: none"))
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
+        if basin.dimension == 2 and self.gravity[2] != 0.0:
+            sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
+            found.append((("gravity",), sentence))
         found += blocked(self.obstacles, basin) or astray(self.obstacles, basin, duration)
         for side in basin.sides:
             if side.absorbing is not None:
@@ -252,6 +256,18 @@ class Config(Model):
         for name, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
             found += [((name, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
         return found
+
+
+def odd_gravity(gravity: Vector3) -> list[str]:
+    """Warnings of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+    size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
+    found = []
+    if abs(y) < max(abs(x), abs(z)):
+        found.append(f"gravity of {list(gravity)} m/s2 points more to a side than down; y is up here")
+    power = log(size / GRAVITY, 10) if size > 0.0 else 0.0
+    if round(power) != 0 and abs(power - round(power)) < SAME_DIGITS:
+        found.append(f"gravity of {size:g} m/s2 has the digits of the Earth's, {GRAVITY:g} m/s2, in another unit")
+    return found
 
 
 def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:

@@ -126,6 +126,13 @@ class Tank(Model):
         return []
 
 
+def overturned(axis: str, angle: float) -> list[str]:
+    """Warning of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
+    if not axis.startswith("roll") or angle < pi:
+        return []
+    return [f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"]
+
+
 def unmoved(axis: str, basin: waves.Tank) -> Problems:
     """The reason why the tank cannot move along or about an axis."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
@@ -159,6 +166,9 @@ class Harmonic(Tank):
     def problems(self, basin: waves.Tank) -> Problems:
         return super().problems(basin) + unmoved(self.axis, basin)
 
+    def warnings(self, duration: float) -> list[str]:
+        return overturned(self.axis, abs(self.amplitude))
+
     def build(self) -> "TankMotion":
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
@@ -175,7 +185,7 @@ class Recorded(Tank):
     kind: Literal["file"] = "file"
     file: FileName
     """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
-    `roll_y_rad` or `roll_z_rad`."""
+    `roll_y_rad` or `roll_z_rad`; `roll_x_deg` and so on are in degrees."""
     axis: Axis | None = None
     """Which of several columns; by default the only one."""
 
@@ -183,6 +193,8 @@ class Recorded(Tank):
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
         found = csv_file.numbers(self.file)
         columns = {name.removesuffix("_m").removesuffix("_rad"): column for name, column in found.items()}
+        turned_deg = {n: c for n, c in found.items() if n.startswith("roll_") and n.endswith("_deg")}
+        columns |= {name.removesuffix("_deg"): np.radians(column) for name, column in turned_deg.items()}
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in columns]  # type: ignore[attr-defined]
         if self.axis is not None:
             axes = [axis for axis in axes if axis == self.axis]
@@ -213,10 +225,10 @@ class Recorded(Tank):
 
     def warnings(self, duration: float) -> list[str]:
         """Whether the tank's speed jumps where its rows begin or end: water feels its acceleration alone."""
-        (axis, times, _), law = self.rows(), self.build().law
+        (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
-        found = []
+        found = overturned(axis, float(np.abs(moved).max()))
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT * fastest:

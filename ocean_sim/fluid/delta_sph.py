@@ -337,7 +337,10 @@ class Continuity:
         """Put the work of diffusion and of the bulk viscosity to the accounts."""
         fluid = self.fluid
         if fluid.accounts.counting():
-            closer, p = fluid.particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (fluid.rest_density + deviation) ** 2
+            closer, p = (
+                fluid.particles.mass * dt * fluid.slope,
+                fluid.pressure_of(deviation) / (fluid.rest_density + deviation) ** 2,
+            )
             damped = closer * compressed * (fluid.pressing[i] - p)
             fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
             fluid.accounts.count_work(group, PRESSURE, damped)

@@ -234,7 +234,7 @@ def test_a_tank_that_rolls_by_half_a_turn_is_warned_of_and_columns_may_be_in_deg
 def test_gravity_of_another_convention_is_warned_of(gravity, said):
     fluid = {"kind": "ballistic", "spacing": 0.2}
     made = ocean_sim.load({"basin": {"length": 1.0, "width": 1.0, "depth": 0.5, "gravity": gravity}, "fluid": fluid})
-    found = [w for w in made.warnings() if w.startswith("gravity of") or w.startswith("gravity points")]
+    found = [w for w in made.warnings() if w.startswith(("gravity of", "gravity points"))]
     assert len(found) == bool(said) and all(said in w for w in found)
 
 

@@ -136,7 +136,8 @@ class Config(SphConfig):
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
         notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
-        return super().statements(preflight) + notable
+        flight = "water that flies freely goes too far by the time step over the time of its fall (first order)"
+        return [*super().statements(preflight), *notable, flight]
 
     def neighbours_kept(self, basin: Basin) -> int:
         return Stencil(self.smoothing(basin), self.lattice(basin).spacing).neighbours

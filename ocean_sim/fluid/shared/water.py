@@ -89,7 +89,7 @@ class WaterConfig(FluidConfig):
             thin = min(up - low for low, up in zip(box.min, box.max))
             if spacing is not None and thin < TIGHT * spacing - ROUNDING:
                 found.append(
-                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: the water on one side feels that on the other; "
+                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
                     f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
                 )
         for k, gate in tank.gates:

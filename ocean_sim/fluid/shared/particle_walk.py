@@ -225,9 +225,9 @@ class ParticleWalk:
                     beyond = ti.Vector.zero(float, law.terms.size)
                 if ti.static(self.accounts.countable and law.pressing != NONE):
                     if self.accounts.counting():
-                        _, seen, reflected = ti.static(self.around(law.parted))
-                        beyond = self.of_images(x, own, around, reflected)
-                        push = around.of_water(x, seen, own) + beyond
+                        places, seen, reflected = ti.static(self.around(law.parted))
+                        beyond = self.of_images(x, own, places, reflected)
+                        push = places.of_water(x, seen, own) + beyond
                         for k in ti.static(range(3)):
                             total[law.pressing + k] = push[k]
                 if ti.static(find and self.keeps):

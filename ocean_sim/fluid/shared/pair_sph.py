@@ -137,9 +137,9 @@ class MomentumLaw(Force):
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(fluid.accounts.countable):
             if fluid.accounts.counting():
+                a_pressure = self.scale(own) * (vec3(total, self.terms.push) - vec3(beyond, self.parts.push))
                 beyond += solids
                 a_walls, mean = self.acceleration(own, beyond), 0.5 * (v + v_new)
-                a_pressure = self.scale(own) * (vec3(total, self.terms.push) - vec3(beyond - solids, self.parts.push))
                 rubbed = a_pairs - a_walls - a_pressure
                 # What walls change: two forms of one difference, which round differently.
                 kept = v_new - free + dt * a_walls if ti.static(self.passed == 0.0) else v_new - v - dt * (a - a_walls)

@@ -376,7 +376,7 @@ class PlatformConfig(KindConfig):
     """Keys of any motion platform."""
 
     ship: str | None = None
-    """The name of the ship that it rides in; null: the first."""
+    """The name of the ship that it rides in; null: the first by name."""
 
     def ridden(self, ships: Sequence[str]) -> str:
         """The one of these ships that it rides in."""

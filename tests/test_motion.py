@@ -221,3 +221,43 @@ def test_rows_that_a_run_does_not_reach_are_said(tmp_path, begin):
         orders = Helm.model_validate({"controls": {"file": str(tmp_path / "orders.csv")}}).late(5.0)
         for found in (tank, gate, orders):
             assert any(said in sentence for sentence in found) if said else not found
+
+
+def test_a_tank_that_rolls_by_half_a_turn_is_warned_of_and_columns_may_be_in_degrees(tmp_path):
+    """A file's amplitude of 4 under `roll_z` are radians; under `roll_z_deg` 0.0698 rad."""
+    times = np.linspace(0.0, 2.0, 41)
+    moved = 4.0 * np.sin(np.pi * times) ** 2
+    for name, warned in (("roll_z", True), ("roll_z_deg", False)):
+        file = tmp_path / f"{name}.csv"
+        file.write_text(f"time_s,{name}\n" + "".join(f"{t},{x}\n" for t, x in zip(times, moved)))
+        recorded = motion(file=str(file))
+        assert any("half a turn" in w for w in recorded.warnings(2.0)) is warned
+        assert np.abs(recorded.rows()[2]).max() == pytest.approx(4.0 if warned else np.radians(4.0), rel=1e-9)
+    assert any("half a turn" in w for w in motion(axis="roll_z", amplitude=4.0, period=2.0).warnings(2.0))
+    assert not motion(axis="roll_z", amplitude=1.0, period=2.0).warnings(2.0)
+    assert not motion(axis="x", amplitude=4.0, period=2.0).warnings(2.0)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "said"),
+    [
+        ([0.0, 0.0, -9.81], "more to a side"),
+        ([0.0, -981.0, 0.0], "another unit"),
+        ([0.0, -0.981, 0.0], "another unit"),
+        ([0.0, 9.81, 0.0], "upwards"),
+        ([1.0, -9.7, 0.0], ""),
+        ([0.0, -1.62, 0.0], ""),
+        ([0.0, 0.0, 0.0], ""),
+    ],
+)
+def test_gravity_of_another_convention_is_warned_of(gravity, said):
+    fluid = {"kind": "ballistic", "spacing": 0.2}
+    made = ocean_sim.load({"basin": {"length": 1.0, "width": 1.0, "depth": 0.5, "gravity": gravity}, "fluid": fluid})
+    found = [w for w in made.warnings() if w.startswith(("gravity of", "gravity points"))]
+    assert len(found) == bool(said) and all(said in w for w in found)
+
+
+def test_a_slice_has_no_gravity_along_z():
+    basin = {"length": 1.0, "depth": 0.5, "gravity": [0.0, 0.0, -9.81]}
+    with pytest.raises(SceneError, match=r"basin\.gravity: a slice, in x-y, has no gravity along z; y is up"):
+        ocean_sim.load({"basin": basin, "fluid": {"kind": "ballistic", "spacing": 0.2}})

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
 from ocean_sim.basin.absorbing import Absorbing
-from ocean_sim.basin.gate import STILL, Gate
+from ocean_sim.basin.gate import Gate
 from ocean_sim.basin.open_sea import OpenSea
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
@@ -28,6 +28,7 @@ KARMAN = 0.41  # of the logarithmic law
 GRAINS = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
 LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken to have in it
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
+SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
 ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
@@ -243,6 +244,9 @@ class Config(Model):
                 found.append((("floor",), "a basin that is periodic along y has no floor; set floor: none"))
         if self.lid is not None and self.lid.velocity[1] != 0.0:
             found.append((("lid", "velocity"), "a lid slides in its own plane: its velocity along y must be 0"))
+        if basin.dimension == 2 and self.gravity[2] != 0.0:
+            sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
+            found.append((("gravity",), sentence))
         found += blocked(self.obstacles, basin) or astray(self.obstacles, basin, duration)
         for side in basin.sides:
             if side.absorbing is not None:
@@ -252,6 +256,18 @@ class Config(Model):
         for name, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
             found += [((name, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
         return found
+
+
+def odd_gravity(gravity: Vector3) -> list[str]:
+    """Warnings of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+    size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
+    found = []
+    if abs(y) < max(abs(x), abs(z)):
+        found.append(f"gravity of {list(gravity)} m/s2 points more to a side than down; y is up here")
+    power = log(size / GRAVITY, 10) if size > 0.0 else 0.0
+    if round(power) != 0 and abs(power - round(power)) < SAME_DIGITS:
+        found.append(f"gravity of {size:g} m/s2 has the digits of the Earth's, {GRAVITY:g} m/s2, in another unit")
+    return found
 
 
 def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
@@ -285,8 +301,10 @@ def beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[st
 def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
     """What is wrong with the ways of obstacles that lie well at first, in a run of `duration` [s]."""
     found: list[tuple[tuple[str | int, ...], str]] = []
+    unread: set[int] = set()
     for k, box in enumerate(obstacles):
         gate, key = box.gate, ("obstacles", k, "motion") if box.motion else ("obstacles", k)
+        leave = "`end`" if box.motion else "leave (`until`)"
         if gate is None:
             continue
         if gate.file is not None:
@@ -294,6 +312,7 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
                 gate.rows()
             except Unreadable as error:
                 found.append(((*key, "file"), f"{error}"))
+                unread.add(k)
                 continue
         d = basin.dimension
         met: set[str] = set()
@@ -306,19 +325,36 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
             low, up = np.array(box.min) + moved.way[:d], np.array(box.max) + moved.way[:d]
             out = beyond(low.tolist(), up.tolist(), basin)
             if out:
-                met.add(f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s; let it `end` before")
+                met.add(f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s; let it {leave} before")
                 break
-            for j, other in enumerate(obstacles):
-                there = other.motion.at(time) if other.motion is not None else STILL
-                if j == k or (other.motion is not None and j > k) or there is None:
-                    continue
-                common = np.minimum(up, other.max + there.way[:d]) - np.maximum(low, other.min + there.way[:d])
-                if common.min() > ROUNDING:
-                    met.add(f"its path crosses obstacles.{j} at {time:.3g} s; let it `end` before")
-            if met:
-                break
+        for j, other in enumerate(obstacles):
+            if j == k or j in unread or (other.gate is not None and j > k):
+                continue
+            if (crossing := meeting(box, other, duration)) is not None:
+                met.add(f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before")
         found += [(key, sentence) for sentence in sorted(met)]
     return found
+
+
+def meeting(box: Obstacle, other: Obstacle, duration: float) -> float | None:
+    """First time [s] at which two obstacles overlap while both are there, as they move straight on between moments."""
+    gates = [gate for gate in (box.gate, other.gate) if gate is not None]
+    end = min(gate.moments(duration)[-1] for gate in gates)
+    times = np.unique(np.concatenate([np.minimum(gate.moments(duration), end) for gate in gates]))
+    ways = [[moved.way for time in times.tolist() if (moved := gate.at(time)) is not None] for gate in gates]
+    way = np.array(ways[0]) - (np.array(ways[1]) if len(ways) == 2 else 0.0)
+    if box.gate is None:
+        way = -way
+    way = way[:, : len(box.min)]
+    least = np.subtract(other.min, box.max) + ROUNDING  # of the way from which on they overlap along each axis
+    most = np.subtract(other.max, box.min) - ROUNDING
+    step = np.diff(way, axis=0)
+    step = np.where(step == 0.0, 1e-300, step)
+    with np.errstate(over="ignore"):
+        at = np.stack([(least - way[:-1]) / step, (most - way[:-1]) / step])
+    enter = np.maximum(at.min(axis=0).max(axis=1), 0.0)  # share of a step
+    meet = np.flatnonzero(enter < np.minimum(at.max(axis=0).min(axis=1), 1.0))
+    return float(times[meet[0]] + enter[meet[0]] * (times[meet[0] + 1] - times[meet[0]])) if len(meet) else None
 
 
 def corners(box: Box) -> Corners:

@@ -131,6 +131,13 @@ class Tank(Model):
         return []
 
 
+def overturned(axis: str, angle: float) -> list[str]:
+    """Warning of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
+    if not axis.startswith("roll") or angle < pi:
+        return []
+    return [f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"]
+
+
 def unmoved(axis: str, basin: waves.Tank) -> Problems:
     """The reason why the tank cannot move along or about an axis."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
@@ -164,6 +171,9 @@ class Harmonic(Tank):
     def problems(self, basin: waves.Tank) -> Problems:
         return super().problems(basin) + unmoved(self.axis, basin)
 
+    def warnings(self, duration: float) -> list[str]:
+        return overturned(self.axis, abs(self.amplitude))
+
     def build(self) -> "TankMotion":
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
@@ -180,7 +190,7 @@ class Recorded(Tank):
     kind: Literal["file"] = "file"
     file: FileName
     """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
-    `roll_y_rad` or `roll_z_rad`."""
+    `roll_y_rad` or `roll_z_rad`; `roll_x_deg` and so on are in degrees."""
     axis: Axis | None = None
     """Which of several columns; by default the only one."""
 
@@ -188,6 +198,9 @@ class Recorded(Tank):
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
         table = csv_file.Table(self.file)
         names = {name.removesuffix("_m").removesuffix("_rad"): name for name in table}
+        names |= {
+            name.removesuffix("_deg"): name for name in table if name.startswith("roll_") and name.endswith("_deg")
+        }
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in names]  # type: ignore[attr-defined]
         if self.axis is not None:
             axes = [axis for axis in axes if axis == self.axis]
@@ -196,8 +209,9 @@ class Recorded(Tank):
                 f"it has columns of {' and '.join(axes)}" if axes else f"it has no column of {self.axis or 'an axis'}"
             )
             raise ONE_AXIS.broken(self.file, there)
-        times, moved = table.series(names[axes[0]], fewest=FEWEST_ROWS)
-        return axes[0], times, moved
+        name = names[axes[0]]
+        times, moved = table.series(name, fewest=FEWEST_ROWS)
+        return axes[0], times, np.radians(moved) if name.endswith("_deg") else moved
 
     @property
     def mean_frequency(self) -> float:
@@ -215,11 +229,13 @@ class Recorded(Tank):
         return super().problems(basin) + unmoved(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Rows that a run does not reach, or a speed that jumps where they begin or end: water feels acceleration."""
-        (axis, times, _), law = self.rows(), self.build().law
+        """Rows that a run does not reach, a roll by half a turn, or a speed that jumps where they begin or end: water
+        feels acceleration."""
+        (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
         found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
+        found += overturned(axis, float(np.abs(moved).max()))
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT * fastest:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.basin import ROUNDING, Basin
+from ocean_sim.basin import ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
@@ -135,6 +135,12 @@ class Config(PeriodicConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, misread = super().warnings(preflight), preflight.fluid.misread
+        for name, sensor in self.sensors.items():
+            if not sensor.rides and any(
+                (in_space(sensor.at) > low).all() and (in_space(sensor.at) < up).all()
+                for low, up in preflight.tank.fixed
+            ):
+                found.append(f"pressure.{name} is inside an obstacle, where there is no water")
         return [*found, misread] if self.pressure and misread else found
 
     @property
@@ -234,6 +240,15 @@ def lowered(simulation: "Simulation") -> dict[str, object]:
     return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
 
 
+def above(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where no water stands above it, and none is
+    below it that ends there."""
+    for low, up in sorted(obstacles, key=lambda box: box[0][1]):
+        over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
+        heights = np.where(over & (heights >= low[1] - ROUNDING) & (heights < up[1]), up[1], heights)
+    return heights
+
+
 def middle(simulation: "Simulation") -> np.ndarray:
     """(2,) x, z [m] of what gauges ride with."""
     if simulation.ships:
@@ -259,6 +274,7 @@ class Gauges(Observer):
         self.sampled = Sampled(config.every)
         meaning = {
             f"{name}_m": f"elevation at {list(wave.at)} m{RIDING if wave.rides else ''}"
+            + (", over a dry obstacle its top" if simulation.basin.obstacles else "")
             for name, wave in gauged.items()
         }
         meaning |= {f"{name}_Pa": read_at(sensors[name], len(face)) for name, face in faces.items()}
@@ -272,7 +288,9 @@ class Gauges(Observer):
         fluid, parts = simulation.fluid, []
         x, z = middle(simulation) if self.ride else (0.0, 0.0)
         if len(self.columns):
-            parts.append(fluid.elevations(self.columns + self.columns_ride * [x, z]))
+            columns = self.columns + self.columns_ride * [x, z]
+            heights = fluid.elevations(columns)
+            parts.append(above(simulation.basin.obstacles_at(simulation.time), columns, heights))
         if len(self.points):
             begins = np.cumsum(self.sizes) - self.sizes
             pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])

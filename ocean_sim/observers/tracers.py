@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from ocean_sim.basin import Box
 from ocean_sim.fluid import with_particles
-from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, heading
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.parts import Preflight, Problems
@@ -21,28 +22,13 @@ Number = Annotated[int, Field(ge=0)]
 UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
 
 
-class Box(Model):
-    """All particles that begin in a box."""
-
-    min: Vector3 = quantity("m")
-    """Its lowest corner."""
-    max: Vector3 = quantity("m")
-    """Its highest corner."""
-
-    @model_validator(mode="after")
-    def _has_inside(self) -> "Box":
-        if any(low >= high for low, high in zip(self.min, self.max)):
-            raise ValueError("max must be greater than min along every axis [m]")
-        return self
-
-
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "tracers.csv"
     takes: ClassVar[tuple[float, float]] = (7.3e-4, 3.2e-8)
     ids: list[Number] = []
     """Particles to follow, by their numbers."""
     boxes: list[Box] = []
-    """Boxes [m] whose particles, as they are at the start, are followed; in 2-D z is 0."""
+    """Boxes [m] whose particles, as they are at the start, are followed; in 2-D the points are [x, y]."""
     every: float = quantity("s", 0.05, gt=0.0)
     """Simulated time between rows."""
 
@@ -62,7 +48,10 @@ class Config(PeriodicConfig):
                 found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))
         x, near = lattice.positions(), lattice.spacing  # what begins in a wave is moved by less
         for k, box in enumerate(self.boxes):
-            if not ((x >= np.subtract(box.min, near)) & (x <= np.add(box.max, near))).all(axis=1).any():
+            d = len(box.min)
+            if d < preflight.tank.dimension:
+                found.append((("boxes", k), f"a point of this basin has 3 numbers, got {d}"))
+            elif not ((x[:, :d] >= np.subtract(box.min, near)) & (x[:, :d] <= np.add(box.max, near))).all(axis=1).any():
                 found.append((("boxes", k), "holds no water"))
         return found
 
@@ -114,7 +103,8 @@ def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
         raise ValueError(f"tracers.ids: there is no particle {missing[0]}; there are {len(ids)}")
     found = [np.array(config.ids, dtype=int)]
     for k, box in enumerate(config.boxes):
-        inside = ids[((x >= box.min) & (x <= box.max)).all(axis=1)]
+        along = x[:, : len(box.min)]
+        inside = ids[((along >= box.min) & (along <= box.max)).all(axis=1)]
         if not len(inside):
             raise ValueError(f"tracers.boxes[{k}]: no particle is in it")
         found.append(inside)

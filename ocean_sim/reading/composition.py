@@ -221,7 +221,7 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *BESIDE, SEVERAL)}
     found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
     data |= {place: node for place, node in found.items() if place in SLOTS}
-    ships = {place.partition(".")[2]: node for place, node in found.items() if place not in SLOTS}
+    ships = {place.partition(".")[2]: node for place, node in sorted(found.items()) if place not in SLOTS}
     if ships and ALONE in data:
         written = [node for key, node in overrides.items() if key.partition(".")[0] == ALONE]
         location = next(iter([*written, scene.data.get(ALONE, data[ALONE])])).key_location

@@ -271,3 +271,45 @@ def test_an_obstacle_may_have_a_velocity_and_an_end_of_its_own():
     both = PLATE | {"velocity": [0.0, 1.5, 0.0], "motion": {"end": 0.5}}
     with pytest.raises(SceneError, match="give either motion, or velocity"):
         load(scene | {"basin": basin | {"obstacles": [both]}})
+
+
+def plates(*obstacles: dict) -> dict:
+    """Plates 0.1 m thick in a slice, by their left sides [m]."""
+    at = [
+        {"min": [o["x"], -0.3], "max": [o["x"] + 0.1, 0.2]} | {k: v for k, v in o.items() if k != "x"}
+        for o in obstacles
+    ]
+    basin = {"length": 2.0, "depth": 0.5, "obstacles": at}
+    return {"duration": 0.5, "basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}}
+
+
+RIGHT, LEFT = {"velocity": [1.0, 0.0, 0.0]}, {"velocity": [-1.0, 0.0, 0.0]}
+
+
+@pytest.mark.parametrize("way", [lambda keys: keys, lambda keys: {"motion": keys}])
+def test_plates_may_go_side_by_side_and_where_one_has_left(way):
+    load(plates({"x": -0.6} | way(RIGHT), {"x": -0.3} | way(RIGHT)))
+    load(plates({"x": -0.6} | RIGHT, {"x": -0.3, "until": 0.15}))
+    load(plates({"x": -0.6} | RIGHT, {"x": -0.3, "motion": {"end": 0.15}}))
+
+
+@pytest.mark.parametrize(("one", "other"), [(RIGHT, LEFT), ({"motion": RIGHT}, LEFT), (RIGHT, {"motion": LEFT})])
+def test_plates_that_run_into_each_other_are_refused_with_the_time(one, other):
+    """0.8 m apart, at 1 m/s each: at 0.4 s."""
+    with pytest.raises(SceneError, match=r"its path crosses obstacles\.0 at 0.4 s"):
+        load(plates({"x": -0.6} | one, {"x": 0.3} | other))
+
+
+def test_a_path_through_a_thin_plate_is_seen_between_two_looks():
+    """In 100 s the plate is looked at every 0.25 s, in which it goes 2.5 mm; the other is 0.2 mm thin."""
+    made = plates({"x": -0.6, "velocity": [0.01, 0.0, 0.0]}) | {"duration": 100.0}
+    made["basin"]["obstacles"].append({"min": [0.1, -0.3], "max": [0.1002, 0.2]})
+    with pytest.raises(SceneError, match=r"its path crosses obstacles\.1 at 60 s"):
+        load(made)
+
+
+def test_check_says_that_a_fixed_obstacle_is_too_thin():
+    assert [
+        w for w in load(plates({"x": 0.0}), {"fluid.spacing": 0.08}).warnings() if "obstacles.0 is 1.2 spacings" in w
+    ]
+    assert not [w for w in load(plates({"x": 0.0})).warnings() if "thin" in w]

@@ -216,3 +216,23 @@ def test_a_basin_without_a_surface_has_no_elevation(watched):
     place = watched(walls={"y": "periodic"}, floor="none").basin
     assert "no surface" in dict(gauges.Config(elevation={"a": [0.0, 0.0]}).misplaced(place))[("elevation",)]
     assert gauges.Config(pressure={"a": [0.0, -1.0, 0.0]}).misplaced(place) == []
+
+
+def test_a_gauge_over_a_dry_block_reads_its_top_and_one_beside_it_the_bed():
+    """Also over blocks on each other; below a block in the air is what is there."""
+    on_bed, stacked, in_air = (
+        ((x, low, -1e30), (x + 0.4, up, 1e30)) for x, low, up in ((0.4, -0.5, -0.1), (0.4, -0.1, 0.2), (1.0, 0.1, 0.3))
+    )
+    columns = np.array([[0.6, 0.0], [0.2, 0.0], [1.2, 0.0]])
+    dry = np.full(3, -0.5)
+    np.testing.assert_allclose(gauges.above([on_bed], columns, dry), [-0.1, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.above([stacked, on_bed, in_air], columns, dry), [0.2, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.above([on_bed], columns, np.array([0.05, 0.05, 0.05])), 0.05)
+
+
+def test_a_pressure_gauge_inside_an_obstacle_is_warned_of():
+    basin = {"length": 2.0, "depth": 0.5, "obstacles": [{"min": [0.4, -0.5], "max": [0.8, -0.1]}]}
+    points = {"inside": [0.6, -0.3], "on_top": [0.6, -0.1], "beside": [0.2, -0.3]}
+    made = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}, "gauges": {"pressure": points}}
+    said = [w for w in ocean_sim.load(made).warnings() if "inside an obstacle" in w]
+    assert said == ["pressure.inside is inside an obstacle, where there is no water"]

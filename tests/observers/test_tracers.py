@@ -80,7 +80,7 @@ def test_waves_that_go_the_other_way_are_told_apart():
         ({"ids": [-1]}, "not at least 0"),
         ({"ids": [100_000]}, "no particle 100000; there are 200"),
         ({"boxes": [{"min": [3.0, -0.5, -1.0], "max": [4.0, 0.0, 1.0]}]}, "holds no water"),
-        ({"boxes": [{"min": [0.0, 0.0, 0.0], "max": [0.0, 1.0, 1.0]}]}, "greater than min"),
+        ({"boxes": [{"min": [0.0, 0.0, 0.0], "max": [0.0, 1.0, 1.0]}]}, "greater than that of min"),
     ],
 )
 def test_what_is_wrong_is_said(tracers, said):

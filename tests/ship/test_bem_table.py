@@ -368,6 +368,8 @@ def test_a_ship_whose_damping_is_complete_is_left_alone(tmp_path):
 def test_water_that_takes_more_mass_away_than_there_is_is_refused(tmp_path):
     with pytest.raises(SceneError, match="leaves her less than no mass"):
         said_of(tmp_path, ROLL | {"roll_added_kg_m2": -4.0e7})
+
+
 def replaced(name, **how):
     """A change of a file of Capytaine: another data set under a name, or a link."""
 

@@ -370,3 +370,13 @@ def test_a_ship_nearer_round_the_patch_is_not_in_the_rim():
     both, slice_ = np.array([100.0, 100.0]), np.array([100.0, 0.0])
     assert into_rim(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
     assert into_rim(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])
+
+
+def test_the_order_in_which_ships_are_written_changes_no_byte(tmp_path):
+    ships = {
+        "b": BARGE | PUSHED,
+        "a": BARGE | {"position": [APART, 0.0]},
+        "c": BARGE | {"position": [0.0, 30.0], "attitude_deg": [0.0, 0.0, 5.0]},
+    }
+    there = logs(at_sea(ships), tmp_path / "there")
+    assert logs(at_sea(dict(reversed(ships.items()))), tmp_path / "back") == there

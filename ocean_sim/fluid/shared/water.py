@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import ROUNDING, Basin, Box
+from ocean_sim.basin import ROUNDING, Basin, Box, odd_gravity
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid.shared import initial as initial_module
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES, Emitter
@@ -80,19 +80,19 @@ class WaterConfig(FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
-        found += [*fallen(tank), *coarse_numbers(preflight)]
+        found += [*odd_gravity(tank.gravity), *fallen(tank), *coarse_numbers(preflight)]
         if tank.piston is not None:
             found += cut_short(preflight.duration, tank.piston.ramp)
         if tank.config.motion is not None:
             found += tank.config.motion.warnings(preflight.duration)
-        for k, gate in tank.gates:
-            box = tank.config.obstacles[k]
+        for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
             if spacing is not None and thin < TIGHT * spacing - ROUNDING:
                 found.append(
-                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water that it holds back is not at rest; "
+                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
                     f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
                 )
+        for k, gate in tank.gates:
             found += gate.warnings(preflight.duration)
             fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
             if fastest > speed and self.sound_speed(tank) > 0.0:

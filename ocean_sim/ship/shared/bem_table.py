@@ -156,7 +156,9 @@ def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
     i, j = np.unravel_index(apart.argmax(), apart.shape)
     if apart[i, j] > UNEQUAL:
         both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]}"
-        raise Unreadable(file, f"{both} is equal by reciprocity, and differs by {apart[i, j]:.0%} of their own entries")
+        raise input_file.Unreadable(
+            file, f"{both} is equal by reciprocity, and differs by {apart[i, j]:.0%} of their own entries"
+        )
     return 0.5 * (matrix + mirrored)
 
 

@@ -75,14 +75,14 @@ class Loading(Model):
     @property
     def matter(self) -> tuple[float, np.ndarray]:
         """Mass [kg], and centre (3,) from the hull's origin [m]."""
-        parts = [self.light, *self.weights.values(), *self.tanks.values()]
+        parts = [self.light, *(of[name] for of in (self.weights, self.tanks) for name in sorted(of))]  # in one order
         mass = sum(part.mass for part in parts)
         return mass, np.sum([part.mass * np.array(part.at) for part in parts], axis=0) / mass
 
     @property
     def lost(self) -> tuple[float, float]:
         """Of the metacentric heights across and along, by all free surfaces [m]."""
-        across, along = sum((tank.moments for tank in self.tanks.values()), np.zeros(2)) / self.matter[0]
+        across, along = sum((self.tanks[name].moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
         return float(across), float(along)
 
     def beyond(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:

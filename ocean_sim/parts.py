@@ -326,6 +326,10 @@ class FluidConfig(KindConfig):
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
         """`accounts`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
 
+    def sums_impulses(self, read: bool) -> bool:
+        """True if it sums impulse and work of each term; `read`: whether `accuracy` reads them."""
+        return read
+
 
 class SurfaceConfig(KindConfig):
     """Keys of any surface. It follows particles."""
@@ -476,6 +480,11 @@ class Preflight:
     def spacing(self) -> float | None:
         """Distance between particles at rest [m]; None without particles."""
         return self.untouched.spacing if self.untouched is not None else None
+
+    @property
+    def sums_impulses(self) -> bool:
+        """True if the water sums impulse and work of each term."""
+        return self.fluid.sums_impulses("accuracy" in self.parts)
 
     @property
     def repeats(self) -> tuple[float, float, float]:

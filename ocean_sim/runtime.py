@@ -468,11 +468,6 @@ def arch() -> str:
     return _started[1].arch if _started is not None else "cpu"
 
 
-def doubles() -> bool:
-    """True if the backend that runs has double precision."""
-    return _started is None or _started[1].doubles
-
-
 def alone() -> bool:
     """Whether the thread that launches a kernel goes through its short loops alone: on a processor, where to wake
     another takes 7 us, several times as long where others are at work, and such a kernel loads in less time."""

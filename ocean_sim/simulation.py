@@ -131,7 +131,7 @@ class Simulation:
         """Build the parts, in the order in which they read each other, and then the observers."""
         self.basin = scene.preflight.basin
         self.wind = scene.wind.build(self.basin, scene.seed)
-        accounts = "accuracy" in scene.observers  # whether the fluid sums the impulse of each term
+        accounts = scene.preflight.sums_impulses and self.backend.doubles
         self.fluid = scene.fluid.build(self.basin, scene.seed, accounts=accounts, wind=self.wind.on("fluid"))
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None

@@ -52,7 +52,7 @@ class Config(WaterConfig):
         return [
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
-            *of_accounts(size, word, "accuracy" in preflight.parts),
+            *of_accounts(size, word, preflight.sums_impulses),
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -115,10 +115,9 @@ class Ballistic(ParticleWater):
         self.leave(i, x_new, v_new)
         self.accounts.count_motion(group, v_new, a, fast)
         self.accounts.count_density(group, self.particles.density[i])
-        if ti.static(self.accounts.countable):
-            if self.accounts.counting():
-                held = m * (v_new - v - dt * a)
-                self.accounts.count_drive(group, m * dt, a_wind, a_pull, a_hull, held, 0.5 * (v + v_new))
+        if ti.static(self.accounts.impulses):
+            held = m * (v_new - v - dt * a)
+            self.accounts.count_drive(group, m * dt, a_wind, a_pull, a_hull, held, 0.5 * (v + v_new))
 
     @ti.kernel
     def fly(self, dt: float, since: float, summary: Array):

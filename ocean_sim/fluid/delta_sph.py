@@ -171,6 +171,15 @@ class Momentum(MomentumLaw):
         return self.fluid.slope
 
     @ti.func
+    def pair(self, own, other):
+        return self.term(own, other, True)
+
+    @ti.func
+    def pressed(self, own, other):
+        """The same where no pressure is negative."""
+        return self.term(own, other, False)
+
+    @ti.func
     def term(self, own, other, tense: Template):
         """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
         times -m grad W / x_ij."""
@@ -198,18 +207,18 @@ class Momentum(MomentumLaw):
                 shear = self.laminar * self.central * closing * x_ij
                 strength += self.laminar * self.central * closing
             rub += strength * x_ij
-        return weight, push, rub, shear
+        return self.added(weight, push, rub, shear)
 
     @ti.func
     def worked(self, own, total):
         """What rubs: what presses becomes internal energy."""
-        return self.fluid.slope * vec3(total, self.parts.rub)
+        return self.fluid.slope * vec3(total, self.terms.rub)
 
     @ti.func
     def account(self, beyond, mean, dt, group):
         """What images press becomes internal energy."""
         fluid = self.fluid
-        squeezed = fluid.particles.mass * dt * fluid.slope * vec3(beyond, self.parts.push).dot(mean)
+        squeezed = fluid.particles.mass * dt * fluid.slope * vec3(beyond, self.terms.push).dot(mean)
         fluid.accounts.count_work(group, WALLS, -squeezed)
         fluid.accounts.count_work(group, PRESSURE, squeezed)
 
@@ -223,7 +232,7 @@ class Continuity:
     """
 
     row, apart, padded = Columns(position=3, velocity=3, deviation=1, share=1), False, True
-    tension = pressing = NONE
+    tension = NONE
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
@@ -329,18 +338,8 @@ class Continuity:
         else:
             self.grade(i, total)
         fluid.accounts.count_density(group, rho_0 + excess)
-        if ti.static(fluid.accounts.countable):
-            self.account(i, dt, deviation, compressed, diffused, group)
-
-    @ti.func
-    def account(self, i, dt, deviation, compressed, diffused, group):
-        """Put the work of diffusion and of the bulk viscosity to the accounts."""
-        fluid = self.fluid
-        if fluid.accounts.counting():
-            closer, p = (
-                fluid.particles.mass * dt * fluid.slope,
-                fluid.pressure_of(deviation) / (fluid.rest_density + deviation) ** 2,
-            )
+        if ti.static(fluid.accounts.impulses):
+            closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (rho_0 + deviation) ** 2
             damped = closer * compressed * (fluid.pressing[i] - p)
             fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
             fluid.accounts.count_work(group, PRESSURE, damped)
@@ -352,8 +351,7 @@ class Shear:
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
 
-    row, apart, padded = Columns(position=3, velocity=3), False, True
-    tension = pressing = NONE
+    row, apart, padded, tension = Columns(position=3, velocity=3), False, True, NONE
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension

@@ -148,7 +148,7 @@ class Config(SphConfig):
         sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
         neighbours = self.neighbours_kept(basin)
         numbers = 27 + self.enclosed(basin)
-        if "accuracy" in preflight.parts:
+        if preflight.sums_impulses:
             numbers += 3 * len(pushing(absent(basin)))
         kept = sizes.grid.plan.pairs(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
@@ -351,9 +351,9 @@ class Dfsph(Sph):
             self.closing = staggered(float, n)  # what a gap may gain in density in a step [kg/m3]
             self.rate = staggered(float, n)  # what the velocities that are left compress, a sum over pairs
         self.diagonal = staggered(float, n)  # A_ii / dt^2
-        kept, room = self.accounts.pushing, n if self.accounts.impulses else 1
+        kept = self.accounts.pushing if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
-        self.changes = tuple(tuple(Components(room)) if term in kept else () for term in range(len(TERMS)))
+        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
         self.rows = Rows(self.accounts.groups, REPORT)
@@ -518,13 +518,12 @@ class Dfsph(Sph):
         held, fast = self.walls.held_back(way, dt)
         x, v = self.landed(i, dt * held, u)
         self.changed(i, WALLS, v - u)
-        if self.accounts.counting():
-            before = self.particles.velocity
-            mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
-            for term, change in ti.static(enumerate(self.changes)):
-                if ti.static(len(change) > 0):
-                    impulse = self.particles.mass * tm.vec3([component[i] for component in ti.static(change)])
-                    self.accounts.count_impulse(group, term, impulse, mean)
+        before = self.particles.velocity
+        mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
+        for term, change in ti.static(enumerate(self.changes)):
+            if ti.static(len(change) > 0):
+                impulse = self.particles.mass * tm.vec3([component[i] for component in ti.static(change)])
+                self.accounts.count_impulse(group, term, impulse, mean)
         self.leave(i, x, v)
         self.accounts.count_motion(group, v, tm.vec3(0.0), fast)
 
@@ -561,17 +560,15 @@ class Dfsph(Sph):
     @ti.func
     def begin_changes(self, i):
         """No term has changed the velocity of particle i in this step."""
-        if self.accounts.counting():
-            for change in ti.static(self.changes):
-                for component in ti.static(change):
-                    component[i] = 0.0
+        for change in ti.static(self.changes):
+            for component in ti.static(change):
+                component[i] = 0.0
 
     @ti.func
     def changed(self, i, term: Template, change):
         """A change of velocity of particle i by a term, kept for the accounts."""
-        if self.accounts.counting():
-            for k, component in ti.static(enumerate(self.changes[term])):
-                component[i] = component[i] + change[k]
+        for k, component in ti.static(enumerate(self.changes[term])):
+            component[i] = component[i] + change[k]
         return change
 
     def limits(self) -> Limits:

@@ -23,7 +23,7 @@ from ocean_sim.fluid.shared.staggered import staggered
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Copy, Template, arch, in_kernels
+from ocean_sim.runtime import Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
 TINY = 1.0e-12  # [m2] keeps two particles in one position finite
@@ -150,7 +150,7 @@ class Momentum(MomentumLaw):
         return self.constant * own[self.row.volume]
 
     @ti.func
-    def term(self, own, other, tense: Template):
+    def pair(self, own, other):
         """-m (p_i + p_j) / (2 rho_j) grad W (2.16) and mu m / rho_j v_ji laplacian W (2.18)."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
@@ -160,7 +160,7 @@ class Momentum(MomentumLaw):
         if ti.static(self.fluid.viscous):
             rub = self.fluid.factors[VISCOUS] * v_ji
         push = (own[self.row.pressure] + other[self.row.pressure]) * q / r * x_ij
-        return q * other[self.row.volume], push, rub, rub
+        return self.added(q * other[self.row.volume], push, rub, rub)
 
 
 @in_kernels

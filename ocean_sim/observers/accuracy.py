@@ -12,7 +12,7 @@ from ocean_sim.observers.shared.energy import Balance, kinetic, potential
 from ocean_sim.observers.shared.escaped import beyond, kept
 from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
-from ocean_sim.parts import LedgerRow, Preflight
+from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -61,6 +61,11 @@ class Config(PeriodicConfig):
     takes: ClassVar[tuple[float, float]] = (1.0e-3, 4.0e-8)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        if preflight.sums_impulses:
+            return []
+        return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         rows = super().ledger(preflight)

@@ -52,12 +52,12 @@ class Unsymmetric(Momentum):
     """(2.14): the pressure of the neighbour alone."""
 
     @ti.func
-    def term(self, own, other, tense: ti.template()):
+    def pair(self, own, other):
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         r = ti.sqrt(x_ij.dot(x_ij) + 1e-12)
         q = ti.max(self.fluid.smoothing.support - r, 0.0)
-        along = 2.0 * other[self.row.pressure] * q / r * x_ij
-        return q * other[self.row.volume], along, 0.0 * x_ij, 0.0 * x_ij
+        along = 2.0 * other[self.row.pressure] * other[self.row.volume] * q * q / r * x_ij
+        return ti.Vector([along[0], along[1], along[2], 0.0, 0.0, 0.0])
 
 
 def internal_impulses(fluid) -> None:

@@ -20,7 +20,7 @@ from tests.fluid.conftest import by_id, kept, put
 class Count:
     """How many particles lie within the support, and the sum of their squared distances."""
 
-    row, terms, apart, pressing = Columns(position=3), Columns(count=1, squares=1), True, NONE
+    row, terms, apart = Columns(position=3), Columns(count=1, squares=1), True
 
     def __init__(self, fluid, padded: bool = False) -> None:
         self.reads, self.padded, self.tension = tuple(fluid.particles.position), padded, NONE

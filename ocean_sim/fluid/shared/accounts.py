@@ -10,7 +10,7 @@ from ocean_sim.fluid import Status
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.tasks import LINE
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Doubles3, Template, alone, doubles, in_kernels
+from ocean_sim.runtime import Doubles3, Template, alone, in_kernels
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
@@ -38,28 +38,20 @@ class Accounts:
         scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
         them."""
         self.groups, self.impulses = groups, impulses
-        self.countable = impulses or doubles()  # whether kernels hold the sums: without them they would round otherwise
         self.idle: tuple[int, ...] = ()  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
         self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
         self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
-        if self.countable:
-            self.counted = ti.field(int, shape=())
-            self.counted[None] = impulses
+        if impulses:
             self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
             self.pushing = pushing(absent)
-            rows = (groups if impulses else 1, len(TERMS) + apart // (2 * (WORK + 1)), WORK + 1)
+            rows = (groups, len(TERMS) + apart // (2 * (WORK + 1)), WORK + 1)
             self.given = ti.field(ti.f64, shape=rows)  # impulse, and work
             self.copied = np.zeros(rows)
 
     def acts(self, term: int) -> bool:
         """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
         return term not in self.idle
-
-    @ti.func
-    def counting(self):
-        """True if impulses are summed, as a kernel asks: the same kernel steps with the sums and without."""
-        return self.counted[None] == 1
 
     @ti.func
     def begin_motion(self, group):

@@ -150,7 +150,9 @@ class Boundary:
         grid: Grid,
         pull: Pull,
         smoothing: Smoothing,
+        accounts: bool,
     ) -> None:
+        """`accounts`: whether it sums the work of bodies that move."""
         self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
         self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
         self.n = n = len(self.owners)
@@ -160,7 +162,7 @@ class Boundary:
         self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
         self.moved = True  # whether they have, since they were sorted
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
-        self.moving, self.working = bool(self.gates), at_work(bodies)
+        self.moving, self.working = bool(self.gates), accounts and at_work(bodies)
         self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.

@@ -148,8 +148,7 @@ class Bend:
     """Second derivatives of the surface's height where particles are exposed: fitted to the differences of slopes in
     the neighbourhood, each weighed by its plan area and the kernel's gradient."""
 
-    apart, padded, tension, pressing = False, False, NONE, NONE
-    row = Columns(position=3, slope=2, area=1)
+    apart, padded, tension, row = False, False, NONE, Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
 
     def __init__(self, exposure: Exposure, positions: tuple[ti.Field, ...]) -> None:

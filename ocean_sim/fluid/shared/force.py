@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.shared.law import NONE, PushingLaw
+from ocean_sim.fluid.shared.law import NONE
 from ocean_sim.fluid.shared.sph import Sph
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
@@ -17,11 +17,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 class Force(ABC):
     """A law that pushes particles and, as strongly, the samples of solid bodies: it has `sample` and `acceleration`."""
 
-    apart: ClassVar[bool] = True
     padded: ClassVar[bool] = True
     tension: ClassVar[int] = NONE
-    pressing: int = NONE
-    parted: PushingLaw | None = None
     row: Columns
     reads: tuple[ti.Field, ...]
     told: tuple[ti.Field, ...]
@@ -33,11 +30,11 @@ class Force(ABC):
     def __init__(self, fluid: Sph) -> None:
         """To be called once `terms` are known."""
         self.fluid = fluid
+        self.apart = fluid.accounts.impulses  # what images add is summed apart
         self.told = self.reads
         if fluid.boundary is not None:
             self.boundary = fluid.boundary
-            felt = self.parted or self
-            self.solid, self.reaction = fluid.boundary.summed(felt), fluid.boundary.reaction(felt)
+            self.solid, self.reaction = fluid.boundary.summed(self), fluid.boundary.reaction(self)
 
     @ti.func
     def begin(self, group):

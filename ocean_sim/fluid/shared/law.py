@@ -24,10 +24,6 @@ class Law(Protocol):
     padded: bool
     """Whether candidates out of reach fill lists up to whole vectors: worth it where a pair takes long."""
 
-    pressing: int
-    """The first of three columns of the sum that are filled only where impulses are counted, with the first of another
-    law, `parted`, which has as many terms and whose images are `beyond`; or NONE."""
-
     tension: int
     """The column of the row that is negative under tension, or NONE. Where it is so for no candidate of a cell, each is
     summed by `pressed`, which does the same as `pair` there with less to do."""
@@ -82,7 +78,7 @@ class PushingLaw(SampledLaw, Protocol):
 class PositionLaw:
     """A law that reads nothing but positions, whatever it sums."""
 
-    row, padded, tension, pressing = Columns(position=3), False, NONE, NONE
+    row, padded, tension = Columns(position=3), False, NONE
 
     @ti.func
     def image(self, other, mirror):

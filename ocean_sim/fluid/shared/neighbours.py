@@ -302,27 +302,10 @@ class Neighbours:
     @ti.func
     def added(self, law: Template, pair: Template, own, a, find: Template, to):
         """What candidate a in the scratch adds."""
-        other = self.row_of(law, a)
+        other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_pair(vec3(own, law.row.position) - vec3(other, law.row.position), to)
         return pair(own, other)
-
-    @ti.func
-    def with_parts(self, law: Template, own, total, begin, middle, end):
-        """The sums with what `law.parted` has apart: see Law."""
-        beyond = ti.Vector.zero(float, law.parted.terms.size)
-        for a in range(begin, end):
-            push = law.parted.pair(own, self.row_of(law, a))
-            for k in ti.static(range(3)):
-                total[law.pressing + k] += push[k]
-        for a in range(middle, end):
-            beyond += law.parted.pair(own, self.row_of(law, a))
-        return total, beyond
-
-    @ti.func
-    def row_of(self, law: Template, a):
-        """The row of candidate a in the scratch."""
-        return ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
@@ -348,8 +331,5 @@ class Neighbours:
                 total, beyond = self.sums(law, law.pair, own, scratch, middle, end, find, to)
             elif ti.static(law.tension != NONE):
                 total, beyond = self.sums(law, law.pressed, own, scratch, middle, end, find, to)
-            if ti.static(self.accounts.countable and law.pressing != NONE):
-                if self.accounts.counting():
-                    total, beyond = self.with_parts(law, own, total, scratch, scratch + n, end)
             law.finish(i, own, total, beyond, group)
             to += further

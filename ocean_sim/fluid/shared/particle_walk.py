@@ -15,7 +15,7 @@ from ocean_sim.fluid.shared.accounts import WORK, Accounts
 from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.grid_size import GridSize
-from ocean_sim.fluid.shared.law import NONE, Law
+from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.pairs import Pairs, flips
 from ocean_sim.fluid.shared.particles import Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -223,13 +223,6 @@ class ParticleWalk:
                 if ti.static(not law.apart):
                     total += beyond
                     beyond = ti.Vector.zero(float, law.terms.size)
-                if ti.static(self.accounts.countable and law.pressing != NONE):
-                    if self.accounts.counting():
-                        places, seen, reflected = ti.static(self.around(law.parted))
-                        beyond = self.of_images(x, own, places, reflected)
-                        push = places.of_water(x, seen, own) + beyond
-                        for k in ti.static(range(3)):
-                            total[law.pressing + k] = push[k]
                 if ti.static(find and self.keeps):
                     self.keep_pairs(i, x, around)
                 law.finish(i, own, total, beyond, i)

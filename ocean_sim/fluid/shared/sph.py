@@ -320,11 +320,11 @@ def rows(
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
-        *_of_walk(sizes, word, "accuracy" in preflight.parts),
+        *_of_walk(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
-        *_of_bodies(sizes.grid, word, SAMPLE * each, told),
+        *_of_bodies(sizes.grid, word, SAMPLE * each, preflight.sums_impulses, told),
     ]
 
 
@@ -371,9 +371,10 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     return found
 
 
-def _of_bodies(grid: GridSize, word: int, each: float, told: int) -> list[LedgerRow]:
+def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int) -> list[LedgerRow]:
     """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
-    every cell's begin, and `told` numbers that each particle carries along for them."""
+    every cell's begin, and `told` numbers that each particle carries along for them. `accounts`: whether the work of
+    those that move is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not with_bodies(basin):
@@ -387,7 +388,7 @@ def _of_bodies(grid: GridSize, word: int, each: float, told: int) -> list[Ledger
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
-            working = any(at_work(found) for found in of_parts.values())
+            working = accounts and any(at_work(found) for found in of_parts.values())
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             size += 0 if rows else word * told * lattice.n
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
@@ -428,7 +429,7 @@ class Sph(ParticleWater):
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
             bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
-            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing)
+            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
         self.field = Field(

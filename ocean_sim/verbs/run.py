@@ -16,6 +16,10 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.progress import Progress
 
+OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
+RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
+DRIVING = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
+
 
 def run(
     scene: str,
@@ -133,6 +137,7 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
     return {
         "worst_compression": worst,
+        "remarks": remarks(accuracy, config.preflight.spacing) if accuracy else [],
         "events": [
             event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
         ],
@@ -140,6 +145,25 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
         "files": sorted(path.name + ("/" if path.is_dir() else "") for path in result.folder.glob("[!.]*")),
         "notes": config.notes,
     }
+
+
+def remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
+    """Sentences on books that do not close at the end of a run, from the columns of accuracy.csv."""
+    found, offset = [], columns.get("surface_offset_m", [0.0])
+    apart = abs(offset[-1] - offset[0])
+    if spacing is not None and apart > OFFSET_STATED * spacing:
+        found.append(
+            f"the surface lies {offset[-1]:.3g} m over the highest particles in the mean, at the start {offset[0]:.3g} "
+            f"m: it has left them by {apart / spacing:.2g} spacings (surface_offset_m in accuracy.csv)"
+        )
+    driving = sum(abs(columns[name][-1]) for term in DRIVING if (name := f"work_{term}_J") in columns)
+    residual = columns.get("energy_residual_J", [0.0])[-1]
+    if driving > 0.0 and abs(residual) > RESIDUAL_STATED * driving:
+        found.append(
+            f"{abs(residual):.3g} J {'came from nowhere' if residual > 0.0 else 'went nowhere'} in the water's energy, "
+            f"{abs(residual) / driving:.2g} of the work of all that drives it (energy_residual_J in accuracy.csv)"
+        )
+    return found
 
 
 def summary(facts: dict[str, Any]) -> str:
@@ -161,6 +185,7 @@ def summary(facts: dict[str, Any]) -> str:
         for name, count in facts["unsolved"].items()
         if count
     ]
+    lines += facts["remarks"]
     lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")

@@ -20,7 +20,7 @@ from ocean_sim.__main__ import answered, meaning
 from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
-from ocean_sim.verbs.run import run_folder, written
+from ocean_sim.verbs.run import remarks, run_folder, written
 from ocean_sim.verbs.shared import after, another_python, console, peers, pysph_dam, splishsplash
 
 PEER_PYTHON = os.environ.get("OCEAN_SIM_PEER_PYTHON")
@@ -585,3 +585,18 @@ def test_a_run_that_leaves_the_physical_world_tells_programs_why(ask):
         "",
         {"error": f"diverged: {reason}", "problems": []},
     ) and "t = " in reason
+
+
+def test_the_end_of_a_run_says_where_its_books_do_not_close():
+    """In the showcase's wind `mueller` gains 10 of 17 MJ after 12 s, and its cloth rises by 0.17 m over the water."""
+    books = {
+        "energy_residual_J": np.array([0.0, 1.0e7]),
+        "work_wind_J": np.array([0.0, 1.65e7]),
+        "work_pressure_J": np.array([0.0, 9.7e6]),
+        "surface_offset_m": np.array([-0.02, 0.17]),
+    }
+    energy, surface = sorted(remarks(books, 1.25))
+    assert "came from nowhere" in energy and "0.61 of the work" in energy
+    assert "0.15 spacings" in surface
+    closed = books | {"energy_residual_J": np.array([0.0, -1.0e6]), "surface_offset_m": np.array([-0.02, 0.09])}
+    assert not remarks(closed, 1.25) and not remarks({}, None)

@@ -188,36 +188,30 @@ def by_column(
 
 
 def column(_: str, found: Sequence[str]) -> np.ndarray:
-    """(n,) numbers, or words where any of the cells is one."""
+    """(n,) numbers, NaN where a cell is empty, or words where any of the cells is one."""
     try:
-        return np.array([number(cell) for cell in found])
+        return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
         return np.array(found)
 
 
 def numeric(name: str, found: Sequence[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is not one; of times that are dates the seconds since the first."""
-    if name == TIME and (dates := dates_in(found)):
-        return np.array([(date - dates[0]).total_seconds() for date in dates])
-    values = np.full(len(found), np.nan)
-    for k, cell in enumerate(found):
+    """(n,) numbers, NaN where a cell is not one. Times may be dates, each with a time of day, in one zone or without:
+    then they are the seconds since the first."""
+    if name == TIME:
         with suppress(ValueError):
-            values[k] = number(cell)
-    return values
-
-
-def dates_in(found: Sequence[str]) -> list[datetime]:
-    """The dates in all cells, which each have a date and a time of day, in one zone or without; none in other cells."""
-    with suppress(ValueError):
-        dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
-        if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1:
-            return dates
-    return []
+            dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
+            if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1:
+                return np.array([(date - dates[0]).total_seconds() for date in dates])
+    return np.array([number(cell) for cell in found])
 
 
 def number(cell: str) -> float:
-    """NaN where the cell is empty; raises ValueError where it is a word."""
-    return float(cell) if cell.strip() else float("nan")
+    """The number in a cell, or NaN."""
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
 
 
 def cells(line: str, separator: str = ",") -> list[str]:

@@ -107,11 +107,9 @@ def signs(frame: str) -> np.ndarray:
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
     """What a platform needs of columns along the axes of this frame."""
-    turn = signs(frame)
-    force = np.column_stack([table[name] for name in FORCES]) @ FRAMES[frame]
-    rate = np.column_stack([table[name] for name in RATES]) * turn
-    attitude = np.column_stack([table[name] for name in ANGLES]) * turn
-    return Ride(table[TIME], table.get("seq", np.arange(len(force))).astype(int), force, rate, attitude)
+    force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in (FORCES, RATES, ANGLES))
+    seq = table.get("seq", np.arange(len(force))).astype(int)
+    return Ride(table[TIME], seq, force @ FRAMES[frame], rate * signs(frame), attitude * signs(frame))
 
 
 def read(path: str | Path) -> MotionLog:
@@ -266,26 +264,19 @@ def euler_rates(ride: Ride) -> np.ndarray:
 
 
 def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
-    """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
-    found = origins(log.table.names, AXES[frame] @ AXES[log.frame].T)
-    for row in log.table.rows:
-        cells = log.table.cells(row)
-        yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
-
-
-def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
-    """Of each column the one whose cells it gets, and whether they change their sign: an axis of any frame is plus or
-    minus one of another's."""
-    found = [(k, False) for k in range(len(names))]
+    """The rows of a log in the axes of another frame, each of which is plus or minus one of the log's own; columns that
+    have no axes stay as they are written."""
+    names, turn = log.table.names, AXES[frame] @ AXES[log.frame].T
+    sources = {name: (name, False) for name in names}  # of each column, and whether they change their sign
     for triple in vectors(names):
-        own = [names.index(name) for name in triple]
-        for column, row in zip(own, turn):
+        for name, row in zip(triple, turn):
             k = int(np.argmax(np.abs(row)))
-            found[column] = own[k], bool(row[k] < 0.0)
+            sources[name] = triple[k], bool(row[k] < 0.0)
     if (turn < 0.0).any():
-        for k in map(names.index, sideways(names)):
-            found[k] = k, True
-    return found
+        sources |= {name: (name, True) for name in sideways(names)}
+    for cells in map(log.table.cells, log.table.rows):
+        own = dict(zip(names, cells))
+        yield [negated(own[source]) if negative else own[source] for source, negative in sources.values()]
 
 
 def negated(cell: str) -> str:

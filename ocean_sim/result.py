@@ -142,8 +142,7 @@ def claimed_for(
     try:
         if (out / MANIFEST).exists():
             if not overwrite:
-                named = named or str(out)
-                raise Refused(f"{named}: there is a run here already; name another folder, or {cure}")
+                raise Refused(f"{named or out}: there is a run here already; name another folder, or {cure}")
             run_files.clear(out, coming)
     except BaseException:
         claim.close()

@@ -88,9 +88,8 @@ class Claim:
                 file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
             except (FileExistsError, FileNotFoundError, NotADirectoryError):
                 if self.folder.is_file() or self.folder.is_symlink() or not self.folder.parent.is_dir():
-                    raise Refused(
-                        f"{self.folder}: there is a file, or a link to nowhere, where a folder should be"
-                    ) from None
+                    why = "there is a file, or a link to nowhere, where a folder should be"
+                    raise Refused(f"{self.folder}: {why}") from None
                 continue  # another holder has removed the folder, which was made for nothing
             try:
                 _locked(file)

@@ -14,7 +14,7 @@ column of numbers and '' in a column of words. The reader of a table states what
 
 import csv
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -30,8 +30,7 @@ csv.field_size_limit(input_file.MOST_BYTES)  # a cell in quotes may be as long a
 TIME = "time_s"
 SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
 QUOTED = re.compile(r'"[^"]*"')
-DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
-DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d*(?:[eE][+-]?\d+)?")
+DECIMAL = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")
 
 WHOLE = Rule("a table has a line with the names of its columns, each once, and under it rows with a cell for each name")
 DIALECT = Rule(
@@ -82,27 +81,24 @@ class Table(dict[str, np.ndarray]):
         self.names = [name.strip() for name in self.cells(names)]
         if self.separator != "," or any('"' in row for row in self.rows):
             self.comma = self.has_decimal_commas()
-        quick = self.separator == "," and not self.comma
-        found = by_column(path, self.names, self.rows, cells if quick else self.cells)
-        super().__init__({name: numeric(name, values) for name, values in found.items()})
+        super().__init__(by_column(path, self.names, self.rows, self.cells, numeric))
 
     def cells(self, row: str) -> list[str]:
         """The cells of a row, numbers with a decimal point."""
         if self.separator == " ":
             row = " ".join(row.split())
         found = [cell.strip() for cell in cells(row, self.separator)]
-        return [cell.replace(",", ".") if self.comma and DECIMAL_COMMA.fullmatch(cell) else cell for cell in found]
+        return [cell.replace(",", ".") if self.comma and DECIMAL.fullmatch(cell) else cell for cell in found]
 
     def has_decimal_commas(self) -> bool:
         """True if numbers have a decimal comma; raises Unreadable where some have and others a point."""
-        comma = point = ""
-        for k, row in enumerate(self.rows):
-            for cell in self.cells(row):
-                comma = comma or (cell if DECIMAL_COMMA.fullmatch(cell) else "")
-                point = point or (cell if DECIMAL_POINT.fullmatch(cell) else "")
-            if comma and point:
-                raise DIALECT.broken(self.path, f"it has {described(comma)} and, up to row {k + 1}, {described(point)}")
-        return bool(comma)
+        found: dict[str, str] = {}
+        for k, row in enumerate(self.rows, 1):
+            found = {number[1]: number[0] for number in map(DECIMAL.fullmatch, self.cells(row)) if number} | found
+            if len(found) == 2:
+                signs = f"{described(found[','])} and, up to row {k}, {described(found['.'])}"
+                raise DIALECT.broken(self.path, f"it has {signs}")
+        return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
         """Columns (n,), whose cells from the row `since` on are finite numbers; raises Unreadable."""
@@ -117,16 +113,13 @@ class Table(dict[str, np.ndarray]):
             raise NUMBERS.broken(self.path, f"{name} is {described(cell) if cell else 'empty'} in row {row + 1}")
         return [self[name] for name in wanted]
 
-    def resolution(self, name: str) -> np.ndarray:
-        """(n,) by how much two numbers of a column may differ by their digits, as written and in double precision."""
-        k, values = self.names.index(name), np.abs(self[name])
+    def resolution(self, name: str) -> float:
+        """By how much two numbers of a column may differ by their digits, as written and in double precision."""
+        k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
         digits = max(len(cell.replace(".", "").lstrip("0")) for cell in written)
-        size = 10.0 ** np.ceil(np.log10(np.maximum(values, 1e-300)))
-        return np.maximum.reduce(
-            [np.full(len(values), 10.0**-decimals), size * 10.0**-digits, 4.0 * np.spacing(values)]
-        )
+        return float(max(10.0**-decimals, 10.0 ** (np.ceil(np.log10(most)) - digits), 4.0 * np.spacing(most)))
 
     def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
         """Times [s], which rise, of at least so many rows, and columns (n,) of finite numbers; raises Unreadable."""
@@ -143,12 +136,10 @@ class Table(dict[str, np.ndarray]):
 def unreached(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
     """A warning of times (n,) [s] of which a run of this duration [s] reaches none, and what holds `instead`."""
     first, last = float(times[0]), float(times[-1])
-    if first < duration and last >= 0.0:
-        return []
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {REACHED}"]
     late = f"begins at {first:.12g} s, when the run of {duration:g} s is over"
-    return [f"{what} {late}: {instead.format('first')}; {REACHED}"]
+    return [f"{what} {late}: {instead.format('first')}; {REACHED}"] if first >= duration else []
 
 
 def separator_of(names: str, row: str) -> str:
@@ -156,7 +147,7 @@ def separator_of(names: str, row: str) -> str:
     between names."""
     bare = [QUOTED.sub('""', line) for line in (names, row)]
     for each in SEPARATORS:
-        counts = [len(line.split() if each == " " else line.split(each)) for line in bare]
+        counts = [len(line.split(each.strip(" ") or None)) for line in bare]
         if counts[0] == counts[1] > 1:
             return each
     return next((each for each in ";\t," if each in bare[0]), ",")
@@ -168,7 +159,7 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     text = input_file.text(path)
     _, heading, rows = lines(text[: text.rfind("\n") + 1])
     names = [name.strip() for name in cells(heading)] if heading else []
-    return {name: column(found) for name, found in by_column(path, names, rows, cells).items()}
+    return by_column(path, names, rows, cells, column)
 
 
 def records(text: str) -> list[dict[str, str]]:
@@ -178,71 +169,54 @@ def records(text: str) -> list[dict[str, str]]:
 
 
 def by_column(
-    path: str | Path, names: list[str], rows: list[str], cells_of: Callable[[str], list[str]]
-) -> dict[str, np.ndarray | list[str]]:
-    """Each column by its name: (n,) numbers, all at once where every cell is one, or else its n cells as text."""
+    path: str | Path, names: list[str], rows: list[str], cells_of: Callable, column_of: Callable
+) -> dict[str, np.ndarray]:
+    """Each column by its name: (n,) numbers, all at once where every cell is one, or else `column_of` the name and the
+    cells, which are `cells_of` each row."""
     if (name := twice(names)) is not None:
         raise WHOLE.broken(path, f"it has two columns {described(name)}")
-    try:
-        table = parsed(rows) if rows else np.zeros((0, len(names)))
+    with suppress(ValueError):  # some cell is not a number, or some row is not whole
+        table = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.zeros((0, len(names)))
         if table.shape[1] == len(names):
             return dict(zip(names, table.T))
-    except ValueError:  # some cell is not a number, or some row is not whole
-        pass
     split = [cells_of(row) for row in rows]
-    uneven = next((k for k, row in enumerate(split) if len(row) != len(names)), None)
-    if uneven is not None:
-        count = f"row {uneven + 1} has {len(split[uneven])} cells under {len(names)} names"
-        rule = DIALECT if len(split[uneven]) > len(names) else WHOLE
-        raise rule.broken(path, f"{count}, {described(rows[uneven])}")
-    return {name: list(found) for name, found in zip(names, zip(*split))}
+    for k, row in enumerate(split):
+        if len(row) != len(names):
+            found = f"row {k + 1} has {len(row)} cells under {len(names)} names, {described(rows[k])}"
+            raise (DIALECT if len(row) > len(names) else WHOLE).broken(path, found)
+    return {name: column_of(name, found) for name, found in zip(names, zip(*split))}
 
 
-def column(found: np.ndarray | list[str]) -> np.ndarray:
-    """(n,) numbers, or words where any of the cells is one."""
-    if isinstance(found, np.ndarray):
-        return found
+def column(_: str, found: Sequence[str]) -> np.ndarray:
+    """(n,) numbers, NaN where a cell is empty, or words where any of the cells is one."""
     try:
-        return np.array([number(cell) for cell in found])
+        return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
         return np.array(found)
 
 
-def numeric(name: str, found: np.ndarray | list[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is not one; of times that are dates the seconds since the first."""
-    if isinstance(found, np.ndarray):
-        return found
-    if name == TIME and (dates := dates_in(found)):
-        return np.array([(date - dates[0]).total_seconds() for date in dates])
-    values = np.full(len(found), np.nan)
-    for k, cell in enumerate(found):
+def numeric(name: str, found: Sequence[str]) -> np.ndarray:
+    """(n,) numbers, NaN where a cell is not one. Times may be dates, each with a time of day, in one zone or without:
+    then they are the seconds since the first."""
+    if name == TIME:
         with suppress(ValueError):
-            values[k] = number(cell)
-    return values
-
-
-def dates_in(found: list[str]) -> list[datetime]:
-    """The dates in all cells, which each have a date and a time of day, in one zone or without; none in other cells."""
-    try:
-        dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
-        return dates if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1 else []
-    except ValueError:
-        return []
+            dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
+            if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1:
+                return np.array([(date - dates[0]).total_seconds() for date in dates])
+    return np.array([number(cell) for cell in found])
 
 
 def number(cell: str) -> float:
-    """NaN where the cell is empty; raises ValueError where it is a word."""
-    return float(cell) if cell.strip() else float("nan")
+    """The number in a cell, or NaN."""
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
 
 
 def cells(line: str, separator: str = ",") -> list[str]:
     """The cells of a row."""
     return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
-
-
-def parsed(rows: list[str]) -> np.ndarray:
-    """(n, columns) the numbers of each row; raises ValueError."""
-    return np.loadtxt(rows, delimiter=",", comments=None, ndmin=2)
 
 
 def twice(names: list[str]) -> str | None:

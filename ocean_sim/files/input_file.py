@@ -10,11 +10,9 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from time import time_ns
 from typing import Annotated, Any, NamedTuple
 from zipfile import ZipFile
 
@@ -24,7 +22,6 @@ from pydantic import AfterValidator, ValidationInfo
 from ocean_sim.conventions import Refused
 
 MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
-SETTLING_TIME = 2_000_000_000  # [ns] after which the times of a file tell a later change, on any file system
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -116,6 +113,14 @@ def document(path: str | Path) -> Any:
         raise Unreadable(path, "this is not a whole JSON file") from None
 
 
+def facts(path: str | Path) -> dict[str, Any]:
+    """The object in a JSON file; empty where there is none that can be read."""
+    with suppress(Unreadable):
+        found = document(path)
+        return found if isinstance(found, dict) else {}
+    return {}
+
+
 def arrays(path: str | Path) -> dict[str, np.ndarray]:
     """What an npz file holds, by name; never objects, which would be code. Raises Unreadable."""
     data = BytesIO(content(path))
@@ -131,18 +136,7 @@ def arrays(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def digest(path: str | Path) -> str:
-    """SHA-256 of the content of a file, which is read once unless it has changed, or just might; raises Unreadable."""
-    with suppress(OSError, ValueError):
-        found = os.stat(path)
-        times = found.st_mtime_ns, found.st_ctime_ns
-        if time_ns() - max(times) > SETTLING_TIME:
-            return _digest(str(path), found.st_dev, found.st_ino, found.st_size, *times)
-    return hashlib.sha256(content(path)).hexdigest()
-
-
-@lru_cache(maxsize=1000)
-def _digest(path: str, *state: int) -> str:
-    """SHA-256 of a file in a state: device, number, size, times."""
+    """SHA-256 of the content of a file; raises Unreadable."""
     return hashlib.sha256(content(path)).hexdigest()
 
 

@@ -3,7 +3,6 @@
 An entry is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
 """
 
-import json
 import re
 from collections.abc import Iterable
 from contextlib import suppress
@@ -13,30 +12,24 @@ from typing import Any
 from ocean_sim.conventions import Refused
 from ocean_sim.files import input_file
 from ocean_sim.files.claim import MANIFEST
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.whole_file import write_facts
 
-UNLISTED_FILES = (  # what a run may have left whose manifest has no list, of an earlier version
+UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
     *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
     *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
     *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST),
-)
+]
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
     """The manifest of a run; empty where there is none that can be read."""
-    with suppress(ValueError, RecursionError):
-        found = json.loads(input_file.text(folder / MANIFEST))
-        return found if isinstance(found, dict) else {}
-    return {}
+    return input_file.facts(folder / MANIFEST)
 
 
 def listed(manifest: dict[str, Any]) -> list[str]:
     """The entries of a manifest."""
-    if isinstance(files := manifest.get("files"), list):
-        return [MANIFEST, *filter(lambda name: isinstance(name, str), files)]
-    scene = manifest.get("scene")
-    ships = scene.get("ships") if isinstance(scene, dict) else None
-    return [*UNLISTED_FILES, *(f"motion_{name}.csv" for name in (ships if isinstance(ships, dict) else ()))]
+    files = manifest.get("files")
+    return [MANIFEST, *(name for name in files if isinstance(name, str))] if isinstance(files, list) else UNLISTED_FILES
 
 
 def matching(folder: Path, entries: Iterable[str]) -> set[Path]:
@@ -45,11 +38,12 @@ def matching(folder: Path, entries: Iterable[str]) -> set[Path]:
     for path in map(Path, entries):
         if not path.is_absolute() and ".." not in path.parts:
             names.setdefault(folder / path.parent, []).append(re.escape(path.name).replace(r"\*", r"[\d.]+"))
-    found = set()
-    for parent, patterns in names.items():
-        there = [path for path in parent.iterdir() if not path.is_dir()] if parent.is_dir() else []
-        found |= {path for path in there if re.fullmatch("|".join(patterns), path.name)}
-    return found
+    return {
+        path
+        for parent, patterns in names.items()
+        for path in (parent.iterdir() if parent.is_dir() else ())
+        if re.fullmatch("|".join(patterns), path.name) and not path.is_dir()
+    }
 
 
 def clear(folder: Path, coming: Iterable[str] = ()) -> None:
@@ -67,9 +61,6 @@ def clear(folder: Path, coming: Iterable[str] = ()) -> None:
 
 def add(folder: Path, files: Iterable[Path]) -> None:
     """List files that were made of a run in its folder, where it has a manifest."""
-    manifest = read_manifest(folder)
-    if manifest:
+    if manifest := read_manifest(folder):
         new = {file.relative_to(folder).as_posix() for file in files if file.is_relative_to(folder)}
-        manifest["files"] = sorted({*listed(manifest), *new})
-        with whole(folder / MANIFEST) as draft:
-            draft.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+        write_facts(folder / MANIFEST, manifest | {"files": sorted({*listed(manifest), *new})})

@@ -1,11 +1,13 @@
 """Files that appear whole or not at all, and what a full disk does to them."""
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from errno import ENOSPC
 from pathlib import Path
 from shutil import disk_usage
+from typing import Any
 
 RESERVE, RESERVED = ".reserve", 1 << 20  # a file, and its size [bytes]: more than the last words of a run
 UNFINISHED = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
@@ -33,6 +35,12 @@ def whole(path: Path) -> Iterator[Path]:
             os.replace(draft, path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def write_facts(path: Path, data: dict[str, Any]) -> None:
+    """Write a JSON file, in whole or not at all."""
+    with whole(path) as draft:
+        draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
 class naming:

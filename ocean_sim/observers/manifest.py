@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim import kernel_library
 from ocean_sim.files import input_file, run_files
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.whole_file import write_facts
 from ocean_sim.machine import installed, program
 from ocean_sim.simulation import Concluding, ObserverConfig
 
@@ -90,8 +90,7 @@ class Manifest(Concluding):
         """Write the manifest; what others have listed there since stays listed."""
         if before := run_files.read_manifest(self.path.parent):
             self.facts["files"] = sorted({*self.facts["files"], *run_files.listed(before)})
-        with whole(self.path) as draft:
-            draft.write_text(json.dumps(self.facts, indent=2) + "\n", encoding="utf-8")
+        write_facts(self.path, self.facts)
 
 
 def sha256(data: bytes) -> str:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.files import input_file
+from ocean_sim.files import run_files
 from ocean_sim.pictures import far_sea
 from ocean_sim.pictures.frame_files import Frame, Log, elevation_of
 from ocean_sim.pictures.ripples import Wind
@@ -108,10 +108,8 @@ def is_open(scene: dict[str, Any], first: Frame, depth: float) -> bool:
 
 def scene_of(folder: Path) -> dict[str, Any]:
     """The scene in the manifest of a run; empty without one."""
-    try:
-        return input_file.document(folder / "manifest.json")["scene"]
-    except (ValueError, KeyError, TypeError):
-        return {}
+    scene = run_files.read_manifest(folder).get("scene")
+    return scene if isinstance(scene, dict) else {}
 
 
 def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:

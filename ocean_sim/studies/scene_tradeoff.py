@@ -67,8 +67,7 @@ class Budget:
         """Time that is limited [s], wall or processor time, whichever is less: a run that waits for others has more
         wall time, one on several cores more processor time. The whole run counts with what it compiles."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
-        known = [row[key] for key in (f"wall_{unit}", f"cpu_{unit}") if row.get(key) is not None]
-        return min(known, default=None)
+        return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
         """Of the budget, in its own unit."""

@@ -122,7 +122,7 @@ def bench_one(order: dict[str, Any]) -> None:
             "particle_steps_per_cpu_s": median(particles * steps / cpu for steps, _, cpu, _ in blocks),
             "real_time_factor": median(simulated / wall for _, wall, _, simulated in blocks),
             "first_step_s": first_step,
-            "peak_memory_mb": console.megabytes(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss),
+            "peak_memory_mb": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
             "stages": stages,
         }
     )

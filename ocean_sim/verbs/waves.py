@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files import run_files
-from ocean_sim.files.input_file import document
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened
+from ocean_sim.pictures.sea_state import scene_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.after import say_whether_ended
 from ocean_sim.verbs.shared.wave_files import (
@@ -18,7 +18,7 @@ from ocean_sim.verbs.shared.wave_files import (
     draw,
     orbit_rows,
     write_columns,
-    write_orbits,
+    write_rows,
     write_table,
 )
 from ocean_sim.waves.orbits import BREAKING, tracer_motion
@@ -80,7 +80,7 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         return
     show(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
-    for sentence in sampling([sampling_error(treatment.deviation(*evenly(time, height))) for height in steady]):
+    for sentence in sampling([sampling_error(treatment.deviation(evenly(time, height)[1])) for height in steady]):
         console.say(sentence)
     for name, height in heights.items():
         if warning := slow_part(*evenly(time, height), treatment):
@@ -136,7 +136,7 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
         console.say(f"{path}: no orbits: {error}")
         return []
     rows = orbit_rows(names, found)
-    write_orbits(folder / "orbits.csv", rows)
+    write_rows(folder / "orbits.csv", ORBIT, rows)
     some = rows[:: max(1, len(rows) // 10)]
     console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT, some)
     if found.decay_per_m is not None:
@@ -171,10 +171,7 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
-    try:
-        wind = document(path.parent / "manifest.json")["scene"]["wind"]
-    except (ValueError, KeyError, TypeError):
-        return None
+    wind = scene_of(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.files import input_file
+from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.input_file import Rule, Unreadable
 
 MAGIC, FORMAT, AIRY = 37.0221, 100, 6
@@ -69,30 +69,16 @@ def openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
 def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """(n,) times [s] and (n,) elevations [m] of an .Elev file; raises Unreadable."""
     lines = [line.split()[:2] for line in input_file.text(path).splitlines() if line.strip()]
-    rows = lines[next((k for k, row in enumerate(lines) if numeric(row[0])), len(lines)) :]
-    wrong = next((k for k, row in enumerate(rows) if len(row) < 2 or not all(map(finite, row))), None)
-    if wrong is not None:
-        raise EVEN.broken(path, f"row {wrong + 1} is {' '.join(rows[wrong])!r:.60}")
+    rows = lines[next((k for k, row in enumerate(lines) if isfinite(csv_file.number(row[0]))), len(lines)) :]
+    table = np.array([[csv_file.number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
+    wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if len(wrong):
+        raise EVEN.broken(path, f"row {wrong[0] + 1} is {' '.join(rows[wrong[0]])!r:.60}")
     if len(rows) < 2:
         raise EVEN.broken(path, f"it has {len(rows)}")
-    table = np.array(rows, dtype=float)
     steps = np.diff(table[:, 0])
     uneven = np.flatnonzero((steps <= 0.0) | (np.abs(steps - np.median(steps)) > 0.01 * np.median(steps)))
     if len(uneven):
         k, before = int(uneven[0]) + 1, table[uneven[0], 0]
         raise EVEN.broken(path, f"row {k + 1} has {table[k, 0]:.12g} s after {before:.12g} s")
     return table[:, 0], table[:, 1]
-
-
-def finite(word: str) -> bool:
-    """True if this is a finite number."""
-    return numeric(word) and isfinite(float(word))
-
-
-def numeric(word: str) -> bool:
-    """True if this is a number, with which the rows of an .Elev file begin."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

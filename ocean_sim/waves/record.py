@@ -12,6 +12,7 @@ that has no peak period. Between frequencies the peak is that of the parabola th
 density and its neighbours (Gasior & Gonzalez 2004, AIP Conf. Proc. 732): a Hann lobe is nearly a Gaussian one.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import pairwise
@@ -32,9 +33,7 @@ RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann w
 STEADY = 20  # waves in a record that statistics of irregular waves need at least
 REGULAR = 0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
 STILL = 1e-9  # [m] a range within which a record counts as constant
-TALLEST = (
-    50.0  # [m] from the median; the highest waves measured are 29 m (Holliday et al. 2006, Geophys. Res. Lett. 33)
-)
+TALLEST = 50.0  # [m] from the median; 29 m is the highest measured (Holliday et al. 2006, Geophys. Res. Lett. 33)
 UNLIKE = 10.0  # times the usual distance from the median: a wave is within 6
 RAISED = 2.0**0.5  # times the height of the waves alone: beyond it half of the variance is a trend or a tide
 SLOWEST_WAVE = 300.0  # [s] period beyond which the water's level moves, not its waves
@@ -42,11 +41,8 @@ SLOWEST_WAVE = 300.0  # [s] period beyond which the water's level moves, not its
 LIKE_A_SEA = Rule(
     f"heights are in metres, within {TALLEST:g} m of each other, and none stands for a value that is missing"
 )
-CHECKS = (
-    Checked(
-        "A wave record, `ocean-sim waves FILE`: a table over time, or OpenFAST's .Elev", (exchange.EVEN, LIKE_A_SEA)
-    ),
-)
+FILES = "A wave record, `ocean-sim waves FILE`: a table over time, or OpenFAST's .Elev"
+CHECKS = (Checked(FILES, (exchange.EVEN, LIKE_A_SEA)),)
 
 
 class Unmeasurable(ValueError):
@@ -57,22 +53,14 @@ class Unmeasurable(ValueError):
 class Sea:
     """Numbers of a record; None where there is no wave to measure."""
 
-    hs_m: float | None
-    """Mean height of the highest third of the waves."""
-    hm0_m: float
-    """Four times the standard deviation."""
-    tz_s: float | None
-    """Mean time between zero up-crossings."""
-    tp_s: float | None
-    """Period at the peak of the spectrum; None where the record is shorter than three of them."""
-    tm01_s: float | None
-    """m0 / m1; None where there is no peak period."""
-    tm02_s: float | None
-    """sqrt(m0 / m2); None where there is no peak period."""
-    waves: int
-    """Waves from one zero up-crossing to the next."""
-    hmax_m: float | None
-    """The highest."""
+    hs_m: float | None  # mean height of the highest third of the waves
+    hm0_m: float  # four times the standard deviation
+    tz_s: float | None  # mean time between zero up-crossings
+    tp_s: float | None  # period at the peak of the spectrum; None where the record is shorter than three of them
+    tm01_s: float | None  # m0 / m1; None where there is no peak period
+    tm02_s: float | None  # sqrt(m0 / m2); None where there is no peak period
+    waves: int  # from one zero up-crossing to the next
+    hmax_m: float | None  # height of the highest wave
 
     def numbers(self) -> dict[str, float | None]:
         """All of them by name."""
@@ -82,7 +70,7 @@ class Sea:
 def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` on, and the heights (n,) [m] of each elevation
     gauge; raises ValueError."""
-    if Path(path).suffix.lower() == ".elev":
+    if path.suffix.lower() == ".elev":
         time, height = exchange.of_openfast(path)
         table = {f"WaveElev{SUFFIX}": height}
     else:
@@ -106,9 +94,7 @@ def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarr
 def stand_in(heights: np.ndarray) -> int | None:
     """The first row whose height (n,) [m] no sea has: far from all others and reached at once, or nothing but nines."""
     off = np.abs(heights - np.median(heights))
-    nines = np.array(
-        [len(digits) > 2 and set(digits) == {"9"} for digits in (f"{abs(h):g}".replace(".", "") for h in heights)]
-    )
+    nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > TALLEST) & bool((np.abs(np.diff(heights)) > TALLEST).any())
     rows = np.flatnonzero(far | nines & (off >= UNLIKE * np.median(off)))
     return int(rows[0]) if len(rows) else None
@@ -131,14 +117,9 @@ def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     return float((time[-1] - time[0]) / (len(time) - 1)), np.asarray(height, dtype=float)
 
 
-def about_the_middle(interval: float, samples: int) -> np.ndarray:
-    """(n,) times [s] of the samples of a record from its middle on."""
-    return interval * (np.arange(samples) - 0.5 * (samples - 1))
-
-
 def trend(interval: float, values: np.ndarray) -> float:
     """Slope [m/s] of the straight line through a record, by least squares."""
-    t = about_the_middle(interval, len(values))
+    t = interval * (np.arange(len(values)) - 0.5 * (len(values) - 1))
     return float(t @ values / (t @ t))
 
 
@@ -152,12 +133,11 @@ class Treatment:
     """How far the record must fall below zero, and then rise above it, for an up-crossing to count [m]: noise of less
     than that makes no waves."""
 
-    def deviation(self, interval: float, values: np.ndarray) -> np.ndarray:
+    def deviation(self, values: np.ndarray) -> np.ndarray:
         """(n,) a record less its level [m]."""
-        level = values.mean()
-        if self.detrended:
-            level = level + trend(interval, values) * about_the_middle(interval, len(values))
-        return np.asarray(values - level)
+        from scipy.signal import detrend
+
+        return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
         """What the tables say of it; nothing of a record as it was."""
@@ -170,13 +150,12 @@ AS_IT_WAS = Treatment()
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
     """A sentence on a trend or a tide that makes a record's height RAISED or more times that of its waves, or None."""
-    treated = treatment.deviation(interval, values)
-    level = Treatment(detrended=True).deviation(interval, values)
+    treated = treatment.deviation(values)
+    level = Treatment(detrended=True).deviation(values)
     if not treatment.detrended and treated.std() > max(RAISED * level.std(), STILL):
         factor = f"{treated.std() / level.std():.2g} times" if level.std() > STILL else "all of"
-        return (
-            f"a trend of {trend(interval, values):.3g} m/s makes the height {factor} that of its waves; take --detrend"
-        )
+        slope = f"a trend of {trend(interval, values):.3g} m/s"
+        return f"{slope} makes the height {factor} that of its waves; take --detrend"
     amplitudes = np.fft.rfft(treated)
     amplitudes[np.fft.rfftfreq(len(treated), interval) < 1.0 / SLOWEST_WAVE] = 0.0
     waves = np.fft.irfft(amplitudes, len(treated)).std()
@@ -259,7 +238,7 @@ def spectra(
     """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
     segments of that record which needs the longest."""
     even = {name: evenly(time, height) for name, height in heights.items()}
-    records = {name: (interval, treatment.deviation(interval, values)) for name, (interval, values) in even.items()}
+    records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL]
     count = min((segments(*record) for record in moving), default=SEGMENTS)
     estimates = {name: welch(*record, count) for name, record in records.items()}
@@ -295,7 +274,7 @@ def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_
     two zero up-crossings has a deviation, and nothing else.
     """
     interval, values = evenly(time, height)
-    deviation = treatment.deviation(interval, values)
+    deviation = treatment.deviation(values)
     if np.ptp(deviation) <= STILL:
         return Sea(0.0, 0.0, None, None, None, None, 0, 0.0)
     heights, periods = zero_crossing_waves(interval, deviation, treatment.hysteresis)

@@ -1,8 +1,9 @@
 """Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and converted to other axes."""
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,16 +13,14 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.csv_file import NAMED, Table
 from ocean_sim.files.input_file import Checked, Rule
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 TIME = csv_file.TIME
 QUATERNION = ("qw", "qx", "qy", "qz")
-MOTIONS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
+ANGLES = ("roll_rad", "pitch_rad", "yaw_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
 FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
-REQUIRED = ("time_s", *MOTIONS, *RATES, *FORCES)
-UNITS = ("_rad_s", "_m_s2", "_rad", "_m", "_s")
+REQUIRED = (TIME, "sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad", *RATES, *FORCES)
+UNIT = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
+Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
 AXES = {frame: conventions.FRAMES[frame] @ conventions.FRAMES["flu"].T for frame in ("flu", "ned", "ship")}
@@ -43,10 +42,7 @@ COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noi
 MIN_COMPARED_ROWS = 8  # fewer are alike by chance
 # Correlations of a column with its opposite, at most with another column, and with itself.
 OPPOSITE, UNLIKE, ALIKE = -0.8, 0.8, 0.9
-MAX_FACTOR, MAX_FELT_FACTOR = (
-    1.5,
-    3.0,
-)  # between columns that say the same; felt is also what short waves do between rows
+MAX_FACTOR, MAX_FELT_FACTOR = 1.5, 3.0  # between columns that say the same; a ship also feels what short waves do
 MIN_TURN, MIN_SPEED, MIN_CHANGE, MIN_FELT = 1e-3, 0.01, 0.01, 0.05  # [rad/s], [m/s], [m/s2]: less is not compared
 SURE_TURN = 0.05  # [rad/s] beside which angles, or rates, that move by less than a tenth of it are wrong
 MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
@@ -87,6 +83,22 @@ class MotionLog(NamedTuple):
     every: float  # time between rows [s]
     ride: Ride
 
+    @property
+    def compared_rows(self) -> int:
+        """Number of rows over which columns are compared: of COMPARED_SECONDS, or less in a short log."""
+        return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
+
+    def changes(self, values: np.ndarray) -> np.ndarray:
+        """(m - n, 3) mean rate of change of (m, 3) values over the n rows that are compared."""
+        n = self.compared_rows
+        return (values[n:] - values[:-n]) / (n * self.every)
+
+    def means(self, values: np.ndarray) -> np.ndarray:
+        """(m - n, 3) mean of (m, 3) values over the n rows that are compared, by the trapezoidal rule."""
+        n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
+        whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
+        return (whole[n:] - whole[:-n]) / n
+
 
 def signs(frame: str) -> np.ndarray:
     """(3,) by which roll, pitch and yaw about the frame's own axes, in their FLU sense, have to be taken."""
@@ -95,42 +107,37 @@ def signs(frame: str) -> np.ndarray:
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
     """What a platform needs of columns along the axes of this frame."""
-    turn = signs(frame)
-    force = np.column_stack([table[name] for name in FORCES]) @ FRAMES[frame]
-    rate = np.column_stack([table[name] for name in RATES]) * turn
-    attitude = np.column_stack([table[name] for name in ("roll_rad", "pitch_rad", "yaw_rad")]) * turn
-    return Ride(table["time_s"], table.get("seq", np.arange(len(force))).astype(int), force, rate, attitude)
+    force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in (FORCES, RATES, ANGLES))
+    seq = table.get("seq", np.arange(len(force))).astype(int)
+    return Ride(table[TIME], seq, force @ FRAMES[frame], rate * signs(frame), attitude * signs(frame))
 
 
 def read(path: str | Path) -> MotionLog:
     """A whole motion log. Raises Unreadable, a ValueError, where it cannot be read, or is none."""
     table = csv_file.Table(path)
-    missing = [name for name in REQUIRED if name not in table]
-    if missing:
-        unit = next(unit for unit in UNITS if missing[0].endswith(unit))
+    missing = next((name for name in REQUIRED if name not in table), None)
+    if missing is not None:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED]
-        other = [name for name in words if name.startswith(missing[0].removesuffix(unit) + "_")]
-        found = f", but {other[0]}: it has another unit" if other else ""
-        raise NAMED.broken(path, f"it has no column {missing[0]}{found}")
+        other = next((name for name in words if name.startswith(UNIT.sub("_", missing))), None)
+        raise NAMED.broken(path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}")
     frame = table.head.get("frame", "ship")
     if frame not in FRAMES:
         raise AXES_NAMED.broken(path, f"its head says frame {frame!r}")
     table.series(*(name for name in (*REQUIRED, "seq") if name in table), fewest=2)
-    every = spacing(table)
-    ride = ride_of(table, frame)
-    believable(table, ride, frame, every)
-    agreeing(table, ride, frame, every)
-    return MotionLog(table, "ship" if frame == "world" else frame, every, ride)
+    log = MotionLog(table, "ship" if frame == "world" else frame, spacing(table), ride_of(table, frame))
+    believable(log)
+    agreeing(log)
+    return log
 
 
 def spacing(table: Table) -> float:
     """Time between rows [s], which has to be the same everywhere."""
     time, steps = table[TIME], np.diff(table[TIME])
     every = float(np.median(steps))
-    off = np.abs(steps - every) > UNEVEN * every + table.resolution(TIME)[1:]
-    seq_steps = np.diff(table["seq"]) if "seq" in table else np.ones(len(steps))
-    if off.any() or (seq_steps != 1).any():
-        k = int(np.argmax(off | (seq_steps != 1)))
+    off = np.abs(steps - every) > UNEVEN * every + table.resolution(TIME)
+    off |= np.diff(table.get("seq", np.arange(len(time)))) != 1
+    if off.any():
+        k = int(np.argmax(off))
         where = f"between {time[k]:.12g} s and {time[k + 1]:.12g} s, rows {k + 1} and {k + 2}"
         raise EVEN.broken(table.path, f"rows are missing or out of order {where}; they should be {every:g} s apart")
     if every > 1.0 / SLOWEST:
@@ -144,134 +151,100 @@ def as_logged(every: float) -> float:
     return float(f"{every:.8g}")
 
 
-def believable(table: Table, ride: Ride, frame: str, every: float) -> None:
+def believable(log: MotionLog) -> None:
     """Refuse what no ship can do: jumps, other units, angles and rates that disagree, gravity along another axis."""
-    time, path = ride.time, table.path
-    position = np.column_stack([table[name] for name in MOTIONS[:3]])
-    jump, leap = np.linalg.norm(np.diff(position, axis=0), axis=1), leaps(ride.attitude)
-    if (jump > FASTEST * np.diff(time)).any():
-        k = int(np.argmax(jump))
-        found = f"the ship jumps by {jump[k]:.3g} m between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
-        raise POSSIBLE.broken(path, found)
+    ride, time, path, pose = log.ride, log.ride.time, log.table.path, rotation(log.ride)
+    jump = np.linalg.norm(np.diff(position(log), axis=0), axis=1)
+    leap = np.degrees((pose[:-1].inv() * pose[1:]).magnitude())
+    for size, most, words in (
+        (jump, FASTEST, "jumps by {:.3g} m between {}"),
+        (leap, np.degrees(FASTEST_TURN), "turns by {:.3g} degrees between {}; are its angles in degrees?"),
+    ):
+        if (size > most * np.diff(time)).any():
+            k = int(np.argmax(size))
+            where = f"{time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
+            raise POSSIBLE.broken(path, f"the ship {words.format(size[k], where)}")
     if np.abs(ride.rate).max() > FASTEST_TURN or np.abs(ride.attitude).max() > 1000.0:
         raise POSSIBLE.broken(path, f"it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
-    angles, n = [f"{name}_rad" for name in ("roll", "pitch", "yaw")], compared_rows(ride, every)
-    turn, rate = change_over(np.unwrap(ride.attitude, axis=0), n, every), mean_over(euler_rates(ride), n)
-    compare(table, angles, RATES, turn, rate, MIN_TURN)
-    if (leap > FASTEST_TURN * np.diff(time)).any():
-        k, angle = int(np.argmax(leap)), np.degrees(leap.max())
-        found = f"the ship turns by {angle:.3g} degrees between {time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
-        raise POSSIBLE.broken(path, f"{found}; are its angles in degrees?")
+    turn, rate = log.changes(np.unwrap(ride.attitude, axis=0)), log.means(euler_rates(ride))
+    compare(path, (ANGLES, turn), (RATES, rate), MIN_TURN)
     sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
     for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
-        found = f"{angles[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
+        found = f"{ANGLES[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
         raise AGREEING.broken(path, found)
-    upward = turned(ride.attitude, ride.specific_force)[:, 2]
-    felt, up = float(np.median(np.linalg.norm(ride.specific_force, axis=1))), float(upward.mean())
+    felt = float(np.median(np.linalg.norm(ride.specific_force, axis=1)))
+    up = float(turned(ride.attitude, ride.specific_force)[:, 2].mean())
     if 0.5 < felt < 2.0 or felt > MOST_FELT:
         unit = "g" if felt < 2.0 else "another unit"
         found = f"its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is it in {unit}?"
         raise POSSIBLE.broken(path, found)
     if felt > 5.0 and up < 0.5 * felt:
-        means = f"frame {frame}, {AXES_IN_WORDS['ship' if frame == 'world' else frame]}"
+        means = f"frame {log.table.head.get('frame', 'ship')}, {AXES_IN_WORDS[log.frame]}"
         found = f"gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?"
         raise AXES_NAMED.broken(path, found)
 
 
-def agreeing(table: Table, ride: Ride, frame: str, every: float) -> None:
+def agreeing(log: MotionLog) -> None:
     """Refuse positions and what follows from them that disagree, by how they change within COMPARED_SECONDS."""
-    n = compared_rows(ride, every)
+    table, pose, axes = log.table, rotation(log.ride), FRAMES[log.frame]
     for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
-        pairs = [pair for pair in pairs if all(name in table for name in pair)]
+        pairs = [pair for pair in pairs if table.keys() >= {*pair}]
         if pairs:
             names, others = zip(*pairs)
             whole, parts = (np.column_stack(table.finite(*columns)) for columns in (names, others))
-            compare(table, names, others, change_over(whole, n, every), mean_over(parts, n), least)
-    felt = tuple(FORCES[int(np.abs(column).argmax())] for column in FRAMES[frame].T)
-    position = np.column_stack([table[name] for name in ("surge_m", "sway_m", "heave_m")]) * signs(frame)
-    body = rotation(ride.attitude).inv()
-    says = change_over(change_over(position, n, every), n, every)
-    follows = body[n : len(body) - n].apply(says) + mean_over(mean_over(body.apply([0.0, 0.0, GRAVITY]), n), n)
-    made = ("positions, angles and gravity",) * 3
-    compare(table, felt, made, mean_over(mean_over(ride.specific_force, n), n), follows, MIN_FELT, MAX_FELT_FACTOR)
+            compare(table.path, (names, log.changes(whole)), (others, log.means(parts)), least)
+    says, gravity = log.changes(log.changes(position(log))), pose.inv().apply([0.0, 0.0, GRAVITY])
+    n = (len(pose) - len(says)) // 2
+    follows = pose[n : len(pose) - n].inv().apply(says) + log.means(log.means(gravity))
+    felt = FORCES, log.means(log.means(log.ride.specific_force)) @ axes.T
+    compare(table.path, felt, (("positions, angles and gravity",) * 3, follows @ axes.T), MIN_FELT, MAX_FELT_FACTOR)
     if all(name in table for name in QUATERNION):
-        from scipy.spatial.transform import Rotation
-
         w, *vector = table.finite(*QUATERNION)
-        quaternion = np.column_stack([np.column_stack(vector) @ FRAMES[frame], w])
-        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0)
-        if off.max() > MAX_TURNED_APART:
-            raise AGREEING.broken(
-                table.path, f"its quaternion is {off.max():.3g} from unit length in row {off.argmax() + 1}"
+        quaternion = np.column_stack([np.column_stack(vector) @ axes, w])
+        off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0).max()
+        apart = np.median(2.0 * np.arccos(np.minimum(np.abs((quaternion * pose.as_quat()).sum(axis=1)), 1.0)))
+        if max(off, apart) > MAX_TURNED_APART:
+            found = (
+                f"its quaternion, qw first, is up to {off:.3g} from unit length and in half of the rows {apart:.3g} rad"
             )
-        pose = Rotation.from_quat(quaternion)
-        apart = float(np.median((body * pose).magnitude()))
-        if apart > MAX_TURNED_APART:
-            found = f"its quaternion, qw first, is {apart:.3g} rad from its angles in half of the rows"
-            raise AGREEING.broken(table.path, f"{found}: is its order another, or its sense?")
+            raise AGREEING.broken(table.path, f"{found} from its angles: is its order another, or its sense?")
 
 
-def compared_rows(ride: Ride, every: float) -> int:
-    """Number of rows over which columns are compared: of COMPARED_SECONDS, or less in a short log."""
-    return max(1, min(round(COMPARED_SECONDS / every), len(ride.time) // 4))
-
-
-def change_over(values: np.ndarray, n: int, every: float) -> np.ndarray:
-    """(m - n, 3) mean rate of change of (m, 3) values over n rows that are `every` [s] apart."""
-    return (values[n:] - values[:-n]) / (n * every)
-
-
-def mean_over(values: np.ndarray, n: int) -> np.ndarray:
-    """(m - n, 3) mean of (m, 3) values over n rows, by the trapezoidal rule."""
-    whole = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(0.5 * (values[1:] + values[:-1]), axis=0)])
-    return (whole[n:] - whole[:-n]) / n
-
-
-def compare(
-    table: Table,
-    names: Sequence[str],
-    others: Sequence[str],
-    says: np.ndarray,
-    follows: np.ndarray,
-    least: float,
-    most: float = MAX_FACTOR,
-) -> None:
-    """Refuse columns that say (n, k) where (n, k) follows from `others`: another sign, axis or unit; where either moves
-    less than `least`, nothing is known."""
+def compare(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
+    """Refuse columns (n, k) that disagree with others (n, k): another sign, axis or unit; where either moves less than
+    `least`, nothing is known."""
+    (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
         return
     says, follows = says - says.mean(axis=0), follows - follows.mean(axis=0)
-    size, other = says.std(axis=0), follows.std(axis=0)
-    known = (size > least) & (other > least)
-    like = np.where(
-        known[:, None] & known, says.T @ follows / len(says) / np.maximum(np.outer(size, other), 1e-300), 0.0
-    )
+    sizes = np.stack([says.std(axis=0), follows.std(axis=0)])
+    known = (sizes > least).all(axis=0)
+    like = says.T @ follows / len(says) / np.maximum(np.outer(*sizes), 1e-300) * np.outer(known, known)
     for i in np.flatnonzero(known).tolist():
-        own, k, ratio = like[i, i], int(np.abs(like[i]).argmax()), size[i] / other[i]
-        factor = np.copysign(ratio, own)
-        found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {own:.2f})"
-        if own < OPPOSITE:
-            raise AGREEING.broken(table.path, f"{found}: is one of the other sign?")
-        if abs(like[i, k]) > ALIKE and own < UNLIKE:
-            raise AGREEING.broken(table.path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
-        if own > ALIKE and not 1.0 / most < ratio < most:
+        match, k, ratio = like[i, i], int(np.abs(like[i]).argmax()), sizes[0, i] / sizes[1, i]
+        factor = np.copysign(ratio, match)
+        found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {match:.2f})"
+        if match < OPPOSITE:
+            raise AGREEING.broken(path, f"{found}: is one of the other sign?")
+        if abs(like[i, k]) > ALIKE and match < UNLIKE:
+            raise AGREEING.broken(path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
+        if match > ALIKE and not 1.0 / most < ratio < most:
             apart = max(ratio, 1.0 / ratio)
             unit = next((unit for factor, unit in UNIT_FACTORS.items() if 0.9 < apart / factor < 1.1), "another unit")
-            raise AGREEING.broken(table.path, f"{found}: is one in {unit}?")
+            raise AGREEING.broken(path, f"{found}: is one in {unit}?")
 
 
-def leaps(attitude: np.ndarray) -> np.ndarray:
-    """(n - 1,) angle from row to row [rad], about whichever axis."""
-    pose = rotation(attitude)
-    return (pose[:-1].inv() * pose[1:]).magnitude()
+def position(log: MotionLog) -> np.ndarray:
+    """(n, 3) surge, sway and heave [m] in their FLU sense."""
+    return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * signs(log.frame)
 
 
-def rotation(attitude: np.ndarray) -> "Rotation":
-    """(n,) turns of body axes to those of the world by (n, 3) roll, pitch and yaw [rad]."""
+def rotation(ride: Ride) -> Any:
+    """SciPy's rotations (n,) of body axes to those of the world."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_euler("ZYX", attitude[:, ::-1])
+    return Rotation.from_euler("ZYX", ride.attitude[:, ::-1])
 
 
 def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
@@ -291,26 +264,19 @@ def euler_rates(ride: Ride) -> np.ndarray:
 
 
 def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
-    """The rows of a log in the axes of another frame; columns that have no axes stay as they are written."""
-    found = origins(log.table.names, AXES[frame] @ AXES[log.frame].T)
-    for row in log.table.rows:
-        cells = log.table.cells(row)
-        yield [negated(cells[k]) if turned else cells[k] for k, turned in found]
-
-
-def origins(names: list[str], turn: np.ndarray) -> list[tuple[int, bool]]:
-    """Of each column the one whose cells it gets, and whether they change their sign: an axis of any frame is plus or
-    minus one of another's."""
-    found = [(k, False) for k in range(len(names))]
+    """The rows of a log in the axes of another frame, each of which is plus or minus one of the log's own; columns that
+    have no axes stay as they are written."""
+    names, turn = log.table.names, AXES[frame] @ AXES[log.frame].T
+    sources = {name: (name, False) for name in names}  # of each column, and whether they change their sign
     for triple in vectors(names):
-        own = [names.index(name) for name in triple]
-        for column, row in zip(own, turn):
+        for name, row in zip(triple, turn):
             k = int(np.argmax(np.abs(row)))
-            found[column] = own[k], bool(row[k] < 0.0)
+            sources[name] = triple[k], bool(row[k] < 0.0)
     if (turn < 0.0).any():
-        for k in map(names.index, sideways(names)):
-            found[k] = k, True
-    return found
+        sources |= {name: (name, True) for name in sideways(names)}
+    for cells in map(log.table.cells, log.table.rows):
+        own = dict(zip(names, cells))
+        yield [negated(own[source]) if negative else own[source] for source, negative in sources.values()]
 
 
 def negated(cell: str) -> str:

@@ -24,7 +24,7 @@ from typing import Any
 from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files import input_file
 from ocean_sim.files.claim import Claim
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.whole_file import write_facts
 from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
 from ocean_sim.parts import PACKAGE
 
@@ -61,8 +61,8 @@ def answers(
         indices.setdefault(address(order), []).append(k)
     waiting = {}
     for name, same in indices.items():
-        kept = _kept(out / name)
-        if kept is None:
+        kept = input_file.facts(out / name / ANSWER)
+        if not kept:
             waiting[name] = orders[same[0]]
         else:
             yield from ((k, kept) for k in same)
@@ -89,13 +89,13 @@ def answers(
 def performed(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
     """The answer of an order, computed in a child of this process unless it exists already."""
     run = Path(folder)
-    kept = _kept(run)
-    if kept is not None:
+    kept = input_file.facts(run / ANSWER)
+    if kept:
         return kept
     if _over.is_set():
         return failure("the study was stopped before")
     run.mkdir(parents=True, exist_ok=True)
-    _write(run / ORDER, order)
+    write_facts(run / ORDER, order)
     began = perf_counter()
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with leash() as theirs:
@@ -117,8 +117,7 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
             reason = f"it was ended at its limit of {limit:g} s of wall time"
         finally:
             _running.discard(child)
-    answer = _kept(run)
-    return failure(reason, perf_counter() - began) if answer is None else answer
+    return input_file.facts(run / ANSWER) or failure(reason, perf_counter() - began)
 
 
 def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
@@ -145,21 +144,6 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
         yield client.get_executor(pure=False)
 
 
-def _kept(folder: Path) -> dict[str, Any] | None:
-    """The answer in a folder, if there is a complete one."""
-    try:
-        answer = input_file.document(folder / ANSWER)
-    except ValueError:
-        return None
-    return answer if isinstance(answer, dict) else None
-
-
-def _write(path: Path, data: dict[str, Any]) -> None:
-    """A whole file or none."""
-    with whole(path) as draft:
-        draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-
-
 def _why(code: int, errors: str) -> str:
     """Why a process left no answer."""
     if code < 0:
@@ -175,7 +159,7 @@ def _main(folder: Path) -> None:
     with stoppable(), Claim(folder):
         order = input_file.document(folder / ORDER)
         try:
-            _write(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+            write_facts(folder / ANSWER, import_module(order["task"]).answer(order, folder))
         except Refused as why:
             sys.exit(str(why))
 

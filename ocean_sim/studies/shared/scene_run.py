@@ -19,8 +19,7 @@ PICTURES = ("render", "frames", "report")  # a study makes none unless it is ask
 
 def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
     """The order of a scene's run; `threads` where the scene leaves them open."""
-    content = {"task": __name__, "scene": config.resolved(), "inputs": config.inputs()}
-    return content | {"machine": {"threads": threads}}
+    return {"task": __name__, "scene": config.resolved(), "inputs": config.inputs(), "machine": {"threads": threads}}
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:

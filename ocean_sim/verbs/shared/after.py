@@ -1,17 +1,16 @@
 """`ocean-sim render` and `export`: pictures and files made from a finished run."""
 
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files import input_file, run_files
+from ocean_sim.files import run_files
 from ocean_sim.files.claim import MANIFEST
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
 
 SHOWN = 8  # lines, at most, that name what was written
-PARTICLES, SURFACES, SCENES = ("vtkhdf", "ply"), ("ply", "vtp", "vtkhdf"), ("usd", "glb")
+KINDS = {"particles": ("vtkhdf", "ply"), "surface": ("ply", "vtp", "vtkhdf"), "scene": ("usd", "glb")}
 
 
 def render(folder: Path, asked: dict[str, Any], fps: float | None, out: Path | None, as_json: bool) -> None:
@@ -88,18 +87,15 @@ def export(
     """Files for ParaView, Blender and others from the frames of a run."""
     if particles is None and surface is None and scene is None:
         raise console.Refused("name what to export: --particles vtkhdf, --surface vtp, --scene usd, ...")
-    if particles is not None and particles not in PARTICLES:
-        raise console.Refused(f"--particles {particles}: choose vtkhdf or ply")
-    if surface is not None and surface not in SURFACES:
-        raise console.Refused(f"--surface {surface}: choose ply, vtp or vtkhdf")
-    if scene is not None and scene not in SCENES:
-        raise console.Refused(f"--scene {scene}: choose usd or glb")
+    asked: dict[str, Any] = {"particles": particles, "surface": surface, "scene": scene, "z_up": z_up, "every": every}
+    for option, kinds in KINDS.items():
+        if asked[option] not in (None, *kinds):
+            raise console.Refused(f"--{option} {asked[option]}: choose {', '.join(kinds[:-1])} or {kinds[-1]}")
     if scene == "glb" and z_up:
         raise console.Refused("--z-up: in glTF y is up; readers turn it")
     finished(folder)
     from ocean_sim.pictures.export import export_run
 
-    asked: dict[str, Any] = {"particles": particles, "surface": surface, "scene": scene, "z_up": z_up, "every": every}
     with console.claim(out or folder / "export") as written:
         files = export_run(folder, out=written, **asked)
         run_files.add(folder, files)
@@ -117,9 +113,8 @@ def finished(folder: Path) -> None:
 
 def say_whether_ended(folder: Path) -> None:
     """A sentence about a run that is not over."""
-    with suppress(ValueError, AttributeError):  # there may be no manifest, or none that can be read
-        if input_file.document(folder / MANIFEST).get("outcome") == "running":
-            console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
+    if run_files.read_manifest(folder).get("outcome") == "running":
+        console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 
 def made(files: list[Path], as_json: bool) -> None:

@@ -138,11 +138,6 @@ def claim(out: Path, *ours: str) -> Claim:
     return claimed(out, *ours, named=f"--out {out}")
 
 
-def megabytes(count: float) -> float:
-    """Bytes in MB."""
-    return count / 1e6
-
-
 def drawn(draw: Callable[..., object], *about: Any) -> bool:
     """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
     missing = extra_missing("pictures")

@@ -59,14 +59,13 @@ def of_scene(
     if by is not None and by not in known:
         raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
     judge = by or known[0]
-    console.drawn(
-        pareto.draw_scene, out / "tradeoff.png", rows, [judge, *(name for name in known if name != judge)][:6], limit
-    )
+    known = [judge, *(name for name in known if name != judge)]
+    console.drawn(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
     found = None if limit is None else answer(plan, rows, judge, limit, seeds, out, as_json)
     if as_json:
         console.answer({"judged_by": judge, "rows": rows, "answer": found, "clocks": clocks_differ(rows)})
         return
-    show(rows, judge, known)
+    show(rows, known)
     if limit is not None:
         console.say(verdict(found, rows, judge, limit))
         if told := clocks_differ(rows):
@@ -132,17 +131,9 @@ def answer(
     return None
 
 
-def show(rows: list[dict[str, Any]], judge: str, known: list[str]) -> None:
+def show(rows: list[dict[str, Any]], known: list[str]) -> None:
     """The settings for people, the cheapest first."""
-    names = [
-        "setting",
-        "wall_per_s",
-        "cpu_per_s",
-        "wall_s",
-        judge,
-        f"{judge}_spread",
-        *[k for k in known if k != judge][:3],
-    ]
+    names = ["setting", *CLOCKS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)

@@ -1,7 +1,7 @@
 """What `ocean-sim waves` leaves next to the record: tables and a plot."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,23 +28,23 @@ def cell(value: float | None) -> str:
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
-def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
-    """A row a gauge, under comment lines with notes."""
+def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], **notes: str) -> None:
+    """A table, in whole or not at all, under comment lines with notes."""
     with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["gauge", *COLUMNS.values()])
-        for name, sea in found.items():
-            values = [sea.numbers()[key] for key in COLUMNS.values()]
-            rows.writerow([name, *("" if value is None else f"{value:.9g}" for value in values)])
+        csv.writer(file, lineterminator="\n").writerows([list(heads), *rows])
+
+
+def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
+    """A row a gauge, under comment lines with notes."""
+    numbers = {name: [getattr(sea, key) for key in COLUMNS.values()] for name, sea in found.items()}
+    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
+    write_rows(path, ["gauge", *COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     """Arrays (n,) under their names."""
-    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(columns)
-        rows.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values()))
+    write_rows(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
 def draw(
@@ -84,9 +84,3 @@ def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
         [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
     ]
-
-
-def write_orbits(path: Path, rows: Sequence[Sequence[str]]) -> None:
-    """Rows of `orbit_rows` under their names."""
-    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([ORBIT, *rows])

@@ -136,10 +136,8 @@ class Config(PeriodicConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, misread = super().warnings(preflight), preflight.fluid.misread
         for name, sensor in self.sensors.items():
-            if not sensor.rides and any(
-                (in_space(sensor.at) > low).all() and (in_space(sensor.at) < up).all()
-                for low, up in preflight.tank.fixed
-            ):
+            at = in_space(sensor.at)
+            if not sensor.rides and any((at > low).all() and (at < up).all() for low, up in preflight.tank.fixed):
                 found.append(f"pressure.{name} is inside an obstacle, where there is no water")
         return [*found, misread] if self.pressure and misread else found
 

@@ -99,9 +99,9 @@ def seeds(scene: Model) -> set[int]:
     return {model.seed for _, _, model in models(scene) if isinstance(model, Spectrum)}
 
 
-def idle_keys(scene: Model, parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
+def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
     """A sentence for each key of a scene and its parts that is given and changes nothing."""
-    for root, part in {"scene": scene, **parts}.items():
+    for root, part in parts.items():
         rules = RULES
         if isinstance(part, FluidConfig):
             unread = f"water of kind {part.kind} does not read it"

@@ -88,10 +88,8 @@ class Resistance:
         self.munk = munk
         self.warnings = [] if self.rolling is None else self.rolling.warnings
         if self.rolling is not None and config.roll:
-            self.warnings = [
-                *self.warnings,
-                f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda",
-            ]
+            adds = f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda"
+            self.warnings = [*self.warnings, adds]
 
     def undamped(self, free: Collection[str]) -> Iterator[str]:
         """Motions of those that are free which nothing damps, or nothing but the waves of a table."""

@@ -93,11 +93,7 @@ def disc() -> np.ndarray:
     return np.concatenate(rings)
 
 
-def nearest(
-    point: np.ndarray,
-    flats: Sequence[tuple[int, float]],
-    boxes: Sequence[tuple[tuple[float, ...], tuple[float, ...]]],
-) -> int | None:
+def nearest(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
     """The axis across the nearest of flat sides (axis and position [m]) and of the faces of boxes; of several equally
     near the first; None where there are none."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]

@@ -125,9 +125,8 @@ def of_capytaine(file: str) -> BemTable:
                 headings = np.degrees(data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
-                for motion in names:
-                    own = parts[0, words.index(motion)] + 1j * parts[1, words.index(motion)]
-                    force[Motions._fields.index(motion)] = own[inwards][:, order]
+                numbers = [Motions._fields.index(motion) for motion in names]
+                force[numbers] = (parts[0] + 1j * parts[1])[rows][:, inwards][:, :, order]
                 found = Scattered(headings[inwards], force)
             speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
             depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None

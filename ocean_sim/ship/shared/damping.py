@@ -51,12 +51,7 @@ class Resistance:
     """The damping of one hull."""
 
     def __init__(
-        self,
-        config: Damping,
-        hull: Hydrostatics,
-        added: np.ndarray,
-        radiated: Collection[str] = (),
-        munk: float = 0.0,
+        self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
     ) -> None:
         """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
         to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""

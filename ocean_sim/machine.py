@@ -38,14 +38,10 @@ def cache_directory() -> Path:
 
 def memory() -> int:
     """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
-    limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
+    limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]
     for file in CONTAINER:
         with suppress(OSError, ValueError):  # there is no such bound
             limits.append(int(Path(file).read_text()))
-    if sys.platform != "win32":
-        import resource
-
-        limits += [bound for bound in resource.getrlimit(resource.RLIMIT_AS)[:1] if bound != resource.RLIM_INFINITY]
     return min(limits)
 
 
@@ -59,13 +55,13 @@ def memory_left() -> int:
     return min(memory(), 1024 * (told["MemAvailable:"] + told["SwapFree:"] + told["VmRSS:"]))
 
 
-def most_open_files() -> int:
-    """Files that this process may have open at once."""
+def resource_limit(name: str) -> int:
+    """Limit of the system on this process, by the name in `resource`; sys.maxsize where there is none."""
     if sys.platform == "win32":
-        return 8192
+        return sys.maxsize
     import resource
 
-    limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    limit = resource.getrlimit(getattr(resource, name))[0]
     return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
 

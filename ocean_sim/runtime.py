@@ -7,8 +7,7 @@ import tempfile
 import threading
 import time
 import weakref
-from collections.abc import Iterator
-from contextlib import chdir, contextmanager, redirect_stdout, suppress
+from contextlib import chdir, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import wraps
 from io import StringIO
@@ -247,14 +246,13 @@ def _noted(finalize: Any) -> Any:
         global _numbered, _short
         variables = [*impl.get_runtime().global_vars]
         _numbered = True
-        with _unprinted():
-            try:
-                tree = finalize(builder, raise_warning)
-            except RuntimeError as error:
-                if not re.search("alloc|out of memory", str(error), re.IGNORECASE):
-                    raise
-                _short = True
-                raise MemoryError(NO_MEMORY) from None
+        try:
+            tree = finalize(builder, raise_warning)
+        except RuntimeError as error:
+            if not re.search("alloc|out of memory", str(error), re.IGNORECASE):
+                raise
+            _short = True
+            raise MemoryError(NO_MEMORY) from None
         _allocations.append(Allocation(tree, variables))
         return tree
 
@@ -262,16 +260,6 @@ def _noted(finalize: Any) -> Any:
 
 
 FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
-
-
-@contextmanager
-def _unprinted() -> Iterator[None]:
-    """Let Taichi raise an error without printing it, too."""
-    ti.set_logging_level(ti.CRITICAL)
-    try:
-        yield
-    finally:
-        ti.set_logging_level(ti.ERROR)
 
 
 NO_MEMORY = "there is no memory for the fields of this simulation; try a larger resolution, or fewer particles"
@@ -347,7 +335,7 @@ class Fields:
             program.synchronize()  # a GPU may still be at work
             for one in there:
                 _allocations.remove(one)
-                with suppress(RuntimeError), _unprinted():  # after kernels of another thread; the next start frees it
+                with suppress(RuntimeError):  # after kernels of another thread; the next start frees it
                     one.tree.ptr.destroy_snode_tree(program)
         for one in self.allocations:
             one.forget(CLOSED)
@@ -372,8 +360,8 @@ def start(config: RuntimeConfig) -> Backend:
     another thread is open, or one at all after memory ran out.
     """
     with _starting:
-        if _short and _open:
-            raise RuntimeError(SHORT)
+        if _open and (_short or threading.get_ident() != _thread):
+            raise RuntimeError(SHORT if _short else ELSEWHERE)
         if _started is not None and not restarts(config):
             return _started[1]
         return _start(config)
@@ -381,8 +369,6 @@ def start(config: RuntimeConfig) -> Backend:
 
 def _start(config: RuntimeConfig) -> Backend:
     global _started, _numbered, _short, _thread
-    if _started is not None and _open and threading.get_ident() != _thread:
-        raise RuntimeError(ELSEWHERE)
     if config.library not in (None, kernel_library.NAME):
         raise BackendMissing(
             f"runtime.library: {config.library} was chosen, but this process already computes with "
@@ -409,13 +395,12 @@ def _start(config: RuntimeConfig) -> Backend:
             offline_cache=True,
             offline_cache_file_path=str(_kernel_cache()),
             offline_cache_max_size_of_files=CACHE_SIZE,
-            log_level=ti.ERROR,
+            log_level=ti.CRITICAL,  # an error is raised, and not printed as well
         )
     obtained = impl.current_cfg().arch.name
     arch = obtained if obtained in GRAPHICS else "cpu"
     if config.arch not in (arch, "auto") and not (config.arch == "gpu" and arch != "cpu"):
         ti.reset()
-        _started = None
         raise BackendMissing(
             f"runtime.arch: {config.arch} was asked for, but this machine gave {arch}; "
             "set runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"

@@ -314,42 +314,34 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
                 found.append(((*key, "file"), f"{error}"))
                 unread.add(k)
                 continue
-        d = basin.dimension
-        met: set[str] = set()
         for time in gate.moments(duration).tolist():
             moved = gate.at(time)
             assert moved is not None
-            if d == 2 and moved.velocity[2] != 0.0:
-                met.add("a 2-D basin, in x-y, has no motion along z")
+            if basin.dimension == 2 and moved.velocity[2] != 0.0:
+                found.append((key, "a 2-D basin, in x-y, has no motion along z"))
                 break
-            low, up = np.array(box.min) + moved.way[:d], np.array(box.max) + moved.way[:d]
-            out = beyond(low.tolist(), up.tolist(), basin)
-            if out:
-                met.add(f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s; let it {leave} before")
+            low, up = (np.add(end, moved.way[: basin.dimension]) for end in (box.min, box.max))
+            if out := beyond(low.tolist(), up.tolist(), basin):
+                where = f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s"
+                found.append((key, f"{where}; let it {leave} before"))
                 break
         for j, other in enumerate(obstacles):
             if j == k or j in unread or (other.gate is not None and j > k):
                 continue
             if (crossing := meeting(box, other, duration)) is not None:
-                met.add(f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before")
-        found += [(key, sentence) for sentence in sorted(met)]
+                found.append((key, f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before"))
     return found
 
 
 def meeting(box: Obstacle, other: Obstacle, duration: float) -> float | None:
     """First time [s] at which two obstacles overlap while both are there, as they move straight on between moments."""
-    gates = [gate for gate in (box.gate, other.gate) if gate is not None]
-    end = min(gate.moments(duration)[-1] for gate in gates)
-    times = np.unique(np.concatenate([np.minimum(gate.moments(duration), end) for gate in gates]))
-    ways = [[moved.way for time in times.tolist() if (moved := gate.at(time)) is not None] for gate in gates]
-    way = np.array(ways[0]) - (np.array(ways[1]) if len(ways) == 2 else 0.0)
-    if box.gate is None:
-        way = -way
-    way = way[:, : len(box.min)]
+    gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
+    times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
+    ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
+    way = np.sum(ways, axis=0)[:, : len(box.min)]
     least = np.subtract(other.min, box.max) + ROUNDING  # of the way from which on they overlap along each axis
     most = np.subtract(other.max, box.min) - ROUNDING
-    step = np.diff(way, axis=0)
-    step = np.where(step == 0.0, 1e-300, step)
+    step = np.where((step := np.diff(way, axis=0)) == 0.0, 1e-300, step)
     with np.errstate(over="ignore"):
         at = np.stack([(least - way[:-1]) / step, (most - way[:-1]) / step])
     enter = np.maximum(at.min(axis=0).max(axis=1), 0.0)  # share of a step

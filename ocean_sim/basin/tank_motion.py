@@ -4,6 +4,7 @@ The tank is simulated in its own axes. Its motion then is an acceleration of the
 results are given in the axes of the tank.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,9 +27,7 @@ Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 SAMPLES = 4000  # of a recorded motion, for its mean frequency
 JOLT = 0.05  # of the highest speed of a recorded motion: more than that at one of its ends is a jump
 FEWEST_ROWS = 4  # of a cubic spline
-ONE_AXIS = Rule(
-    "it has the column of one axis (x_m, y_m, z_m, roll_x_rad, roll_y_rad, roll_z_rad), or `axis` says which"
-)
+ONE_AXIS = Rule("it has the column of one axis, such as x_m, roll_z_rad or roll_z_deg, or `axis` says which")
 CHECKS = (Checked("Motion of the tank, `basin.motion.file`: a table over time of four rows or more", (ONE_AXIS,)),)
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
 
@@ -197,18 +196,13 @@ class Recorded(Tank):
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
         table = csv_file.Table(self.file)
-        names = {name.removesuffix("_m").removesuffix("_rad"): name for name in table}
-        names |= {
-            name.removesuffix("_deg"): name for name in table if name.startswith("roll_") and name.endswith("_deg")
-        }
+        names = {re.sub("(?<=roll_[xyz])_deg$|_rad$|_m$", "", name): name for name in table}
         axes: list[Axis] = [axis for axis in Axis.__args__ if axis in names]  # type: ignore[attr-defined]
         if self.axis is not None:
             axes = [axis for axis in axes if axis == self.axis]
         if len(axes) != 1:
-            there = (
-                f"it has columns of {' and '.join(axes)}" if axes else f"it has no column of {self.axis or 'an axis'}"
-            )
-            raise ONE_AXIS.broken(self.file, there)
+            there = f"columns of {' and '.join(axes)}" if axes else f"no column of {self.axis or 'an axis'}"
+            raise ONE_AXIS.broken(self.file, f"it has {there}")
         name = names[axes[0]]
         times, moved = table.series(name, fewest=FEWEST_ROWS)
         return axes[0], times, np.radians(moved) if name.endswith("_deg") else moved

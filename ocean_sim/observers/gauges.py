@@ -93,11 +93,7 @@ def disc() -> np.ndarray:
     return np.concatenate(rings)
 
 
-def nearest(
-    point: np.ndarray,
-    flats: Sequence[tuple[int, float]],
-    boxes: Sequence[tuple[tuple[float, ...], tuple[float, ...]]],
-) -> int | None:
+def nearest(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
     """The axis across the nearest of flat sides (axis and position [m]) and of the faces of boxes; of several equally
     near the first; None where there are none."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]
@@ -136,10 +132,8 @@ class Config(PeriodicConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, misread = super().warnings(preflight), preflight.fluid.misread
         for name, sensor in self.sensors.items():
-            if not sensor.rides and any(
-                (in_space(sensor.at) > low).all() and (in_space(sensor.at) < up).all()
-                for low, up in preflight.tank.fixed
-            ):
+            at = in_space(sensor.at)
+            if not sensor.rides and any((at > low).all() and (at < up).all() for low, up in preflight.tank.fixed):
                 found.append(f"pressure.{name} is inside an obstacle, where there is no water")
         return [*found, misread] if self.pressure and misread else found
 

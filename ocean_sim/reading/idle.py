@@ -1,12 +1,10 @@
 """Keys that are given and change nothing, because another key or part is missing, zero, or stands in their place.
 
-A key counts as given where its value is not its default. Each rule names keys below their part, `[]` standing for every
-entry of a list or mapping, when they have an effect, and the reason where they have none.
+A key counts as given where its value is not its default.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from ocean_sim.basin.tank_motion import Harmonic
 from ocean_sim.conventions import Motions
@@ -14,153 +12,104 @@ from ocean_sim.model import Model
 from ocean_sim.parts import FluidConfig, Preflight, slot_of
 from ocean_sim.waves import Spectrum
 
-MOTIONS, REPLACED = Motions._fields, ("mass", "centre_of_mass", "inertia")
 GRAPHICS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
 
 
-class Rule(NamedTuple):
-    """When some keys have an effect."""
-
-    keys: str
-    has_effect: Callable[[Any, Preflight, Any], Any]  # of the mapping that holds the key, the scene, and the part
-    reason: str
-
-
-def particles(mapping: Any, known: Preflight, part: Any) -> bool:
+def particles(mapping: Any, known: Preflight, *_: Any) -> bool:
     """True if the water is made of particles."""
     return known.fluid.made_of_particles
 
 
-def has_stops(mapping: Any, known: Preflight, part: Any) -> bool:
+def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
     """True if particles can meet a wall, a floor, a lid or an obstacle."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
-def is_none(key: str, mapping: Any, known: Preflight, part: Any) -> bool:
-    """True if the part leaves a key open."""
-    return getattr(part, key) is None
+SEEDED = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
+
+# Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
+# mapping h, the scene k, the part p and the key n; and the reason where they have none.
+RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
+    ("scene", "seed", lambda h, k, p, *_: not (found := seeds(p)) or h.seed in found or k.wind.is_random, SEEDED),
+    ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS, "a graphics processor does the work"),
+    ("basin.walls", "z z_min z_max", lambda h, k, *_: k.tank.dimension == 3, "a slice has no sides across z"),
+    ("basin.walls", "x", lambda h, *_: None in (h.x_min, h.x_max), "x_min and x_max stand in its place"),
+    ("basin.walls", "z", lambda h, *_: None in (h.z_min, h.z_max), "z_min and z_max stand in its place"),
+    ("basin", "walls", lambda h, k, *_: h.walls == "none" or particles(h, k), "a sea in closed form passes its sides"),
+    ("basin", "floor lid", particles, "a sea in closed form has no friction and no lid"),
+    ("basin", "friction restitution", has_stops, "no particle meets a side here"),
+    ("basin.lid", "velocity", lambda h, *_: h.slip == "no_slip", "water slides along a lid of free_slip"),
+    ("basin.motion", "about", lambda h, *_: not isinstance(h, Harmonic) or "roll" in h.axis, "the tank does not roll"),
+    ("basin.obstacles.motion", "start", lambda h, k, *_: h.start < k.duration, "the run ends before"),
+    ("sea.rim", "velocity", lambda h, k, *_: not k.ships, "the band lies opposite the ship"),
+    ("sea", "onset breaking", lambda h, *_: h.order == 3, "only a sea of order 3 is nonlinear"),
+    ("fluid", "onset breaking", lambda h, *_: h.order == 3, "only a sea of order 3 is nonlinear"),
+    ("fluid", "collision_distance", has_stops, "no particle meets a side here"),
+    ("fluid.initial", "seed", lambda h, *_: h.disorder, "there is no disorder"),
+    ("wind", "noise_every", lambda h, *_: h.is_random, "the wind has no noise"),
+    ("wind", "targets", lambda h, k, *_: h.targets != ["ship"] or k.ships, "there is no ship"),
+    ("wind.volumes", "targets", lambda h, k, *_: h.targets != ["ship"] or k.ships, "there is no ship"),
+    ("wind.volumes", "lift_coefficient", lambda h, *_: h.wind_speed, "there is no wind_speed"),
+    ("wind.volumes", "redraw_yaw_deg redraw_strength", lambda h, *_: h.velocity.any(), "it does not drift"),
+    (
+        "wind.volumes",
+        "heading_deg",
+        lambda h, *_: h.wind_speed or h.schedule or (not isinstance(h.drift, tuple) and h.drift),
+        "there is neither a wind_speed nor a drift along it",
+    ),
+    ("wind", "pressure_gain wave_speed", lambda h, *_: h.sheltering, "without sheltering no pressure acts on waves"),
+    ("wind", "u10 heading_deg", lambda h, *_: h.schedule is None, "the schedule stands in its place"),
+    ("ship.propeller", "wake", lambda h, *_: h.zero_thrust_speed, "without a zero_thrust_speed no speed lowers thrust"),
+    ("ship.propeller", "diameter", lambda h, k, p, *_: p.rudder, "there is no rudder in its slipstream"),
+    ("ship.helm", "look_ahead arrival", lambda h, *_: h.route, "she holds a heading, and sails no route"),
+    ("ship", "contact", lambda h, k, *_: h.contact is None or particles(h, k), "there are no particles to meet"),
+    ("ship", "moorings", lambda h, *_: h.free, "all of her motions are held"),
+    ("ship.hull", "mass centre_of_mass inertia", lambda h, k, p, n: getattr(p, n) is None, "the ship has its own"),
+    (
+        "ship.added_mass",
+        " ".join(Motions._fields),
+        lambda h, k, p, n: p.table is None or Motions._fields.index(n) not in p.table.numbers,
+        "the table of radiation has it",
+    ),
+    ("platform.washout", "rate_limit_deg", lambda h, *_: {*h.rotation_frequency} != {None}, "no axis has a high-pass"),
+    ("health", "max_speed max_density_ratio max_level_ratio max_distance max_energy_gain", particles, "no particles"),
+    ("frames", "particles", particles, "there are none"),
+    ("preview", "content", particles, "there are no particles"),
+    ("gauges.pressure", "normal", lambda h, *_: h.diameter, "the gauge is a point, without a diameter"),
+    ("render", "particles", particles, "there are none"),
+    ("render", "foam_cover", lambda h, *_: h.foam, "no foam is drawn"),
+    ("render", "wind", lambda h, k, *_: not k.wind.still, "there is no wind"),
+    ("render", "every", lambda h, *_: h.film, "there is no film"),
+]
 
 
-def untabled(motion: str, mapping: Any, known: Preflight, part: Any) -> bool:
-    """True if a ship has no table of radiation that gives a motion."""
-    return part.table is None or MOTIONS.index(motion) not in part.table.numbers
+def models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
+    """All models inside a value, each with its path and its place, which names entries of lists and mappings too."""
+    if isinstance(value, Model):
+        yield path, place, value
+        for name in type(value).model_fields:
+            yield from models(getattr(value, name), f"{path}.{name}", f"{place}.{name}")
+    elif isinstance(value, Mapping | list | tuple):
+        for key, entry in value.items() if isinstance(value, Mapping) else enumerate(value):
+            yield from models(entry, path, f"{place}.{key}")
 
 
-SAME = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
-RULES = {
-    "scene": [
-        Rule("seed", lambda h, k, p: not (seeds := spectrum_seeds(p)) or h.seed in seeds or k.wind.is_random, SAME)
-    ],
-    "runtime": [Rule("threads pin", lambda h, k, p: h.arch not in GRAPHICS, "a graphics processor does the work")],
-    "basin": [
-        Rule("walls.z walls.z_min walls.z_max", lambda h, k, p: k.tank.dimension == 3, "a slice has no sides across z"),
-        Rule("walls.x", lambda h, k, p: h.x_min is None or h.x_max is None, "x_min and x_max stand in its place"),
-        Rule("walls.z", lambda h, k, p: h.z_min is None or h.z_max is None, "z_min and z_max stand in its place"),
-        Rule("walls", lambda h, k, p: h.walls == "none" or particles(h, k, p), "a sea in closed form passes its sides"),
-        Rule("floor lid", particles, "a sea in closed form has no friction and no lid"),
-        Rule("friction restitution", has_stops, "no particle meets a side here"),
-        Rule("lid.velocity", lambda h, k, p: h.slip == "no_slip", "water slides along a lid of free_slip"),
-        Rule("motion.about", lambda h, k, p: not isinstance(h, Harmonic) or "roll" in h.axis, "the tank does not roll"),
-        Rule("obstacles[].motion.start", lambda h, k, p: h.start < k.duration, "the run ends before"),
-    ],
-    "sea": [
-        Rule("rim.velocity", lambda h, k, p: not k.ships, "the band lies opposite the ship"),
-        Rule("onset breaking", lambda h, k, p: h.order == 3, "only a sea of order 3 is nonlinear"),
-    ],
-    "fluid": [
-        Rule("collision_distance", has_stops, "no particle meets a side here"),
-        Rule("onset breaking", lambda h, k, p: h.order == 3, "only a sea of order 3 is nonlinear"),
-        Rule("initial.seed", lambda h, k, p: h.disorder, "there is no disorder"),
-    ],
-    "wind": [
-        Rule("noise_every", lambda h, k, p: h.is_random, "the wind has no noise"),
-        Rule("targets volumes[].targets", lambda h, k, p: h.targets != ["ship"] or k.ships, "there is no ship"),
-        Rule("volumes[].lift_coefficient", lambda h, k, p: h.wind_speed, "there is no wind_speed"),
-        Rule(
-            "volumes[].redraw_yaw_deg volumes[].redraw_strength", lambda h, k, p: h.velocity.any(), "it does not drift"
-        ),
-        Rule(
-            "volumes[].heading_deg",
-            lambda h, k, p: h.wind_speed or h.schedule or (not isinstance(h.drift, tuple) and h.drift),
-            "there is neither a wind_speed nor a drift along it",
-        ),
-        Rule("pressure_gain wave_speed", lambda h, k, p: h.sheltering, "without sheltering no pressure acts on waves"),
-        Rule("u10 heading_deg", lambda h, k, p: h.schedule is None, "the schedule stands in its place"),
-    ],
-    "ship": [
-        Rule(
-            "propeller.wake", lambda h, k, p: h.zero_thrust_speed, "without a zero_thrust_speed no speed lowers thrust"
-        ),
-        Rule("propeller.diameter", lambda h, k, p: p.rudder, "there is no rudder in its slipstream"),
-        Rule("helm.look_ahead helm.arrival", lambda h, k, p: h.route, "she holds a heading, and sails no route"),
-        Rule("contact", lambda h, k, p: h.contact is None or particles(h, k, p), "there are no particles to meet"),
-        Rule("moorings", lambda h, k, p: h.free, "all of her motions are held"),
-        *(Rule(f"hull.{key}", partial(is_none, key), f"the ship's own {key} replaces it") for key in REPLACED),
-        *(
-            Rule(f"added_mass.{motion}", partial(untabled, motion), "the table of radiation has it")
-            for motion in MOTIONS
-        ),
-    ],
-    "platform": [
-        Rule(
-            "washout.rate_limit_deg",
-            lambda h, k, p: any(frequency is not None for frequency in h.rotation_frequency),
-            "no axis has a high-pass",
-        )
-    ],
-    "health": [
-        Rule("max_speed max_density_ratio max_level_ratio max_distance max_energy_gain", particles, "no particles")
-    ],
-    "frames": [Rule("particles", particles, "there are none")],
-    "preview": [Rule("content", particles, "there are no particles")],
-    "gauges": [Rule("pressure[].normal", lambda h, k, p: h.diameter, "the gauge is a point, without a diameter")],
-    "render": [
-        Rule("particles", particles, "there are none"),
-        Rule("foam_cover", lambda h, k, p: h.foam, "no foam is drawn"),
-        Rule("wind", lambda h, k, p: not k.wind.still, "there is no wind"),
-        Rule("every", lambda h, k, p: h.film, "there is no film"),
-    ],
-}
+def seeds(scene: Model) -> set[int]:
+    """Seeds of all spectra in a scene."""
+    return {model.seed for _, _, model in models(scene) if isinstance(model, Spectrum)}
 
 
-def spectrum_seeds(model: Any) -> set[int]:
-    """Seeds of all spectra inside a model."""
-    if isinstance(model, Mapping | list | tuple):
-        entries = model.values() if isinstance(model, Mapping) else model
-        return set().union(*(spectrum_seeds(one) for one in entries))
-    if not isinstance(model, Model):
-        return set()
-    own = {model.seed} if isinstance(model, Spectrum) else set()
-    return own.union(*(spectrum_seeds(getattr(model, name)) for name in type(model).model_fields))
-
-
-def mappings(value: Any, steps: list[str], place: str) -> Iterator[tuple[str, Model]]:
-    """The models at the end of a path, each with its place."""
-    if not steps:
-        if isinstance(value, Model):
-            yield place, value
-        return
-    name, each = steps[0].removesuffix("[]"), steps[0].endswith("[]")
-    if not isinstance(value, Model) or name not in type(value).model_fields:
-        return
-    inner = getattr(value, name)
-    entries = (inner.items() if isinstance(inner, Mapping) else enumerate(inner or ())) if each else [("", inner)]
-    for key, entry in entries:
-        yield from mappings(entry, steps[1:], f"{place}.{name}.{key}" if each else f"{place}.{name}")
-
-
-def idle_keys(scene: Model, parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
+def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
     """A sentence for each key of a scene and its parts that is given and changes nothing."""
-    for place, part in {"scene": scene, **parts}.items():
-        rules = RULES.get(slot_of(place), [])
+    for root, part in parts.items():
+        rules = RULES
         if isinstance(part, FluidConfig):
             unread = f"water of kind {part.kind} does not read it"
-            rules = [*rules, *(Rule(key, lambda h, k, p: False, unread) for key in part.unheeded)]
-        for keys, has_effect, reason in rules:
-            for path in keys.split():
-                *above, name = path.split(".")
-                for where, mapping in mappings(part, above, place):
-                    field = type(mapping).model_fields.get(name)
-                    default = None if field is None else field.get_default(call_default_factory=True)
-                    if field is not None and getattr(mapping, name) != default and not has_effect(mapping, known, part):
-                        yield f"{where}.{name}".removeprefix("scene.") + f" has no effect: {reason}"
+            rules = [*RULES, ("fluid", " ".join(part.unheeded), lambda h, *_: False, unread)]
+        for path, place, mapping in models(part, slot_of(root), root):
+            fields = type(mapping).model_fields
+            for where, keys, has_effect, reason in rules:
+                for key in keys.split() if where == path else ():
+                    if key in fields and getattr(mapping, key) != fields[key].get_default(call_default_factory=True):
+                        if not has_effect(mapping, known, part, key):
+                            yield f"{place}.{key}".removeprefix("scene.") + f" has no effect: {reason}"

@@ -121,15 +121,14 @@ class SceneConfig(Heading):
 
     def warnings(self) -> list[str]:
         """The warnings of every part, and keys that have no effect."""
-        preflight = self.preflight
-        found = {key: part.warnings(preflight) for key, part in self.parts().items()}
+        preflight, parts = self.preflight, self.parts()
         told = [
             f"{key}: {sentence}" if slot_of(key) != key else sentence
-            for key, sentences in found.items()
-            for sentence in sentences
+            for key, part in parts.items()
+            for sentence in part.warnings(preflight)
         ]
-        whole = {"basin": self.basin, "runtime": self.runtime} | self.parts()
-        return told + list(idle_keys(self, whole, preflight))
+        whole = {"scene": self, "basin": self.basin, "runtime": self.runtime} | parts
+        return [*told, *idle_keys(whole, preflight)]
 
     def resolved(self) -> dict[str, Any]:
         """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the

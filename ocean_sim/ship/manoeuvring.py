@@ -194,8 +194,7 @@ class Manoeuvring(Vessel):
         body, before, (of, *gained) = self.body, self.asked, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0
-            momentum = body.angular_momentum - less
-            self.body = replace(body, velocity=body.velocity - slower, angular_momentum=momentum)
+            self.body = replace(body, velocity=body.velocity - slower, angular_momentum=body.angular_momentum - less)
         super().advance(load, dt)
         mean = (before + self.asked) / 2.0
         self.revolutions = mean + (self.revolutions - mean) * exp(-dt / DELAY)

@@ -13,12 +13,12 @@ import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.machine import most_open_files
+from ocean_sim.machine import resource_limit
 from ocean_sim.viewer.protocol import LONGEST, LOOKS, VERSION, BadMessage, Command, command
 
 if TYPE_CHECKING:
@@ -90,21 +90,20 @@ class Connections:
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
-        self.limit = max(1, min(MAX_CONNECTIONS, int(MAX_FILE_SHARE * most_open_files())))
+        self.limit = max(1, min(MAX_CONNECTIONS, int(MAX_FILE_SHARE * resource_limit("RLIMIT_NOFILE"))))
         self.answering: set[Any] = set()  # a whole request has come, and no answer is ready
         self.progress: dict[Any, tuple[float, int]] = {}  # when anything was sent last [s], and bytes to be sent
 
-    def waiting(self) -> "list[tuple[Any, asyncio.WriteTransport]]":
-        """Connections without a whole request, the oldest first."""
-        found = [(one, one.transport) for one in self.protocols.connections if one not in self.answering]
-        return [(one, line) for one, line in found if line is not None and not line.is_closing()]
+    def waiting(self) -> list[Any]:
+        """Transports of connections without a whole request, the oldest first."""
+        lines = [one.transport for one in self.protocols.connections if one not in self.answering]
+        return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
         """Protocol of one more connection; beyond the limit the oldest that is waiting is closed, else this one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
-        lines = [line for _, line in self.waiting()]
-        if not lines:
+        if not (lines := self.waiting()):
             return Closing()
         min(lines, key=lambda line: line.get_write_buffer_size() > 0).abort()
         return self.protocols()
@@ -114,10 +113,10 @@ class Connections:
         while True:
             await asyncio.sleep(0.1 * MAX_REQUEST_SECONDS)
             before, self.progress, now = self.progress, {}, monotonic()
-            for one, line in self.waiting():
+            for line in self.waiting():
                 unsent = line.get_write_buffer_size()
-                since, then = before.get(one, (now, unsent))
-                self.progress[one] = (since if unsent == then else now, unsent)
+                since, then = before.get(line, (now, unsent))
+                self.progress[line] = (since if unsent == then else now, unsent)
                 if unsent == then and now - since > (STALLED if unsent else MAX_REQUEST_SECONDS):
                     line.abort()
 
@@ -247,33 +246,27 @@ class Server:
         runner = web.AppRunner(app, access_log=None, logger=self.log, shutdown_timeout=1.0)
         await runner.setup()
         assert runner.server is not None
-        self.connections, line, watching = Connections(runner.server), None, None
-        try:
+        self.connections = Connections(runner.server)
+        async with AsyncExitStack() as last:
+            last.push_async_callback(runner.cleanup)
             for port in [self.port] if self.port is not None else [PORT, 0]:
                 try:
-                    waiting = max(1, self.connections.limit // 2)  # taken at once, before any is closed
-                    line = await self.loop.create_server(
-                        self.connections, self.host, port, reuse_address=True, backlog=waiting
-                    )
-                    self.port = line.sockets[0].getsockname()[1]
+                    most = max(1, self.connections.limit // 2)  # taken at once, before any is closed
+                    make = self.loop.create_server
+                    line = await make(self.connections, self.host, port, reuse_address=True, backlog=most)
                     break
                 except OSError as error:
                     self.failure = f"--port {port} on {self.host}: {error.strerror or error}; choose another"
             else:
                 return
-            self.failure = ""
+            last.callback(line.close)
+            self.port, self.failure = line.sockets[0].getsockname()[1], ""
             self.ready.set()
-            watching = asyncio.create_task(self.connections.watch())
+            last.callback(asyncio.create_task(self.connections.watch()).cancel)
             await self.stopping.wait()
             for watcher in [*self.all.values()]:
                 with suppress(Exception):
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
-        finally:
-            if line is not None:
-                line.close()
-            if watching is not None:
-                watching.cancel()
-            await runner.cleanup()
 
     def handle(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Say once that no more files can be opened; asyncio tries again, and reports anything else."""

@@ -84,9 +84,7 @@ class Session:
         self.pilots: dict[str, Helmsman] = {}  # who sail a route
         self.sailed: dict[str, int] = {}  # on which leg they were last
         self.done = False
-        config = source.load()
-        must_fit(config)
-        self.start(config)
+        self.start(fitting(source))
 
     def start(self, config: SceneConfig, folder: Path | None = None) -> None:
         """Build a simulation, whose files go to a folder that is thrown away unless one is given."""
@@ -279,7 +277,7 @@ class Session:
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
-                must_fit(source.load())
+                fitting(source)
                 self.moved = {}
                 self.panel.sliders = []
                 self.rebuild(source)
@@ -314,8 +312,7 @@ class Session:
         """Play a source from its beginning; the one that is played goes on where it cannot be loaded or is too large,
         and begins again where another cannot be built. True if the source is played."""
         more = {} if folder is None else {"render": None}
-        config = load_text(source.text, source.name, source.folder, {**source.overrides, **more}, source.profile)
-        must_fit(config)
+        config = fitting(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
         before, built, said = (self.source, self.config), False, []
         try:
@@ -340,14 +337,11 @@ class Session:
         """Begin anew, and keep the whole run folder."""
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
-        try:
-            built = self.rebuild(self.source, folder)
-        except BaseException:
-            claim.close()
-            raise
-        if not built:
-            claim.close()
-            return
+        with ExitStack() as failed:
+            failed.callback(claim.close)
+            if not self.rebuild(self.source, folder):
+                return
+            failed.pop_all()
         self.claim, self.panel.paused = claim, False
         for label, value in self.moved.items():
             self.note(f"{label} = {value:g}")
@@ -439,8 +433,9 @@ class Session:
             self.end()
 
 
-def must_fit(config: SceneConfig) -> None:
-    """Raise Refused where a scene takes more memory than this process can have."""
+def fitting(source: Source) -> SceneConfig:
+    """Load a scene; raises Refused where it takes more memory than this process can have."""
+    config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.memory_left()
     if taken > left:
@@ -448,6 +443,7 @@ def must_fit(config: SceneConfig) -> None:
             f"this scene takes {taken / 1e9:.1f} GB of memory, and {left / 1e9:.1f} GB are left; try a larger "
             "resolution, or fewer particles"
         )
+    return config
 
 
 def wind_name(source: Source) -> str:

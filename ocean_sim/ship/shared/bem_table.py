@@ -24,7 +24,6 @@ from ocean_sim.ship.shared.rigid_body import cross
 
 FREQUENCY = "omega_rad_s"
 ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
-COUPLED = {("kg", "kg"): "kg", ("kg", "kg_m2"): "kg_m", ("kg_m2", "kg"): "kg_m", ("kg_m2", "kg_m2"): "kg_m2"}
 UNEQUAL = 0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
 ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
 DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
@@ -55,7 +54,7 @@ class BemTable(NamedTuple):
 def columns_of(motion: str, other: str) -> tuple[str, str]:
     """What the columns of a motion, or of what two motions do to each other, are called."""
     whole = motion if motion == other else f"{motion}_{other}"
-    unit = ADDED[motion] if motion == other else COUPLED[(ADDED[motion], ADDED[other])]
+    unit = ADDED[motion] if ADDED[motion] == ADDED[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
@@ -82,12 +81,10 @@ def of_csv(file: str) -> BemTable:
         raise ValueError(f"{shown(file)}: nothing reads the column {', '.join(unread)}; {right}")
     table.finite(*wanted, *scattering)
     added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
-    for a, b in given:
-        i, j = names.index(a), names.index(b)
-        for whole, column in zip((added, damping), columns_of(a, b)):
-            whole[i, j] = table[column]
-            if (b, a) not in given:
-                whole[j, i] = table[column]
+    for (i, a), (j, b) in product(enumerate(names), repeat=2):
+        pair = (a, b) if (a, b) in given else (b, a)
+        if pair in given:
+            added[i, j], damping[i, j] = (table[column] for column in columns_of(*pair))
     found = None
     if scattering:
         headings = np.unique([heading for _, heading, _ in scattering.values()])
@@ -114,9 +111,7 @@ def of_capytaine(file: str) -> BemTable:
     content = BytesIO(input_file.content(file))
     try:
         with h5py.File(content) as data:
-            words, push = (
-                [motion.decode().lower() for motion in data_set(data, name, WORDS).tolist()] for name in DIRECTIONS
-            )
+            words, push = ([word.decode().lower() for word in data_set(data, name, WORDS)] for name in DIRECTIONS)
             omega = data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
@@ -130,9 +125,8 @@ def of_capytaine(file: str) -> BemTable:
                 headings = np.degrees(data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
-                for motion in names:
-                    own = parts[0, words.index(motion)] + 1j * parts[1, words.index(motion)]
-                    force[Motions._fields.index(motion)] = own[inwards][:, order]
+                numbers = [Motions._fields.index(motion) for motion in names]
+                force[numbers] = (parts[0] + 1j * parts[1])[rows][:, inwards][:, :, order]
                 found = Scattered(headings[inwards], force)
             speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
             depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None
@@ -155,10 +149,8 @@ def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
     i, j = np.unravel_index(apart.argmax(), apart.shape)
     if apart[i, j] > UNEQUAL:
-        both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]}"
-        raise input_file.Unreadable(
-            file, f"{both} is equal by reciprocity, and differs by {apart[i, j]:.0%} of their own entries"
-        )
+        both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]} is equal by reciprocity"
+        raise input_file.Unreadable(file, f"{both}, and differs by {apart[i, j]:.0%} of their own entries")
     return 0.5 * (matrix + mirrored)
 
 

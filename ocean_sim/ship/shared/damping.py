@@ -51,12 +51,7 @@ class Resistance:
     """The damping of one hull."""
 
     def __init__(
-        self,
-        config: Damping,
-        hull: Hydrostatics,
-        added: np.ndarray,
-        radiated: Collection[str] = (),
-        munk: float = 0.0,
+        self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
     ) -> None:
         """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
         to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
@@ -88,10 +83,8 @@ class Resistance:
         self.munk = munk
         self.warnings = [] if self.rolling is None else self.rolling.warnings
         if self.rolling is not None and config.roll:
-            self.warnings = [
-                *self.warnings,
-                f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda",
-            ]
+            adds = f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda"
+            self.warnings = [*self.warnings, adds]
 
     def undamped(self, free: Collection[str]) -> Iterator[str]:
         """Motions of those that are free which nothing damps, or nothing but the waves of a table."""

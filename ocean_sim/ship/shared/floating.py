@@ -25,7 +25,7 @@ from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
 from ocean_sim.ship.shared.outline import outline
-from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder, Track
+from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
 from ocean_sim.ship.shared.solid import Solid
 from ocean_sim.ship.shared.squat import squat
@@ -186,16 +186,15 @@ class FloatingConfig(VesselConfig):
 
     def unable(self) -> Problems:
         """Orders that the ship has nothing to follow with."""
-        found, pilot = Problems(), self.helm
+        found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
             cure = "give her one (thrust [N])" if self.propeller is None else "add surge to `free`"
             found.append((("helm",), f"asks for {pilot.speed:g} m/s, but {lacks}; {cure}, or leave helm out"))
-        autopilot = isinstance(self.controls, Autopilot)
         if (pilot is not None or autopilot) and self.rudder is None and "yaw" in self.free:
             key, order = ("controls", "a heading") if autopilot else ("helm", "a heading or a route")
-            lacks = "but she has no rudder; give her one (area, position)"
-            found.append(((key,), f"asks for {order}, {lacks}, or leave {key} out"))
+            cure = f"give her one (area, position), or leave {key} out"
+            found.append(((key,), f"asks for {order}, but she has no rudder; {cure}"))
         return found
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -287,12 +286,9 @@ class FloatingConfig(VesselConfig):
         if isinf(hull.draught):
             return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
         found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
-        orders = (
-            np.abs(Crew(self.controls).orders).max(axis=0) if isinstance(self.controls, list | Track) else (1.0, 0.0)
-        )
-        for order, part, moved in zip(("throttle", "rudder"), (self.propeller, self.rudder), orders):
-            if moved and part is None and self.controls != []:
-                lacks = "propeller" if order == "throttle" else "rudder"
+        orders = [(1.0, 0.0)] if isinstance(self.controls, Autopilot) else Crew(self.controls).orders
+        for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
+            if moved and getattr(self, lacks) is None:
                 found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
         if any(preflight.fluid.steady_force):
             found.append(

@@ -70,13 +70,12 @@ class Radiation:
             if not most > 0.0 or least < -NEGATIVE * most:
                 raise DAMPED.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
             if not last <= LEFT * most:
-                raise FALLEN.broken(
-                    file, f"at {omega[-1]:g} rad/s that of {name} still is {last / most:.0%} of its most"
-                )
+                still = f"that of {name} still is {last / most:.0%} of its most"
+                raise FALLEN.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
-    def couples(self, one: int, other: int) -> bool:
-        """True if the table has what one motion does to another, by their numbers in `Motions`."""
-        pair = self.numbers.index(one), self.numbers.index(other)
+    def couples(self, one: str, other: str) -> bool:
+        """True if the table has what one motion does to another."""
+        pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 
     @property
@@ -86,8 +85,8 @@ class Radiation:
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
         if lowest.min() < -GIVEN:
-            at = f"{self.omega[lowest.argmin()]:g} rad/s"
-            found.append(f"the damping of the table would give energy at {at}, which no hull's waves do")
+            at = self.omega[lowest.argmin()]
+            found.append(f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do")
         added = self.response.added
         most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
         if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -GIVEN or (added[own] <= 0.0).any():

@@ -35,12 +35,7 @@ OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre 
 DEEPEST = 1.0e5  # [m] as deep as any water
 ALIKE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
 COUPLED = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
-COUPLED_BY_ENDS = (
-    ("heave", "pitch"),
-    ("sway", "yaw"),
-    ("yaw", "roll"),
-    ("heave", "surge"),
-)  # unless its ends are alike
+COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave", "surge"))  # unless they are alike
 
 
 class SeakeepingConfig(FloatingConfig):
@@ -111,7 +106,7 @@ class SeakeepingConfig(FloatingConfig):
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
         if self.table is None or isinf(still.draught):
             return found
-        said = [*self.of_table(self.table, preflight), *self.table.doubts, *self.unsaid(self.table, still)]
+        said = [*self.of_table(self.table, preflight.tank, still), *self.table.doubts, *self.unsaid(self.table, still)]
         return found + [f"radiation: {sentence}" for sentence in said]
 
     def unsaid(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
@@ -121,12 +116,9 @@ class SeakeepingConfig(FloatingConfig):
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
         ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
         for a, b in COUPLED + (COUPLED_BY_ENDS if ends > ALIKE else ()):
-            i, j = Motions._fields.index(a), Motions._fields.index(b)
-            if a in names and b in names and not table.couples(i, j):
-                neither = (
-                    f"the table has {a} and {b}, and nothing of what they do to each other: neither feels the other"
-                )
-                yield f"{neither}; add {' and '.join(columns_of(a, b))}"
+            if a in names and b in names and not table.couples(a, b):
+                neither = f"the table has {a} and {b}, and nothing of what they do to each other"
+                yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
         periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
         for name in names:
             period = periods.get(name)
@@ -134,12 +126,11 @@ class SeakeepingConfig(FloatingConfig):
                 reach = f"{2.0 * pi / table.omega[-1]:.3g} to {2.0 * pi / table.omega[0]:.3g} s"
                 yield f"the natural period of {name}, {period:.3g} s, lies beyond the table, which has {reach}"
         if table.scattering is not None:
-            force = table.scattering.scattered.force
+            headings, force = table.scattering.scattered
             mute = [name for name in names if not force[Motions._fields.index(name)].any()]
             if mute:
-                them = ", ".join(mute)
-                yield f"the table has scattered waves, but not what they do in {them}: no wave moves her there"
-            headings = table.scattering.scattered.headings
+                lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
+                yield f"the table has scattered waves, but {lacks}"
             if len(headings) == 1:
                 only = f"waves that go to {headings[0]:g} degrees from her heading"
                 yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
@@ -147,10 +138,9 @@ class SeakeepingConfig(FloatingConfig):
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
 
-    def of_table(self, table: Radiation, preflight: Preflight) -> list[str]:
-        """Where a table is of another case than this one."""
-        found, tank = list[str](), preflight.tank
-        still = self.afloat(-tank.gravity[1], preflight.fluid.rest_density)
+    def of_table(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
+        """Differences between the case of a table and this one."""
+        found = list[str]()
         if self.propeller is not None or any(self.velocity):
             found.append(
                 "the table is of a hull without forward speed; under way it counts at the frequency of "
@@ -168,13 +158,11 @@ class SeakeepingConfig(FloatingConfig):
                     f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
                     f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
                 )
-        if table.axis is not None and not isinf(still.draught):
+        if table.axis is not None:
             centre = float(still.matter.centre[1]) - still.keel - still.draught
             if abs(table.axis - centre) > OFF * still.draught:
-                found.append(
-                    f"the table turns about a point {table.axis:.3g} m over the still water, the centre of "
-                    f"mass lies at {centre:.3g} m"
-                )
+                about = f"the table turns about a point {table.axis:.3g} m over the still water"
+                found.append(f"{about}, the centre of mass lies at {centre:.3g} m")
         return found
 
 

@@ -93,9 +93,8 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
-    axes = {"up": asked.up, "bow": asked.bow, "scale": asked.scale}
     is_file = Path(name).suffix.lower() in MESHES
-    given = [f"--{key}" for key, value in axes.items() if value is not None]
+    given = [f"--{key}" for key in ("up", "bow", "scale") if getattr(asked, key) is not None]
     if given and not is_file:
         raise console.Refused(f"{', '.join(given)} say how a mesh file is read, and {name} is none")
     if name in named("hull") or is_file:
@@ -299,19 +298,13 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     if depth <= afloat.draught:
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
     law, rows = slender(afloat), []
+    names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
     for froude in FROUDE:
         speed = froude * sqrt(GRAVITY * depth)
         at = law.at(speed, depth)
         bow = squat(afloat.wanted, afloat.length, speed, depth)
-        row = {
-            "froude": froude,
-            "speed_m_s": speed,
-            "sinkage_m": at.sinkage,
-            "trim_deg": degrees(at.trim),
-            "bow_m": bow,
-        }
-        lowest = max(bow, at.deepest)
-        rows.append(row | {"under_keel_m": depth - afloat.draught - lowest})
+        under_keel = depth - afloat.draught - max(bow, at.deepest)
+        rows.append(dict(zip(names, (froude, speed, at.sinkage, degrees(at.trim), bow, under_keel))))
     blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
     return rows, [blunt] if law.blunt else []
 

@@ -147,6 +147,8 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
     from ocean_sim.ship.shared.voxels import voxels
 
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
+    lower, upper = shape.shape.bounds()
+    keel, height = float(lower[1]), float(upper[1] - lower[1])
     if condition is not None:
         mass, at = condition.matter
         centre = (float(at[0]), float(at[1]), float(at[2]))
@@ -156,18 +158,13 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
     if mass is None:
         from ocean_sim.ship.shared.hull import COARSE
 
-        lower, upper = shape.shape.bounds()
-        mass = HALF * density_of(asked) * voxels(shape.shape, float(upper[1] - lower[1]) / COARSE).volume
+        mass = HALF * density_of(asked) * voxels(shape.shape, height / COARSE).volume
         notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
     if asked.cg is not None:
         centre = asked.cg
     if asked.kg is not None:
-        x, _, z = centre or (0.0, 0.0, 0.0)
-        if centre is None:
-            lower, upper = shape.shape.bounds()
-            cubes = voxels(shape.shape, float(upper[1] - lower[1]) / 24.0)
-            x, z = float(cubes.centroid[0]), float(cubes.centroid[2])
-        centre = (x, float(shape.shape.bounds()[0][1]) + asked.kg, z)
+        x, _, z = centre or voxels(shape.shape, height / 24.0).centroid.tolist()
+        centre = (x, keel + asked.kg, z)
     if centre is None:
         notes.append("no centre of mass is given: that of a hull of uniform density (--kg or --cg set another)")
     return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
@@ -182,9 +179,9 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     from ocean_sim.ship.shared.hydrostatics import UP
 
     assert asked.draught is not None
-    lower, upper = shape.shape.bounds()
-    if not asked.draught < float(upper[1] - lower[1]):
-        raise console.Refused(f"--draught: the hull is {float(upper[1] - lower[1]):g} m high, less than the draught")
+    height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
+    if not asked.draught < height:
+        raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
     still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
     return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())

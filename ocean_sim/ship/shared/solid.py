@@ -101,10 +101,8 @@ class Solid:
         content = self.content(spacing, rules, boxes) + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
-            points, water = (
-                np.concatenate([positions, beyond]),
-                np.arange(len(positions) + len(beyond)) < len(positions),
-            )
+            points = np.concatenate([positions, beyond])
+            water = np.arange(len(points)) < len(positions)
             own = (points - self.origin) @ self.turn + self.centre
             values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
             if self.flat:

@@ -93,9 +93,8 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
-    axes = {"up": asked.up, "bow": asked.bow, "scale": asked.scale}
     is_file = Path(name).suffix.lower() in MESHES
-    given = [f"--{key}" for key, value in axes.items() if value is not None]
+    given = [f"--{key}" for key in ("up", "bow", "scale") if getattr(asked, key) is not None]
     if given and not is_file:
         raise console.Refused(f"{', '.join(given)} say how a mesh file is read, and {name} is none")
     if name in named("hull") or is_file:
@@ -148,6 +147,8 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
     from ocean_sim.ship.shared.voxels import voxels
 
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
+    lower, upper = shape.shape.bounds()
+    keel, height = float(lower[1]), float(upper[1] - lower[1])
     if condition is not None:
         mass, at = condition.matter
         centre = (float(at[0]), float(at[1]), float(at[2]))
@@ -157,18 +158,13 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
     if mass is None:
         from ocean_sim.ship.shared.hull import COARSE
 
-        lower, upper = shape.shape.bounds()
-        mass = HALF * density_of(asked) * voxels(shape.shape, float(upper[1] - lower[1]) / COARSE).volume
+        mass = HALF * density_of(asked) * voxels(shape.shape, height / COARSE).volume
         notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
     if asked.cg is not None:
         centre = asked.cg
     if asked.kg is not None:
-        x, _, z = centre or (0.0, 0.0, 0.0)
-        if centre is None:
-            lower, upper = shape.shape.bounds()
-            cubes = voxels(shape.shape, float(upper[1] - lower[1]) / 24.0)
-            x, z = float(cubes.centroid[0]), float(cubes.centroid[2])
-        centre = (x, float(shape.shape.bounds()[0][1]) + asked.kg, z)
+        x, _, z = centre or voxels(shape.shape, height / 24.0).centroid.tolist()
+        centre = (x, keel + asked.kg, z)
     if centre is None:
         notes.append("no centre of mass is given: that of a hull of uniform density (--kg or --cg set another)")
     return shape.model_copy(update={"mass": mass, "centre_of_mass": centre})
@@ -183,9 +179,9 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     from ocean_sim.ship.shared.hydrostatics import UP
 
     assert asked.draught is not None
-    lower, upper = shape.shape.bounds()
-    if not asked.draught < float(upper[1] - lower[1]):
-        raise console.Refused(f"--draught: the hull is {float(upper[1] - lower[1]):g} m high, less than the draught")
+    height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
+    if not asked.draught < height:
+        raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
     still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
     return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())
@@ -299,19 +295,13 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     if depth <= afloat.draught:
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
     law, rows = slender(afloat), []
+    names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
     for froude in FROUDE:
         speed = froude * sqrt(GRAVITY * depth)
         at = law.at(speed, depth)
         bow = squat(afloat.wanted, afloat.length, speed, depth)
-        row = {
-            "froude": froude,
-            "speed_m_s": speed,
-            "sinkage_m": at.sinkage,
-            "trim_deg": degrees(at.trim),
-            "bow_m": bow,
-        }
-        lowest = max(bow, at.deepest)
-        rows.append(row | {"under_keel_m": depth - afloat.draught - lowest})
+        under_keel = depth - afloat.draught - max(bow, at.deepest)
+        rows.append(dict(zip(names, (froude, speed, at.sinkage, degrees(at.trim), bow, under_keel))))
     blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
     return rows, [blunt] if law.blunt else []
 

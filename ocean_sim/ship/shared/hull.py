@@ -60,10 +60,7 @@ class Hull(Model):
         breadth, height, length = (upper - lower).tolist()
         least, flat = self.finest, FLAT if cells <= OF_MOTIONS else 1.0
         mesh = self.shape.closed()
-        rough = self.floating(height / COARSE, density, gravity)
-        draught = rough.draught
-        if isinf(draught):
-            draught = height
+        draught = min(self.floating(height / COARSE, density, gravity).draught, height)
         if draught > min(breadth, length):  # slender and upright
             cells = max(cells, draught / min(breadth, length) * CUBES_ACROSS)
         if mesh is not None and mesh.thickness < draught / cells:

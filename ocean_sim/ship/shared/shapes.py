@@ -7,9 +7,9 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.conventions import AxisName
-from ocean_sim.files.input_file import FileName, content
+from ocean_sim.files.input_file import FileName, Unreadable, content
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.ship.shared.mesh import ClosedMesh, from_file
+from ocean_sim.ship.shared.mesh import BadMesh, ClosedMesh, closed_mesh
 
 Box3 = tuple[np.ndarray, np.ndarray]
 
@@ -17,7 +17,6 @@ Box3 = tuple[np.ndarray, np.ndarray]
 class HullShape(Model):
     """What every shape has."""
 
-    is_mesh: ClassVar[bool] = False  # whether it is `closed`, and knows no `inside`
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
@@ -104,8 +103,7 @@ class Cylinder(HullShape):
     """Radius of the circle."""
 
     def bounds(self) -> Box3:
-        half = np.array([self.radius, 0.0, self.length / 2])
-        return -half, half + [0.0, 2.0 * self.radius, 0.0]
+        return upright(2.0 * self.radius, 2.0 * self.radius, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
@@ -120,8 +118,7 @@ class Sphere(HullShape):
     """Radius of the ball."""
 
     def bounds(self) -> Box3:
-        half = np.array([self.radius, 0.0, self.radius])
-        return -half, half + [0.0, 2.0 * self.radius, 0.0]
+        return upright(*[2.0 * self.radius] * 3)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
@@ -143,16 +140,8 @@ class Outline(HullShape):
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
-    def inside(self, x: np.ndarray) -> np.ndarray:
-        from scipy.spatial import ConvexHull
-
-        within = np.ones(x.shape[:-1], dtype=bool)
-        for plane in ConvexHull(self.vertices()).equations:
-            within &= x @ plane[:3] + plane[3] <= 1e-9
-        return within
-
     def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """As `inside`, by the part of each column along y between the planes."""
+        """Points by the part of each column along y between the planes."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
@@ -171,7 +160,6 @@ class Outline(HullShape):
 class MeshFile(HullShape):
     """A closed mesh in an STL, OBJ or PLY file, turned so that its longest axis is the ship's."""
 
-    is_mesh: ClassVar[bool] = True
     kind: Literal["mesh"]
     file: FileName
     """Path of the file."""
@@ -186,7 +174,10 @@ class MeshFile(HullShape):
         return super().content() + content(self.file)
 
     def closed(self) -> ClosedMesh:
-        return from_file(self.file, self.scale, self.up, self.bow)
+        try:
+            return closed_mesh(self.file, content(self.file), self.scale, self.up, self.bow)
+        except Unreadable as error:
+            raise BadMesh(self.file, error.reason) from None
 
     def bounds(self) -> Box3:
         return self.closed().bounds

@@ -19,6 +19,7 @@ ALIKE = 0.05  # [spacings] distances that differ by less are those of a row
 FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
 FIT_ITERATIONS = 100  # at most
+Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 EVERYWHERE = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
 PACKINGS, PUSH = 100, 0.5  # how often crowded particles are pushed apart, and the share of their overlap each time
 GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
@@ -52,9 +53,7 @@ class Solid:
         placed = (corners - self.centre) @ self.turn.T + self.origin
         return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
-    def carved(
-        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def carved(self, positions: np.ndarray, spacing: float, boxes: Boxes) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) positions of a lattice that fills boxes [m] make room, as many as the hull displaces,
         the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m].
         Kept in the user's cache: of all that is known before a run this takes longest."""
@@ -62,25 +61,18 @@ class Solid:
         content = self.content(spacing, rules, boxes) + positions.tobytes()
         return applied(kept("carved", content, lambda: self.making_room(positions, spacing, boxes)), positions)
 
-    def content(self, spacing: float, rules: tuple[float, ...], boxes: list[tuple[np.ndarray, np.ndarray]]) -> bytes:
+    def content(self, spacing: float, rules: tuple[float, ...], boxes: Boxes) -> bytes:
         """Bytes that differ where the room that it takes does."""
         numbers = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         return self.shape.content() + repr([spacing, rules, *(array.tolist() for array in numbers)]).encode()
 
-    def making_room(
-        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
-    ) -> dict[str, np.ndarray]:
+    def making_room(self, positions: np.ndarray, spacing: float, boxes: Boxes) -> dict[str, np.ndarray]:
         """The same of those alone that make room: the numbers of those `gone`, and of those `near`, which are
         `moved`."""
-        from scipy.ndimage import map_coordinates
-
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
         at = ((positions - self.origin) @ self.turn + self.centre - first) / step
-        distance = np.full(len(positions), 2.0 * spacing)
-        near = ((at >= 0.0) & (at <= np.array(values["distance"].shape) - 1.0)).all(axis=1)
-        distance[near] = map_coordinates(values["distance"], at[near].T, order=1)
-        row = np.round(distance / (ALIKE * spacing))
-        order = np.lexsort((np.arange(len(positions)) * GOLDEN % 1.0, row))
+        distance = sampled(values["distance"], at, 2.0 * spacing)
+        order = np.lexsort((np.arange(len(positions)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
         gone = np.zeros(len(positions), dtype=bool)
         gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
         slopes = np.gradient(values["distance"], *step)
@@ -96,12 +88,7 @@ class Solid:
         return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
     def fitted(
-        self,
-        positions: np.ndarray,
-        beyond: np.ndarray,
-        boxes: list[tuple[np.ndarray, np.ndarray]],
-        spacing: float,
-        volume: float,
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Make room for the hull's samples in a lattice of particles at rest.
 
@@ -112,41 +99,33 @@ class Solid:
         """
         rules = (FINE, ALIKE, FIT_SUPPORT, FIT_REACH, FIT_ITERATIONS, GOLDEN, volume, self.flat)
         content = self.content(spacing, rules, boxes) + positions.tobytes() + beyond.tobytes()
-        return applied(
-            kept("fitted", content, lambda: self.fitting(positions, beyond, boxes, spacing, volume)), positions
-        )
 
-    def fitting(
-        self,
-        positions: np.ndarray,
-        beyond: np.ndarray,
-        boxes: list[tuple[np.ndarray, np.ndarray]],
-        spacing: float,
-        volume: float,
-    ) -> dict[str, np.ndarray]:
-        """Numbers of the positions that are gone, and of those near, which are moved."""
-        points, water = np.concatenate([positions, beyond]), np.arange(len(positions) + len(beyond)) < len(positions)
-        own = (points - self.origin) @ self.turn + self.centre
-        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
-        if self.flat:
-            own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
-        distance = sampled(values["distance"], (own - first) / step, 2.0 * spacing)
-        order = np.lexsort((np.arange(len(points)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
-        wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
-        gone = np.zeros(len(points), dtype=bool)
-        for there, count in ((water, wet), (~water, whole - wet)):
-            gone[order[there[order]][: round(count)]] = True
-        at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
-        hull = np.concatenate([at @ self.turn.T + self.origin, (volumes / volume)[:, None]], axis=1)
-        near = within(points, hull[:, :3], FIT_REACH * spacing)
-        free, rest = near & ~gone, within(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
-        if (free & water).any():
-            fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
-            points[free] = evened(points[free], fixed, spacing, 2 if self.flat else 3)
-        moved = np.flatnonzero(free & water)
-        return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
+        def made() -> dict[str, np.ndarray]:
+            points = np.concatenate([positions, beyond])
+            water = np.arange(len(points)) < len(positions)
+            own = (points - self.origin) @ self.turn + self.centre
+            values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+            if self.flat:
+                own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
+            distance = sampled(values["distance"], (own - first) / step, 2.0 * spacing)
+            order = np.lexsort((np.arange(len(points)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
+            wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
+            gone = np.zeros(len(points), dtype=bool)
+            for there, count in ((water, wet), (~water, whole - wet)):
+                gone[order[there[order]][: round(count)]] = True
+            at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
+            hull = np.concatenate([at @ self.turn.T + self.origin, (volumes / volume)[:, None]], axis=1)
+            near = within(points, hull[:, :3], FIT_REACH * spacing)
+            free, rest = near & ~gone, within(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
+            if (free & water).any():
+                fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
+                points[free] = evened(points[free], fixed, spacing, 2 if self.flat else 3)
+            moved = np.flatnonzero(free & water)
+            return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
-    def displaced(self, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]) -> float:
+        return applied(kept("fitted", content, made), positions)
+
+    def displaced(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / FINE, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])

@@ -16,7 +16,7 @@ from ocean_sim.ship.shared.mesh import column_shares
 from ocean_sim.ship.shared.shapes import HullShape
 
 SAMPLES = 4  # along each edge of a cube
-MAX_SAMPLES = 16  # across and along a cube of a mesh that fewer miss
+SAMPLES_OF_MESH = (SAMPLES, 8, 16)  # across and along a cube of a mesh: more where fewer miss it
 MISSED_SHARE = 0.02  # of the volume of a mesh
 MOST = 4_000_000  # cubes
 FLAT = 3.0  # the most that a cube is longer and broader than tall
@@ -90,17 +90,16 @@ def voxels(shape: HullShape, side: float, flat: float = FLAT) -> Voxels:
             f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
             f"{counts.prod():.3g} of them (at most {MOST:g}); take fewer cells_per_draught"
         )
-    content = shape.content() + f"{counts.tolist()} {SAMPLES} {MAX_SAMPLES} {MISSED_SHARE}".encode()
+    content = shape.content() + f"{counts.tolist()} {SAMPLES} {SAMPLES_OF_MESH} {MISSED_SHARE}".encode()
     size = (upper - lower) / counts
 
     def made() -> dict[str, np.ndarray]:
-        mesh, samples = shape.closed(), SAMPLES
-        while True:
+        mesh = shape.closed()
+        for samples in SAMPLES_OF_MESH:
             arrays = sampled(shape, counts, lower, upper, samples)
-            off = 0.0 if mesh is None else arrays["share"].sum() * size.prod() / mesh.volume - 1.0
-            if abs(off) <= MISSED_SHARE or samples == MAX_SAMPLES:
-                return arrays
-            samples *= 2
+            if mesh is None or abs(arrays["share"].sum() * size.prod() / mesh.volume - 1.0) <= MISSED_SHARE:
+                break
+        return arrays
 
     arrays = kept("hulls", content, made)
     return Voxels(lower, size, arrays["centre"], arrays["share"], arrays["area"])
@@ -124,17 +123,10 @@ def sampled(
             inside = column_shares(mesh.triangles, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
         blocks = inside.reshape(counts[0], samples, counts[1], SAMPLES, 1, samples)
         share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
-        for a, along in enumerate((axes[0], axes[1], z)):
-            position = along.reshape([-1 if a == 0 else 1, -1 if a == 1 else 1, -1 if a == 2 else 1])
-            moment = (inside * position).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
-            centre[:, :, k, a] = moment
+        for a, position in enumerate(np.ix_(axes[0], axes[1], z)):
+            centre[:, :, k, a] = (inside * position).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
     full = share > 1e-9
-    bare = [[np.maximum(share - neighbouring(share, a, way), 0.0) for way in (1, -1)] for a in range(3)]
-    area = size.prod() / size * np.stack([ahead - behind for ahead, behind in bare], axis=-1)
+    steps = [np.diff(share, axis=a, prepend=0.0, append=0.0).swapaxes(0, a) for a in range(3)]
+    bare = [np.maximum(-step[1:], 0.0) - np.maximum(step[:-1], 0.0) for step in steps]  # ahead less behind
+    area = size.prod() / size * np.stack([each.swapaxes(0, a) for a, each in enumerate(bare)], axis=-1)
     return {"share": share[full], "centre": centre[full] / share[full][:, None], "area": area[full]}
-
-
-def neighbouring(share: np.ndarray, axis: int, way: int) -> np.ndarray:
-    """The shares of the neighbours along an axis, 0 outside."""
-    padded = np.pad(share, [(1, 1) if a == axis else (0, 0) for a in range(3)])
-    return np.take(padded, np.arange(share.shape[axis]) + 1 + way, axis=axis)

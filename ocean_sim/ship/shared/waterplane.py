@@ -5,17 +5,17 @@ wet faces with the other sign; with heights from the waterplane, volume and its 
 y^2 n_y / 2 (Gauss).
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.mesh import ClosedMesh, gauss_points, stretches
+from ocean_sim.ship.shared.mesh import ClosedMesh, gauss_points, lone_corner_first, stretches
 from ocean_sim.ship.shared.shapes import HullShape
 
-MAX_STEPS = 60  # to the height of the water, by Newton's method between bounds
-ROUNDING = 1e-13  # of that height, or of the volume
+ROUNDING = 1e-13  # of a hull's height
 
 
 class Wet(NamedTuple):
@@ -30,26 +30,18 @@ class Wet(NamedTuple):
 
 def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
     """GM across and along [m] of a hull upright in still water; None where its faces only approach it, or it sinks."""
+    from scipy.optimize import brentq
+
     if shape.rounded:
         return None
     vertices, triangles = drawn(shape)
     faces, mesh = vertices[triangles], shape.closed()
-    overlapping = mesh if mesh is not None and mesh.overlaps else None
-
-    def wet_under(level: float) -> Wet:
-        return under(faces, level) if overlapping is None else columns_under(overlapping, level)
-
+    wet_under = partial(under, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
     low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
     if still.wanted >= wet_under(high).volume:
         return None
-    level = 0.5 * (low + high)
-    for _ in range(MAX_STEPS):
-        wet = wet_under(level)
-        low, high = (level, high) if wet.volume < still.wanted else (low, level)
-        if high - low < ROUNDING * abs(high) or abs(wet.volume - still.wanted) < ROUNDING * still.wanted:
-            break
-        newton = level + (still.wanted - wet.volume) / wet.area if wet.area > 0.0 else low
-        level = newton if low < newton < high else 0.5 * (low + high)
+    level = brentq(lambda y: wet_under(y).volume - still.wanted, low, high, xtol=ROUNDING * (high - low))
+    wet = wet_under(level)
     about_middle = wet.second - wet.first**2 / wet.area
     km = level + (wet.below + about_middle) / wet.volume
     across, along = km - still.matter.centre[1] - np.array(still.lost)
@@ -72,26 +64,22 @@ def under(faces: np.ndarray, level: float) -> Wet:
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
     """As `under`, of a mesh whose faces pass through each other, by its columns and lines across its waterplane."""
-    low, high, area = mesh.columns
-    low, high = np.minimum(low, level) - level, np.minimum(high, level) - level
-    volume, below = float(area @ (high - low)), 0.5 * float(area @ (high**2 - low**2))
+    volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
     z, dz = positions[line], along[line]
-    powers = [dz * (starboard**n - port**n) / n for n in (1, 2, 3)]
-    moments = [powers[1].sum(), z @ powers[0], powers[2].sum(), z**2 @ powers[0]]
-    return Wet(volume, below, float(powers[0].sum()), np.array(moments[:2]), np.array(moments[2:]))
+    area, first, second = (dz * (starboard**n - port**n) / n for n in (1, 2, 3))
+    moments = np.array([first.sum(), z @ area]), np.array([second.sum(), z**2 @ area])
+    return Wet(volume, below, float(area.sum()), *moments)
 
 
 def parts(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles: the part of faces (n, 3, 3) under y = 0."""
-    under = faces[..., 1] <= 0.0
-    found = [faces[under.all(axis=1)]]
-    for number, alone in ((1, under), (2, ~under)):  # the corner by itself comes first, in the order of the face
-        cut = np.flatnonzero(np.count_nonzero(under, axis=1) == number)
-        first = np.argmax(alone[cut], axis=1)[:, None]
-        a, b, c = np.moveaxis(np.take_along_axis(faces[cut], ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
-        ab, ac = (a + (a[:, 1] / (a[:, 1] - end[:, 1]))[:, None] * (end - a) for end in (b, c))
-        corners = [(a, ab, ac)] if number == 1 else [(ab, b, c), (ab, c, ac)]
-        found += [np.stack(triangle, axis=1) for triangle in corners]
-    return np.concatenate(found)
+    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
+    tips that are cut off, turned round where they are to be taken away."""
+    over = faces[..., 1] > 0.0
+    number = np.count_nonzero(over, axis=1)
+    cut = number % 3 > 0
+    a, b, c, above = lone_corner_first(faces[cut], over[cut])
+    ab, ac = (a + (a[:, 1] / (a[:, 1] - end[:, 1]))[:, None] * (end - a) for end in (b, c))
+    tips = np.where(above[:, None, None], np.stack([a, ac, ab], axis=1), np.stack([a, ab, ac], axis=1))
+    return np.concatenate([faces[number <= 1], tips])

@@ -127,6 +127,8 @@ class Watched:
             time_step=Courant(),
             warnings=list,
             ledger=lambda: [LedgerRow("fluid", "particles", 1024, "a computed sea")],
+            inputs=dict,
+            files=list,
             resolved=lambda: {"title": "A computed sea", "basin": {"length": place.config.length}},
         )
         self.backend = SimpleNamespace(arch="cpu", threads=2, precision="f32")

@@ -94,7 +94,7 @@ def test_orders_that_come_when_the_run_is_over_are_told(tmp_path):
     """A log with the times of a calendar: its first row holds from the beginning to the end."""
     path = tmp_path / "orders.csv"
     path.write_text("time_s,throttle,rudder_rad\n1700000000,0.5,0.1\n1700000100,0.8,0.0\n")
-    said = "controls: their first row is of 1.7e+09 s, when the run of 200 s is over"
+    said = "controls begins at 1700000000 s, when the run of 200 s is over: only its first row holds"
     assert any(said in warning for warning in load(at_sea({"controls": {"file": str(path)}})).warnings())
     rows = [{"time": 199.0, "throttle": 0.5}]
     assert not any("controls" in warning for warning in load(at_sea({"controls": rows})).warnings())

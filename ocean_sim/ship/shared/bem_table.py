@@ -137,6 +137,7 @@ def of_capytaine(file: str) -> BemTable:
     if not names or not all(np.isfinite(part).all() for part in (omega, added, damping, *(found or ()))):
         what = "a value that is not a finite number" if names else f"no motion among {', '.join(Motions._fields)}"
         raise PANELS.broken(file, f"it has {what}")
+    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
     if speed != 0.0:
         raise PANELS.broken(file, f"it is of a hull under way at {speed:g} m/s")
     return BemTable(omega[order], names, added, damping, found, depth, axis)

@@ -103,7 +103,9 @@ class Solid:
         def made() -> dict[str, np.ndarray]:
             points = np.concatenate([positions, beyond])
             water = np.arange(len(points)) < len(positions)
-            own = (points - self.origin) @ self.turn + self.centre
+            # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
+            origin = np.round(self.origin / spacing, 3) * spacing
+            own = (points - origin) @ self.turn + self.centre
             values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
             if self.flat:
                 own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
@@ -114,7 +116,7 @@ class Solid:
             for there, count in ((water, wet), (~water, whole - wet)):
                 gone[order[there[order]][: round(count)]] = True
             at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
-            hull = np.concatenate([at @ self.turn.T + self.origin, (volumes / volume)[:, None]], axis=1)
+            hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
             near = within(points, hull[:, :3], FIT_REACH * spacing)
             free, rest = near & ~gone, within(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
             if (free & water).any():

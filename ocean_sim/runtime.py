@@ -460,7 +460,7 @@ def alone() -> bool:
 
 
 def restarts(config: RuntimeConfig) -> bool:
-    """Whether `start` restarts Taichi, where it runs: for another config or thread; where too little room is left for
+    """True if `start` restarts Taichi, where it runs: for another config or thread; where too little room is left for
     the fields of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds
     compiled kernels again by these numbers, so that the same simulation a second time would be compiled a second
     time."""

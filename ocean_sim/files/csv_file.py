@@ -114,7 +114,7 @@ class Table(dict[str, np.ndarray]):
         return [self[name] for name in wanted]
 
     def resolution(self, name: str) -> float:
-        """By how much two numbers of a column may differ by their digits, as written and in double precision."""
+        """Largest difference of two numbers of a column that their digits allow, as written and in double precision."""
         k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)

@@ -244,7 +244,7 @@ def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] 
 
 
 def clocks_differ(rows: list[dict[str, Any]]) -> str:
-    """How wall and processor time differ, in a sentence; empty where they are within CLOCKS_APART."""
+    """Sentence on the difference of wall and processor time; empty where they are within CLOCKS_APART."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
     if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:

@@ -50,7 +50,7 @@ class WaterConfig(FluidConfig):
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
     """Longest way of a particle in one step; particles that it holds back are counted. null: no limit."""
     impulses: bool = True
-    """Whether it sums impulse and work of each term, which `accuracy` reads. Without the sums a step takes about 0.85
+    """Sum impulse and work of each term, which `accuracy` reads. Without the sums a step takes about 0.85
     of the time, and rounds otherwise."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
     """How near to a wall or the floor a particle's centre may come."""

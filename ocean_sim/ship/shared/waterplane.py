@@ -63,7 +63,7 @@ def under(faces: np.ndarray, level: float) -> Wet:
 
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
-    """As `under`, of a mesh whose faces pass through each other, by its columns and lines across its waterplane."""
+    """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
     volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
     line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))

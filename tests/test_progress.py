@@ -125,7 +125,7 @@ def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
 def test_a_run_that_went_on_says_from_when(since, span):
     progress = Progress(4.0, quiet=True, since=since)
     progress.time, progress.steps = 4.0, 200
-    more = {"worst_compression": {}, "events": [], "folder": "run", "files": []}
+    more = {"worst_compression": {}, "remarks": [], "events": [], "folder": "run", "files": []}
     assert span in run_verb.summary(progress.summary() | more)
 
 

@@ -24,7 +24,11 @@ PLAIN = {
 }
 BOX = {"shape": {"kind": "box", "length": 1.4, "breadth": 0.8, "height": 0.5}, "mass": 250.0}
 CALM_SHIP = {"hull": BOX | {"centre_of_mass": [0.0, 0.2, 0.0]}, "velocity": [0.2, 0.0, 0.5], "cells_per_draught": 4.0}
-STEERED = {"hull": "yacht", "controls": {"autopilot": {"heading_deg": 30.0, "throttle": 0.5}}}
+STEERED = {
+    "hull": "yacht",
+    "rudder": {"area": 0.6, "position": [0.0, -0.5, -4.0]},
+    "controls": {"autopilot": {"heading_deg": 30.0, "throttle": 0.5}},
+}
 RIDE = {"platform": {"kind": "hexapod", "washout": "ship"}, "motion": {"every": 0.01}}
 SCHEMES, SURFACES = ("mueller", "delta_sph", "dfsph", "ballistic"), ("cloth", "marching_cubes")
 KINDS = ("thesis", "hydrostatic", "dynamic", "pressure", "manoeuvring")

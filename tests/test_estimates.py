@@ -90,8 +90,8 @@ def test_observers_have_an_estimate_near_what_they_take(kind, taichi_cpu, tmp_pa
             ratios.append([(spent[n] - spent_before[n]) / each for n, each in zip(names, expected)])
             if max(ratios[-1]) < 3.0:
                 break
-    least = dict(zip(names, np.min(ratios, axis=0)))
-    assert all(1.0 / 3.0 < ratio < 3.0 for ratio in least.values()), least
+    least, mean = np.min(ratios, axis=0), np.mean(ratios, axis=0)  # rows are handed on in blocks: a turn may have none
+    assert (least < 3.0).all() and (mean > 1.0 / 3.0).all(), dict(zip(names, zip(least, mean)))
 
 
 def test_frames_take_longer_with_more_waves_and_points_and_nothing_without():

@@ -14,7 +14,7 @@ from ocean_sim.files import input_file
 from ocean_sim.files.whole_file import RESERVE, UNFINISHED
 
 LOCK, MANIFEST = ".lock", "manifest.json"
-NAMED = 3  # of the files that are in the way
+MAX_FILES_NAMED = 3  # of those that are in the way
 TRIES = 1000  # times that others may remove a folder just before it is claimed
 
 
@@ -39,7 +39,7 @@ def claimed(out: Path, *ours: str, named: str = "") -> "Claim":
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")
     if ours and (others := foreign(out, *ours)):
-        shown = ", ".join(others[:NAMED] + ["..."] * (len(others) > NAMED))
+        shown = ", ".join(others[:MAX_FILES_NAMED] + ["..."] * (len(others) > MAX_FILES_NAMED))
         raise Refused(f"{named}: this folder holds other things ({shown}); name a new folder")
     return Claim(out)
 

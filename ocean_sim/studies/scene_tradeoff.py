@@ -47,8 +47,7 @@ Varied = dict[str, list[Node]]
 
 @dataclass(frozen=True)
 class Budget:
-    """What a run may take on an idle machine: time of 1/60 s simulated [ms], of a simulated second, or of the whole run
-    [s]."""
+    """Time that a run may take on an idle machine: of 1/60 s simulated [ms], of a simulated second, or of all [s]."""
 
     name: str
     most: float

@@ -46,6 +46,11 @@ class Solid:
         """(3, 3) at the beginning, body to world."""
         return self.body.matrix
 
+    @property
+    def dimension(self) -> int:
+        """2 for the section of a slice, else 3."""
+        return 2 if self.flat else 3
+
     @cached_property
     def extent(self) -> np.ndarray:
         """(2, 3) lowest and highest corner of the box around the hull at the beginning [m]."""
@@ -71,7 +76,7 @@ class Solid:
         `moved`."""
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
         at = ((positions - self.origin) @ self.turn + self.centre - first) / step
-        distance = sampled(values["distance"], at, 2.0 * spacing)
+        distance = interpolated(values["distance"], at, 2.0 * spacing)
         order = np.lexsort((np.arange(len(positions)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
         gone = np.zeros(len(positions), dtype=bool)
         gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
@@ -80,7 +85,7 @@ class Solid:
         def off(points: np.ndarray) -> np.ndarray:
             """(m, 3) points half a spacing off the hull, where they were nearer."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
-            away = sampled(values["distance"], at, 2.0 * spacing)
+            away = interpolated(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normals(slopes, at, self.turn.T)
 
         free = np.flatnonzero(~gone & (distance < 2.0 * spacing))
@@ -109,7 +114,7 @@ class Solid:
             values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
             if self.flat:
                 own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
-            distance = sampled(values["distance"], (own - first) / step, 2.0 * spacing)
+            distance = interpolated(values["distance"], (own - first) / step, 2.0 * spacing)
             order = np.lexsort((np.arange(len(points)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
             wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
             gone = np.zeros(len(points), dtype=bool)
@@ -117,11 +122,11 @@ class Solid:
                 gone[order[there[order]][: round(count)]] = True
             at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
             hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
-            near = within(points, hull[:, :3], FIT_REACH * spacing)
-            free, rest = near & ~gone, within(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
+            near = near_to(points, hull[:, :3], FIT_REACH * spacing)
+            free, rest = near & ~gone, near_to(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
             if (free & water).any():
                 fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
-                points[free] = evened(points[free], fixed, spacing, 2 if self.flat else 3)
+                points[free] = evened(points[free], fixed, spacing, self.dimension)
             moved = np.flatnonzero(free & water)
             return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
@@ -131,12 +136,11 @@ class Solid:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / FINE, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
-        found, across = 0.0, [0] if self.flat else [0, 2]
+        found, across, met = 0.0, [0] if self.flat else [0, 2], self.cut(cubes)
         for low, up in boxes:
-            within = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1])
-            within &= self.cut(cubes)
-            found += float((cubes.share * within * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
-        return found * float(cubes.size[: 2 if self.flat else 3].prod())
+            inside = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1]) & met
+            found += float((cubes.share * inside * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
+        return found * float(cubes.size[: self.dimension].prod())
 
     def cut(self, cubes: Voxels) -> np.ndarray:
         """(n,) cubes that the water meets: all, in 2-D those amidships."""
@@ -153,7 +157,7 @@ class Solid:
         cubes = voxels(self.shape, spacing, 1.0)
         met = self.cut(cubes)
         where, position = cubes.cells[met], (cubes.centre - self.centre)[met]
-        volume = cubes.share[met] * cubes.size[: 2 if self.flat else 3].prod()
+        volume = cubes.share[met] * cubes.size[: self.dimension].prod()
         if self.flat:
             position[:, 2] = 0.0
         full = np.zeros(where.max(axis=0) + 3, dtype=bool)
@@ -211,14 +215,14 @@ def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[
     return whole[:m]
 
 
-def sampled(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
+def interpolated(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
     """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond it."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, at.T, order=1, cval=outside))
 
 
-def within(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
+def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
     """(n,) which of (n, 3) points are nearer than `reach` to one of (m, 3) others [m]."""
     from scipy.spatial import cKDTree
 

@@ -22,6 +22,7 @@ from ocean_sim.reading.sentences import of_module, sentence
 DOCS = Path(__file__).parent
 RESULTS = DOCS / "results"
 TUTORIALS = ("first_scene", "gust_and_real_wind", "dam_break_on_a_box", "yacht_in_waves", "platform_and_rig")
+SCHEMES = ("mueller", "delta_sph", "dfsph")  # of particles, whose laws have terms
 NUMBERS = {
     "3-7": "the transmitted angle ends at 48.59 degrees; asin(1 / 1.333) is 48.61",
     "6-1": "6000 particles; 32 x 6 x 32 = 6144",
@@ -69,6 +70,7 @@ def pages(folder: Path) -> None:
         "errata": errata(),
         "glossary": glossary(),
         "files": checked_files(),
+        "terms": terms(),
         "changes": (DOCS.parent / "CHANGELOG.md").read_text(encoding="utf-8"),
     }
     made |= {f"scene_{section}": text for section, text in sections().items()}
@@ -95,6 +97,30 @@ def checks() -> list[Checked]:
     return [
         each for path in order for each in import_module(".".join(("ocean_sim", *path.with_suffix("").parts))).CHECKS
     ]
+
+
+def terms() -> str:
+    """The terms of every scheme of particles, each with its code, for the page on theory to link to."""
+    found = ["# Terms, and the code that computes them", "[Water, by equation](../theory/sph.md) has their equations."]
+    for scheme in SCHEMES:
+        found.append(f"## `{scheme}`")
+        for name in terms_of(scheme):
+            include = f"```{{literalinclude}} ../../ocean_sim/fluid/{scheme}.py\n:pyobject: {name}\n:dedent:\n```"
+            found += [f"({scheme}.{name})=", f"### `{name}`", include]
+    return "\n\n".join(found) + "\n"
+
+
+def terms_of(scheme: str) -> list[str]:
+    """Equations of state, and the functions that the pair terms of a scheme's laws add up, as `Class.function`."""
+    found = []
+    for law in ast.parse((PACKAGE / "fluid" / f"{scheme}.py").read_text(encoding="utf-8")).body:
+        functions = [part for part in getattr(law, "body", ()) if isinstance(part, ast.FunctionDef)]
+        adders = [function for function in functions if function.name in ("pair", "sum_of_terms")]
+        calls = [node.func for adder in adders for node in ast.walk(adder) if isinstance(node, ast.Call)]
+        called = {call.attr for call in calls if isinstance(call, ast.Attribute) and ast.unparse(call.value) == "self"}
+        wanted = (called | {"equation_of_state"}) - {adder.name for adder in adders}
+        found += [f"{law.name}.{part.name}" for part in functions if part.name in wanted]  # type: ignore[attr-defined]
+    return found
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

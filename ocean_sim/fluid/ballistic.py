@@ -6,6 +6,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
+from ocean_sim.fluid.shared.accounts import GRAVITY, SHIP, WALLS, WIND
 from ocean_sim.fluid.shared.field import Field
 from ocean_sim.fluid.shared.grid_size import GridSize
 from ocean_sim.fluid.shared.particle_water import ParticleWater
@@ -116,8 +117,9 @@ class Ballistic(ParticleWater):
         self.accounts.count_motion(group, v_new, a, fast)
         self.accounts.count_density(group, self.particles.density[i])
         if ti.static(self.accounts.impulses):
-            held = m * (v_new - v - dt * a)
-            self.accounts.count_drive(group, m * dt, a_wind, a_pull, a_hull, held, 0.5 * (v + v_new))
+            forces, v_mean = (a_wind, a_pull, a_hull), 0.5 * (v + v_new)
+            self.accounts.count_impulses(group, (WIND, GRAVITY, SHIP), m * dt, forces, v_mean)
+            self.accounts.count_impulse(group, WALLS, m * (v_new - v - dt * a), v_mean)
 
     @ti.kernel
     def fly(self, dt: float, since: float, summary: Array):

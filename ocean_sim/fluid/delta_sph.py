@@ -15,6 +15,7 @@ kernel, rows of particles rest under a pressure that is not smooth; diffusion wo
 share of each wave that passes. So it is graded: next to a free surface none takes part but in water that is sheared.
 """
 
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -23,11 +24,11 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY, WALLS
+from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
 from ocean_sim.fluid.shared.grid import STATE
 from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
-from ocean_sim.fluid.shared.law import NONE
+from ocean_sim.fluid.shared.law import Law, WalkOptions
 from ocean_sim.fluid.shared.list_size import ListSize
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw
 from ocean_sim.fluid.shared.particles import Components
@@ -43,7 +44,7 @@ from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PAIR = 5.5e-9  # [s] of processor time a neighbour
-TENSION = 0.3  # of the artificial stress that keeps water under tension together (Monaghan 2000, J. Comput. Phys. 159)
+ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
 LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
@@ -136,103 +137,119 @@ def lowered(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, so
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Damped pressure (Monaghan 1992, eq. 3.3) and viscosity.
-
-    Under a free surface viscosity is the central form of Monaghan & Gingold (1983), whose free surface is free of
-    stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84); without one it is that of Morris, Fox
-    & Zhu (1997, eq. 22), which has no error on a lattice. Artificial viscosity is of the central form (Monaghan 1992,
-    eq. 4.2), and so is what particles lose that meet at u: beta u / rho along the line between them, beta = min(IMPACT
-    u, c) (Zhang, Hu & Adams 2017, whose factor is 3). Without a free surface nothing meets, and nothing is lost.
-    """
+    """Momentum (Monaghan 1992, eq. 3.3): damped pressure, viscosity and the dissipation of an impact. A term is a force
+    along x_ij, but for `viscosity_without_surface`; their sum is times -m grad W / x_ij."""
 
     fluid: "DeltaSph"
     row = Columns(position=3, velocity=3, pressure=1)  # damped, over the square of the density
-    tension = row.pressure
-    passed = 0.5  # the first drift
+    drifted = 0.5
+    stores_pressure_work = True
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.pressing)
-        config, h = fluid.config, fluid.smoothing.length
-        self.laminar = 2.0 * config.kinematic_viscosity / fluid.rest_density
-        self.central = fluid.smoothing.dimension + 2.0  # of the central form, over that of the sum of all components
-        self.inside = fluid.shifting  # whether there is no free surface
-        self.artificial = config.artificial_viscosity * h * fluid.sound_speed / fluid.rest_density
-        self.meeting, self.impact = not self.inside, IMPACT / fluid.rest_density
-        self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or self.meeting
-        self.tiny = 1e-6 * h * h  # [m2]
+        config, h, rho_0 = fluid.config, fluid.smoothing.length, fluid.rest_density
+        self.laminar = 2.0 * config.kinematic_viscosity / rho_0
+        self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
+        self.artificial = config.artificial_viscosity * h * fluid.sound_speed / rho_0
+        self.impact = IMPACT / rho_0
+        self.enclosed = fluid.shifting
+        self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or not self.enclosed
+        self.squared_gap = 1e-6 * h * h  # [m2] keeps two particles in one position finite
         super().__init__(fluid)
+        self.options = replace(
+            self.options, tension_column=self.row.pressure, pair_without_tension=self.pair_without_tension
+        )
 
     @ti.func
-    def risen(self, head):
-        return head / self.fluid.rest_density
-
-    @ti.func
-    def scale(self, own):
+    def prefactor(self, own):
         return self.fluid.slope
 
     @ti.func
+    def pressure_rise(self, head):
+        return head / self.fluid.rest_density
+
+    @ti.func
+    def pressure(self, p_i, p_j):
+        """p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has divided."""
+        return p_i + p_j
+
+    @ti.func
+    def artificial_stress(self, p_i, p_j, r):
+        """0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1
+        and 3.2): keeps water under tension from clumping."""
+        near = self.fluid.closeness(r)
+        return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
+
+    @ti.func
+    def viscosity(self, closing):
+        """2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2, whose free surface is free
+        of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
+        return self.laminar * self.per_component * closing
+
+    @ti.func
+    def viscosity_without_surface(self, v_ij):
+        """-2 nu v_ij / rho0, a vector, of Morris, Fox & Zhu (1997, eq. 22), which has no error on a lattice."""
+        return -self.laminar * v_ij
+
+    @ti.func
+    def artificial_viscosity(self, closing):
+        """alpha h c u_ij / rho0 of particles that approach (Monaghan 1992, eq. 4.2)."""
+        return self.artificial * positive(closing)
+
+    @ti.func
+    def riemann_dissipation(self, closing, r):
+        """beta u / rho0 of particles that approach at u = r u_ij, with beta = min(u / 2, c) (Zhang, Hu & Adams 2017,
+        whose factor is 3 and not a half), over r."""
+        met = positive(closing)
+        return smaller(r * met, self.fluid.sound_speed / IMPACT) * r * self.impact * met
+
+    @ti.func
     def pair(self, own, other):
-        return self.term(own, other, True)
+        return self.sum_of_terms(own, other, True)
 
     @ti.func
-    def pressed(self, own, other):
-        """The same where no pressure is negative."""
-        return self.term(own, other, False)
+    def pair_without_tension(self, own, other):
+        return self.sum_of_terms(own, other, False)
 
     @ti.func
-    def term(self, own, other, tense: Template):
-        """(p_i / rho_i^2 + p_j / rho_j^2) x_ij, the artificial stress where they are negative, and viscosity, to be
-        times -m grad W / x_ij."""
+    def sum_of_terms(self, own, other, tense: Template):
+        """All terms of a pair; `tense`: whether a pressure may be negative."""
         x_ij = self.fluid.smoothing.between(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
-        weight = self.fluid.smoothing.shape_gradient(r)
         p_i, p_j = own[self.row.pressure], other[self.row.pressure]
-        pressures = p_i + p_j
+        along = self.pressure(p_i, p_j)
         if ti.static(tense):
-            near = self.fluid.closeness(r)
-            pressures += TENSION * near * near * near * near * (positive(-p_i) + positive(-p_j))
-        push = pressures * x_ij
-        rub, shear = tm.vec3(0.0), tm.vec3(0.0)
+            along += self.artificial_stress(p_i, p_j, r)
+        push, rub, shear = along * x_ij, tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(self.viscous):
             v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
-            closing = -v_ij.dot(x_ij) / (r2 + self.tiny)  # rate at which they near each other [1/s]
-            lost, met = float(self.artificial), positive(closing)
-            if ti.static(self.meeting):
-                lost += smaller(r * met, self.fluid.sound_speed / IMPACT) * r * self.impact
-            strength = lost * met
-            if ti.static(self.inside):
-                rub = shear = -self.laminar * v_ij
-            elif ti.static(self.laminar > 0.0):
-                shear = self.laminar * self.central * closing * x_ij
-                strength += self.laminar * self.central * closing
-            rub += strength * x_ij
-        return self.added(weight, push, rub, shear)
-
-    @ti.func
-    def worked(self, own, total):
-        """What rubs: what presses becomes internal energy."""
-        return self.fluid.slope * vec3(total, self.terms.rub)
-
-    @ti.func
-    def account(self, beyond, mean, dt, group):
-        """What images press becomes internal energy."""
-        fluid = self.fluid
-        squeezed = fluid.particles.mass * dt * fluid.slope * vec3(beyond, self.terms.push).dot(mean)
-        fluid.accounts.count_work(group, WALLS, -squeezed)
-        fluid.accounts.count_work(group, PRESSURE, squeezed)
+            closing = -v_ij.dot(x_ij) / (r2 + self.squared_gap)  # u_ij [1/s]
+            if ti.static(self.enclosed):
+                shear = self.viscosity_without_surface(v_ij)
+                rub = shear + self.artificial_viscosity(closing) * x_ij
+            else:
+                lost = self.riemann_dissipation(closing, r)
+                if ti.static(self.artificial > 0.0):
+                    lost += self.artificial_viscosity(closing)
+                if ti.static(self.laminar > 0.0):
+                    shear = self.viscosity(closing) * x_ij
+                    lost += self.viscosity(closing)
+                rub = lost * x_ij
+        return self.added(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
 
 
 @in_kernels
-class Continuity:
-    """Rate of the density: sum m v_ij . grad W, and diffusion by delta h c; in a closed basin, shift.
+class Continuity(Law):
+    """Rate of the density (Monaghan 1994, eq. 2.4) and its diffusion; in a closed basin, shift. Each term is times
+    -m grad W / x_ij.
 
     Read are the positions and velocities at the end of the step, the deviation in its middle, and the share of
-    diffusion at the end of the last one. Of a pair the smaller share counts, so that no mass is made.
+    diffusion at the end of the last one.
     """
 
-    row, apart, padded = Columns(position=3, velocity=3, deviation=1, share=1), False, True
-    tension = NONE
+    row = Columns(position=3, velocity=3, deviation=1, share=1)
+    options = WalkOptions(padded=True)
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
@@ -246,11 +263,13 @@ class Continuity:
         self.heavier = rho_0 / fluid.sound_speed**2  # density [kg/m3] over p / rho [m2/s2]
         filled = {} if fluid.shifting and not fluid.bodies else {"filled": 1}
         self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
-        # What `filled` sums up to on a lattice [kg/m3], times slope.
-        whole = Stencil(fluid.smoothing, fluid.spacing).filled
-        self.whole = whole * fluid.smoothing.dimension * rho_0
-        if fluid.boundary is not None:
-            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
+        # Sum of `filled` on a lattice [kg/m3], times the prefactor.
+        self.whole = Stencil(fluid.smoothing, fluid.spacing).filled * fluid.smoothing.dimension * rho_0
+        self.meet(fluid.boundary)
+
+    @ti.func
+    def prefactor(self, own):
+        return self.fluid.slope
 
     @ti.func
     def begin(self, group):
@@ -271,43 +290,61 @@ class Continuity:
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
         moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
         other = displaced(own, d, self.boundary.own_velocity(s, mirror))
-        still = self.heavier * self.fluid.pull.at_rest(vec3(own, self.row.position) + 0.5 * d)
+        still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
         return other
 
     @ti.func
+    def still_gradient(self, x):
+        """Gradient of the density of still water at x [kg/m4], rho0 g / c^2."""
+        return self.heavier * self.fluid.pull.at_rest(x)
+
+    @ti.func
+    def continuity(self, v_ij, x_ij):
+        """-v_ij . x_ij: d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
+        return -v_ij.dot(x_ij)
+
+    @ti.func
+    def density_diffusion(self, own, other, x_ij):
+        """rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2 delta h c / rho0 (Molteni
+        & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
+        return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
+
+    @ti.func
+    def crowding(self, r):
+        """1 + 0.2 (W(r) / W(spacing))^4: weight of a neighbour in the shift (Sun et al. 2017, eq. 16)."""
+        near = self.fluid.closeness(r)
+        return 1.0 + CROWDING * near * near * near * near
+
+    @ti.func
     def pair(self, own, other):
-        """-v_ij . x_ij and the diffusion, to be times -m grad W / x_ij."""
-        x_own, smoothing = vec3(own, self.row.position), self.fluid.smoothing
+        smoothing = self.fluid.smoothing
         x_ij = smoothing.between(own, other, self.row.position)
         v_ij = smoothing.between(own, other, self.row.velocity)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = smoothing.shape_gradient(r)
         total = ti.Vector.zero(float, self.terms.size)
-        total[self.terms.rate] = -weight * v_ij.dot(x_ij)
-        between = x_own - 0.5 * x_ij
-        still = self.heavier * self.fluid.pull.at_rest(between)  # gradient of the density at rest [kg/m4]
-        more = other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
-        total[self.terms.diffusion] = weight * more
-        if ti.static(not self.fluid.shifting):
+        total[self.terms.rate] = weight * self.continuity(v_ij, x_ij)
+        total[self.terms.diffusion] = weight * self.density_diffusion(own, other, x_ij)
+        if ti.static(not self.fluid.shifting):  # the same share for both, so that no mass is made
             total[self.terms.diffusion] *= smaller(own[self.row.share], other[self.row.share])
         if ti.static(not self.fluid.shifting or self.fluid.bodies):
             total[self.terms.filled] = weight * r2
         if ti.static(self.fluid.shifting):
-            near = self.fluid.closeness(r)
-            weight *= 1.0 + CROWDING * near * near * near * near
+            weight *= self.crowding(r)
             for k in ti.static(range(3)):
                 total[self.terms.crowding + k] = -weight * x_ij[k]
         return total
 
     @ti.func
-    def grade(self, i, total):
+    def grade(self, i, own, total):
         """Find which share of the diffusion particle i takes part in: all where its kernel is filled; none next to a
         free surface, but for water that is sheared there (spin as great as strain) and not merely stretched, as by
         waves (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
-        filled = fluid.slope * total[self.terms.filled] / self.whole
+        filled = self.prefactor(own) * total[self.terms.filled] / self.whole
         inside = tm.clamp((filled - CUT) / (WHOLE - CUT), 0.0, 1.0)
         sheared = tm.clamp((spin / (strain + fluid.calm) - STRETCHED) / (SHEARED - STRETCHED), 0.0, 1.0)
         for k, value in ti.static(enumerate((inside + (1.0 - inside) * sheared, spin, strain))):
@@ -315,53 +352,61 @@ class Continuity:
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
+        """Take the density of particle i to the end of the step, and with it its pressure; grade it, or find where to
+        shift it."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
-            fluid.steady(i, fluid.slope * solid[self.terms.filled] / self.whole)
+            fluid.steady(i, self.prefactor(own) * solid[self.terms.filled] / self.whole)
         compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
-        rate = fluid.slope * (compressed + diffused)
+        rate = self.prefactor(own) * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
-        particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.pressure_of(excess)
+        particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.equation_of_state(excess)
         x = fluid.grid.wrapped(vec3(own, self.row.position))
         for k, component in ti.static(enumerate(particles.position)):
             component[i] = x[k]
         for k, component in ti.static(enumerate(particles.velocity)):
             component[i] = own[self.row.velocity + k]
         if ti.static(fluid.shifting):
-            gradient = fluid.slope / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
+            gradient = self.prefactor(own) / rho_0 * vec3(total, self.terms.crowding)  # of the share of water [1/m]
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
         else:
-            self.grade(i, total)
+            self.grade(i, own, total)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
-            closer, p = particles.mass * dt * fluid.slope, fluid.pressure_of(deviation) / (rho_0 + deviation) ** 2
-            damped = closer * compressed * (fluid.pressing[i] - p)
-            fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
-            fluid.accounts.count_work(group, PRESSURE, damped)
-            fluid.accounts.count_work(group, VISCOSITY, -damped)
+            self.book(i, own, compressed, diffused, group)
+
+    @ti.func
+    def book(self, i, own, compressed, diffused, group):
+        """Put the work of compression and of diffusion to the budget; that of the damped part is friction's."""
+        fluid, deviation = self.fluid, own[self.row.deviation]
+        closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
+        p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
+        damped = closer * compressed * (fluid.pressing[i] - p)
+        fluid.accounts.count_work(group, DIFFUSION, closer * diffused * p)
+        fluid.accounts.count_work(group, PRESSURE, damped)
+        fluid.accounts.count_work(group, VISCOSITY, -damped)
 
 
 @in_kernels
-class Shear:
+class Shear(Law):
     """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
     dear."""
 
-    row, apart, padded, tension = Columns(position=3, velocity=3), False, True, NONE
+    row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
-        if fluid.boundary is not None:
-            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
+        self.meet(fluid.boundary)
 
     @ti.func
-    def begin(self, group):
-        """Nothing is counted."""
+    def prefactor(self, own):
+        return -self.fluid.slope / self.fluid.rest_density
 
     @ti.func
     def image(self, other, mirror):
@@ -384,14 +429,11 @@ class Shear:
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Both squared: in shear they are the same."""
-        fluid = self.fluid
-        if ti.static(fluid.bodies):
-            total += self.solid.total(vec3(own, self.row.position), own)
+        """Remember spin and strain, both squared: in shear they are the same."""
+        fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
-            term = total[self.terms.gradient + self.dimension * j + k]
-            gradient[j, k] = -fluid.slope / fluid.rest_density * term
+            gradient[j, k] = self.prefactor(own) * both[self.terms.gradient + self.dimension * j + k]
         spin, strain, mean = 0.0, 0.0, gradient.trace() / self.dimension
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
             if ti.static(j == k):
@@ -485,7 +527,7 @@ class DeltaSph(Sph):
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
     @ti.func
-    def pressure_of(self, excess):
+    def equation_of_state(self, excess):
         """Pressure [Pa] of an excess of density [kg/m3]: c^2 rho0 / gamma ((1 + e)^gamma - 1), as a sum that
         loses nothing."""
         e, total = excess / self.particles.rest_density, 0.0
@@ -513,7 +555,7 @@ class DeltaSph(Sph):
 
     @ti.func
     def excess_of(self, pressure):
-        """The inverse of pressure_of [kg/m3]."""
+        """Inverse of the equation of state [kg/m3]."""
         gamma, rho_0 = ti.static(self.config.exponent, self.particles.rest_density)
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
@@ -534,7 +576,7 @@ class DeltaSph(Sph):
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
             self.grid.leave(i, x + self.grid.gone(i, way), v)
             self.next_deviation[i] = middle
-            pressed = self.pressure_of(middle) + bulk * self.rate[i]
+            pressed = self.equation_of_state(middle) + bulk * self.rate[i]
             self.next_pressing[i] = pressed / (self.particles.rest_density + middle) ** 2
             if ti.static(not self.shifting):
                 for k, fresh in ti.static(enumerate(self.fresh)):

@@ -43,9 +43,8 @@ from ocean_sim.fluid.shared.accounts import (
     pushing,
 )
 from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
-from ocean_sim.fluid.shared.force import Force
-from ocean_sim.fluid.shared.images import halfway, hydrostatic_offset, mirrored, turned
-from ocean_sim.fluid.shared.law import PositionLaw
+from ocean_sim.fluid.shared.law import Law, WalkOptions
+from ocean_sim.fluid.shared.pair_sph import Force
 from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
 from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
@@ -60,7 +59,7 @@ from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PARTICLE, PAIR = 1.5e-6, 6.0e-9  # [s] of processor time, and a neighbour, with some ten iterations a step
-ROW, VISCOUS_ROW = Columns(position=3, pressure=1), Columns(position=3, pressure=1, velocity=3)  # of the forces
+ROW = Columns(position=3, velocity=3, pressure=1)  # of the forces
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
@@ -145,7 +144,7 @@ class Config(SphConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(self.began(preflight), preflight.arch, VISCOUS_ROW.size, 1)
+        sizes = self.sized(self.began(preflight), preflight.arch, ROW.size, 1)
         neighbours = self.neighbours_kept(basin)
         numbers = 27 + self.enclosed(basin)
         if preflight.sums_impulses:
@@ -159,11 +158,11 @@ class Config(SphConfig):
 
 
 @in_kernels
-class Density(PositionLaw):
+class Density(Law):
     """Density by summation, how much of it is missing in gaps, and the diagonal A_ii of the solvers over dt^2 (2015,
     eq. 9: their 1 / alpha); more of it where particles crowd, since A / A_ii reaches further beyond one there."""
 
-    apart, padded, terms = True, True, Columns(density=1, gradient=3, squares=1)
+    terms, options = Columns(density=1, gradient=3, squares=1), WalkOptions(apart=True, padded=True)
 
     def __init__(self, fluid: "Dfsph") -> None:
         self.fluid = fluid
@@ -173,8 +172,7 @@ class Density(PositionLaw):
         self.mass = m * stencil.slope * fluid.smoothing.support**2
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
-        if fluid.boundary is not None:
-            self.solid = fluid.boundary.summed(self)
+        self.meet(fluid.boundary)
 
     @ti.func
     def begin(self, group):
@@ -215,75 +213,66 @@ class Density(PositionLaw):
 
 @in_kernels
 class Forces(Force):
-    """Everything but pressure, and the pressures of the last step, from which the solver for the divergence starts.
-
-    Viscosity is of the form that suits the surface: Monaghan & Gingold (1983) under a free one, Morris, Fox & Zhu
-    (1997, eq. 22) without one. An image continues the pressure hydrostatically, dp/dn = rho g . n.
-    """
+    """All forces but pressure, and the pressures of the last step, from which the solver for the divergence starts."""
 
     fluid: "Dfsph"
+    row = ROW
 
     def __init__(self, fluid: "Dfsph", viscosity: float) -> None:
         self.viscous = viscosity > 0.0
-        self.row = VISCOUS_ROW if self.viscous else ROW
-        self.reads = (*fluid.particles.position, fluid.held_pressure)
-        if self.viscous:
-            self.reads += tuple(fluid.particles.velocity)
+        self.reads = (*fluid.particles.position, *fluid.particles.velocity, fluid.held_pressure)
         self.terms = Columns(push=3, rub=3) if self.viscous else Columns(push=3)
         self.rubbing = 2.0 * viscosity * fluid.stencil.volume * fluid.stencil.slope / fluid.stencil.gain
-        self.central, self.tiny = fluid.smoothing.dimension + 2.0, 1e-6 * fluid.smoothing.support**2
+        self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
+        self.squared_gap = 1e-6 * fluid.smoothing.support**2  # [m2] keeps two particles in one position finite
         super().__init__(fluid)
 
     @ti.func
-    def image(self, other, mirror):
-        x = vec3(other, self.row.position)
-        x_image, image = mirrored(mirror, x), other
-        for k in ti.static(range(3)):
-            image[self.row.position + k] = x_image[k]
-        offset = hydrostatic_offset(mirror, x, self.fluid.pull.at_rest(halfway(mirror, x)))
-        image[self.row.pressure] += self.fluid.rest_density * offset
-        if ti.static(self.viscous):
-            v_image = turned(mirror, vec3(other, self.row.velocity))
-            for k in ti.static(range(3)):
-                image[self.row.velocity + k] = v_image[k]
-        return image
+    def prefactor(self, own):
+        """Of the pressures: m / rho0^2 and the constant of grad W, over what the lattice makes of a gradient of one."""
+        return self.fluid.pressing
 
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body, which has no pressure of its own (2017, section 5)."""
-        other = own
-        for k in ti.static(range(3)):
-            other[self.row.position + k] = own[self.row.position + k] + d[k]
+        other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
-        if ti.static(self.viscous):
-            v = self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror)
-            for k in ti.static(range(3)):
-                other[self.row.velocity + k] = v[k]
         return other
 
     @ti.func
     def acceleration(self, own, total):
-        a = self.fluid.pressing * vec3(total, self.terms.push)
+        a = self.prefactor(own) * vec3(total, self.terms.push)
         if ti.static(self.viscous):
             a += self.rubbing * vec3(total, self.terms.rub)
         return a
 
     @ti.func
-    def worked(self, own, total):
-        return self.acceleration(own, total)
+    def pressure(self, p_i, p_j, gradient):
+        """-(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
+        return (p_i + p_j) * gradient
+
+    @ti.func
+    def viscosity(self, v_ij, x_ij, r2, gradient):
+        """(d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983), times 2 nu V."""
+        return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
+
+    @ti.func
+    def viscosity_without_surface(self, v_ij, r2):
+        """v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22), times 2 nu V."""
+        return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
     def pair(self, own, other):
         x_ij, smoothing = vec3(own, self.row.position) - vec3(other, self.row.position), self.fluid.smoothing
         gradient, total = smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
+        push = self.pressure(own[self.row.pressure], other[self.row.pressure], gradient)
         for k in ti.static(range(3)):
-            total[self.terms.push + k] = (own[self.row.pressure] + other[self.row.pressure]) * gradient[k]
+            total[self.terms.push + k] = push[k]
         if ti.static(self.viscous):
-            v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
-            r2 = x_ij.dot(x_ij)
-            rub = self.central * v_ij.dot(x_ij) / (r2 + self.tiny) * gradient
+            v_ij, r2 = vec3(own, self.row.velocity) - vec3(other, self.row.velocity), x_ij.dot(x_ij)
+            rub = self.viscosity(v_ij, x_ij, r2, gradient)
             if ti.static(self.fluid.closed):
-                rub = smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
+                rub = self.viscosity_without_surface(v_ij, r2)
             for k in ti.static(range(3)):
                 total[self.terms.rub + k] = -rub[k]
         return total
@@ -292,8 +281,7 @@ class Forces(Force):
     def finish(self, i, own, total, beyond, group):
         fluid, u = self.fluid, self.fluid.particles.velocity
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
-        if ti.static(fluid.bodies):
-            beyond += self.solid.total(x, own)
+        beyond = self.with_bodies(beyond, x, own)
         fluid.begin_changes(i)
         a_wind, a_pull, a_hull = fluid.blown(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
@@ -333,7 +321,7 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), arch(), VISCOUS_ROW.size, 1)
+        sizes = config.sized(config.lattice(basin), arch(), ROW.size, 1)
         super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)

@@ -15,7 +15,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
 from ocean_sim.fluid.shared.attenuation import Attenuation
-from ocean_sim.fluid.shared.law import PositionLaw
+from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.shared.smoothing import positive
 from ocean_sim.fluid.shared.sph import SphConfig, rows
@@ -26,7 +26,7 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
-TINY = 1.0e-12  # [m2] keeps two particles in one position finite
+SQUARED_GAP = 1.0e-12  # [m2] keeps two particles in one position finite
 PAIR = 3.0e-9  # [s] of processor time a neighbour
 STIRRING = (3.6e-3, 1.8e-3)  # of c times the spacing, in 2-D and 3-D: the viscosity that keeps still water from boiling
 SOON = 10.0  # sqrt(depth / g) after which it does: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
@@ -86,18 +86,22 @@ class Config(SphConfig):
 
 
 @in_kernels
-class Density(PositionLaw):
+class Density(Law):
     """(2.13) with the poly6 kernel, then (2.15)."""
 
-    apart, terms = False, Columns(density=1)
+    terms = Columns(density=1)
 
     def __init__(self, fluid: "Mueller") -> None:
         self.fluid = fluid
         self.reads = tuple(fluid.particles.position)
         self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
-        if fluid.boundary is not None:
-            self.solid = fluid.boundary.summed(self)
+        self.meet(fluid.boundary)
+
+    @ti.func
+    def prefactor(self, own):
+        """Mass and the constant of the poly6 kernel."""
+        return self.constant
 
     @ti.func
     def begin(self, group):
@@ -105,29 +109,34 @@ class Density(PositionLaw):
 
     @ti.func
     def pair(self, own, other):
+        """W_poly6 (2.13)."""
         x_ij = own - other
-        r2 = x_ij.dot(x_ij)
-        return ti.Vector([self.fluid.smoothing.shape_poly6(r2)])
+        return ti.Vector([self.fluid.smoothing.shape_poly6(x_ij.dot(x_ij))])
+
+    @ti.func
+    def equation_of_state(self, density_sum):
+        """k (rho - rho0) (2.15), of the sum without its prefactor, and no less than the minimum [Pa]."""
+        p = self.fluid.factors[SLOPE] * density_sum - self.fluid.factors[OFFSET]
+        if ti.static(self.clamped):
+            p = tm.max(p, self.minimum)
+        return p
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         fluid, particles = self.fluid, self.fluid.particles
-        if ti.static(fluid.bodies):
+        if ti.static(self.bodies):
             solid = self.solid.total(own, own)
             total += solid
-            fluid.steady(i, self.constant * solid[self.terms.density] / fluid.rest_density)
-        rho = total[self.terms.density]
-        rho_i = self.constant * rho
-        p_i = fluid.factors[SLOPE] * rho - fluid.factors[OFFSET]  # k (rho - rho0) (2.15), multiplied out
-        if ti.static(self.clamped):
-            p_i = tm.max(p_i, self.minimum)
-        particles.density[i], particles.pressure[i], fluid.specific_volume[i] = rho_i, p_i, 1.0 / rho_i
-        fluid.accounts.count_density(group, rho_i)
+            fluid.steady(i, self.prefactor(own) * solid[self.terms.density] / fluid.rest_density)
+        rho = self.prefactor(own) * total[self.terms.density]
+        particles.density[i], particles.pressure[i] = rho, self.equation_of_state(total[self.terms.density])
+        fluid.specific_volume[i] = 1.0 / rho
+        fluid.accounts.count_density(group, rho)
 
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """(2.16) with the spiky kernel, (2.18) with the viscosity kernel."""
+    """Pressure (2.16) with the spiky kernel, viscosity (2.18) with the viscosity kernel."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -135,8 +144,13 @@ class Momentum(MomentumLaw):
     def __init__(self, fluid: "Mueller") -> None:
         particles = fluid.particles
         self.reads = (*particles.position, *particles.velocity, particles.pressure, fluid.specific_volume)
-        self.constant = 1.5 * particles.mass * fluid.smoothing.spiky_constant
+        self.constant = 1.5 * particles.mass * fluid.smoothing.spiky_constant  # the half of (2.16), times -W'/(h - r)^2
         super().__init__(fluid)
+
+    @ti.func
+    def prefactor(self, own):
+        """1 / rho_i, mass and the constant of the spiky kernel."""
+        return self.constant * own[self.row.volume]
 
     @ti.func
     def sample(self, own, s, d, mirror):
@@ -146,20 +160,26 @@ class Momentum(MomentumLaw):
         return other
 
     @ti.func
-    def scale(self, own):
-        return self.constant * own[self.row.volume]
+    def pressure(self, p_i, p_j, r, q):
+        """(p_i + p_j) (h - r) / r along x_ij: (2.16), the gradient of the spiky kernel over its constant and q."""
+        return (p_i + p_j) * q / r
+
+    @ti.func
+    def viscosity(self, v_ji):
+        """mu v_ji (2.18), the Laplacian of the viscosity kernel over its constant and q, by the prefactor here."""
+        return self.fluid.factors[VISCOUS] * v_ji
 
     @ti.func
     def pair(self, own, other):
-        """-m (p_i + p_j) / (2 rho_j) grad W (2.16) and mu m / rho_j v_ji laplacian W (2.18)."""
+        """Terms of (2.16) and (2.18), times q = h - r and 1 / rho_j."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
-        r = ti.sqrt(x_ij.dot(x_ij) + TINY)
+        r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)
         q = positive(self.fluid.smoothing.support - r)
         rub = tm.vec3(0.0)
         if ti.static(self.fluid.viscous):
-            rub = self.fluid.factors[VISCOUS] * v_ji
-        push = (own[self.row.pressure] + other[self.row.pressure]) * q / r * x_ij
+            rub = self.viscosity(v_ji)
+        push = self.pressure(own[self.row.pressure], other[self.row.pressure], r, q) * x_ij
         return self.added(q * other[self.row.volume], push, rub, rub)
 
 

@@ -223,3 +223,16 @@ def test_every_reader_of_a_file_that_a_scene_names_has_its_rules_on_the_page(mon
         assert f"\n## {checked.title}\n" in page
         for rule in checked.rules:
             assert rule.sentence in page and rule in str(rule.broken("a.csv", "it is wrong"))
+
+
+def test_every_term_of_a_scheme_stands_by_its_equation_and_links_to_its_code(monkeypatch):
+    """And nothing is linked to that is no term."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    import generate
+
+    page = (ROOT / "docs" / "theory" / "sph.md").read_text(encoding="utf-8")
+    linked = re.findall(r"\[`([\w.]+)`\]\(#(\w+)\.([\w.]+)\):\n\n\$\$", page)
+    assert all(shown == name for shown, _, name in linked)
+    terms = [(scheme, name) for scheme in generate.SCHEMES for name in generate.terms_of(scheme)]
+    assert sorted((scheme, name) for _, scheme, name in linked) == sorted(terms)
+    assert all(f"({scheme}.{name})=" in generate.terms() for scheme, name in terms)

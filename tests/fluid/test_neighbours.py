@@ -9,38 +9,29 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.grid import STATE
-from ocean_sim.fluid.shared.images import mirrored as mirrored_position
-from ocean_sim.fluid.shared.law import NONE
+from ocean_sim.fluid.shared.law import Law, WalkOptions
 from ocean_sim.fluid.shared.staggered import PAGE
 from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, kept, put
 
 
 @ti.data_oriented
-class Count:
+class Count(Law):
     """How many particles lie within the support, and the sum of their squared distances."""
 
-    row, terms, apart = Columns(position=3), Columns(count=1, squares=1), True
+    terms = Columns(count=1, squares=1)
 
     def __init__(self, fluid, padded: bool = False) -> None:
-        self.reads, self.padded, self.tension = tuple(fluid.particles.position), padded, NONE
+        self.reads, self.options = tuple(fluid.particles.position), WalkOptions(apart=True, padded=padded)
         self.support = fluid.smoothing.support
         self.count, self.squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
         self.images, self.image_squares = (ti.field(float, shape=fluid.particles.n) for _ in range(2))
-
-    @ti.func
-    def begin(self, group):
-        pass
 
     @ti.func
     def pair(self, own, other):
         r2 = (own - other).dot(own - other)
         near = ti.select(r2 < self.support * self.support, 1.0, 0.0)
         return ti.Vector([near, near * r2])
-
-    @ti.func
-    def image(self, other, mirror):
-        return mirrored_position(mirror, other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):

@@ -38,7 +38,7 @@ class Accounts:
         scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
         them."""
         self.groups, self.impulses = groups, impulses
-        self.idle: tuple[int, ...] = ()  # terms that nothing in the scene gives
+        self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
         self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
         self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
@@ -83,20 +83,10 @@ class Accounts:
                 self.given[group, term, k] = self.given[group, term, k] + ti.cast(four[k], ti.f64)
 
     @ti.func
-    def count_step(self, group, kick, pressure, viscosity, wind, gravity, ship, walls, mean):
-        """Accelerations [m/s2] of a particle, each for `kick` [kg s], and the impulse of the walls on it [N s]; `mean`
-        is its mean velocity of the step."""
-        self.count_impulse(group, PRESSURE, kick * pressure, mean)
-        self.count_impulse(group, VISCOSITY, kick * viscosity, mean)
-        self.count_drive(group, kick, wind, gravity, ship, walls, mean)
-
-    @ti.func
-    def count_drive(self, group, kick, wind, gravity, ship, walls, mean):
-        """The same of a particle on which no other acts."""
-        self.count_impulse(group, WIND, kick * wind, mean)
-        self.count_impulse(group, GRAVITY, kick * gravity, mean)
-        self.count_impulse(group, SHIP, kick * ship, mean)
-        self.count_impulse(group, WALLS, walls, mean)
+    def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
+        """Impulses of several terms, likewise: accelerations [m/s2] of a particle, each for `kick` [kg s]."""
+        for term, a in ti.static(zip(terms, accelerations)):
+            self.count_impulse(group, term, kick * a, v)
 
     @ti.func
     def count_work(self, group, term: Template, work):

@@ -135,7 +135,7 @@ class Blocks(KeptPairs):
         for a in range(begin, end):
             away = place - at(self.place, first + a)
             other = ti.Vector([self.scratch[t][scratch + a] for t in ti.static(range(len(law.reads)))])
-            total += law.near(own, other, self.shape[begun + a] * away)
+            total += law.kept_pair(own, other, self.shape[begun + a] * away)
         return total
 
 

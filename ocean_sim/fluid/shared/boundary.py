@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import ceil
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +32,7 @@ from ocean_sim.fluid.shared.around import Around
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import SIGN, flipped, turned
 from ocean_sim.fluid.shared.lattice import Lattice
-from ocean_sim.fluid.shared.law import PushingLaw, SampledLaw
+from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.pull import Pull
 from ocean_sim.fluid.shared.smoothing import Smoothing
@@ -378,13 +379,9 @@ class Boundary:
             share = self.around.total(x, self.volume, 0.0)[0]
         return share
 
-    def summed(self, law: SampledLaw) -> "SampleSum":
-        """The law's sum over the samples around a particle."""
+    def summed(self, law: Law) -> "SampleSum":
+        """Sum of a law over the samples around a particle."""
         return SampleSum(self, law)
-
-    def reaction(self, law: PushingLaw) -> "Reaction":
-        """The force on a sample by the same law."""
-        return Reaction(self, law)
 
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
@@ -438,7 +435,7 @@ class Volume:
 class SampleSum:
     """What a particle's pair law sums over the samples around it."""
 
-    def __init__(self, boundary: Boundary, law: SampledLaw) -> None:
+    def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
@@ -455,25 +452,25 @@ class SampleSum:
 
 @in_kernels
 class Reaction:
-    """Force [N] on a sample, number `own`, by the pair law that pushes the water, and where work is summed the part of
-    it that the law puts under walls. Across a side, what an image does is the side's."""
+    """Force [N] on a sample, number `own`, by the law that pushes the water, and where work is summed the part of it
+    whose work the law puts under walls. Across a side, the force of an image is the side's."""
 
-    def __init__(self, boundary: Boundary, law: PushingLaw) -> None:
-        self.boundary, self.law, self.mass = boundary, law, boundary.mass
-        self.sums = 6 if boundary.working else 3
+    def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
+        """`told`: fields that a sample reads of a particle, those of the law's row first; `forces`: ti.funcs that make
+        accelerations of the particle [m/s2] of the sum, the second one that of the part."""
+        self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
+        self.forces = forces if boundary.working else forces[:1]
+        self.sums = 3 * len(self.forces)
 
     @ti.func
     def term(self, own, j, d, mirror):
         law = self.law
-        here = ti.Vector([field[j] for field in ti.static(law.told)])
+        here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
         push = self.boundary.counted(own) * law.pair(here, law.sample(here, own, away, mirror))
-        force = -self.mass * law.acceleration(here, push)
         total = ti.Vector.zero(float, self.sums)
-        for k in ti.static(range(3)):
-            total[k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
-        if ti.static(self.boundary.working):
-            force = -self.mass * law.worked(here, push)
+        for first, acceleration in ti.static(enumerate(self.forces)):
+            force = -self.mass * acceleration(here, push)
             for k in ti.static(range(3)):
-                total[3 + k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
+                total[3 * first + k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
         return total

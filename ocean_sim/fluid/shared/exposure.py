@@ -7,20 +7,17 @@ takes it as it takes a pressure on its surface. Its part -P grad chi is P on the
 grad P, comes to -skin grad P on each plan area, for the integral of chi over the depth is the mean depth of its slope.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.images import SIGN, mirrored
-from ocean_sim.fluid.shared.law import NONE, PositionLaw
-from ocean_sim.fluid.shared.particles import Components, Particles
-from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.shared.law import Law
+from ocean_sim.fluid.shared.particle_water import ParticleWater
+from ocean_sim.fluid.shared.particles import Components
 from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.fluid.shared.walk_plan import Walk
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
-
-if TYPE_CHECKING:  # imported only where there are bodies, and by what makes it
-    from ocean_sim.fluid.shared.boundary import Boundary
-    from ocean_sim.fluid.shared.walk_plan import Walk
 
 EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
 BLOCK = 4096  # particles whose areas are added by one thread
@@ -36,23 +33,23 @@ def memory(n: int, word: int, bends: bool) -> int:
 
 
 @in_kernels
-class Exposure(PositionLaw):
+class Exposure(Law):
     """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
 
-    apart, terms = False, Columns(area=3)
+    terms = Columns(area=3)
 
     def __init__(
         self,
-        particles: Particles,
+        water: ParticleWater,
+        neighbours: Walk,
+        boundary: Any,
         positions: tuple[ti.Field, ...],
-        smoothing: Smoothing,
-        neighbours: "Walk",
-        boundary: "Boundary | None",
         plan_area: float,
         bends: bool,
     ) -> None:
         """`positions` by which `neighbours` knows the particles; `plan_area` of the water [m2]; 0 where it is not
         known; `bends`: whether to find how the surface bends."""
+        particles, smoothing = water.particles, water.smoothing
         self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
         self.plan_area, self.reads = plan_area, positions
         self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
@@ -64,10 +61,8 @@ class Exposure(PositionLaw):
         self.bends = bends
         if bends:
             self.surface = Components(particles.n)  # in storage order: slopes along x and z, and plan area [m2]
-            self.bending = Bend(self, positions)
-        self.bodies = boundary is not None
-        if boundary is not None:
-            self.solid = boundary.summed(self)
+            self.bending = Bend(self)
+        self.meet(boundary)
 
     def renew(self, dt: float, speed: float) -> None:
         """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed
@@ -108,22 +103,20 @@ class Exposure(PositionLaw):
         return self.even[None] * tm.vec3(self.area.x[name], self.area.y[name], self.area.z[name])
 
     @ti.func
-    def begin(self, group):
-        pass
+    def prefactor(self, own):
+        """2 V^2, and the constant of grad W."""
+        return self.constant
 
     @ti.func
     def pair(self, own, other):
-        """x_ij, to be times grad W / x_ij."""
-        x_ij = own - other
-        return -self.smoothing.pair_gradient(x_ij)
+        """Gradient of the kernel, -x_ij times its shape."""
+        return -self.smoothing.pair_gradient(own - other)
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
         falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
-        if ti.static(self.bodies):
-            total += self.solid.total(own, own)
-        area = self.constant * total
+        area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
         for k, component in ti.static(enumerate(self.area)):
@@ -144,16 +137,16 @@ class Exposure(PositionLaw):
 
 
 @in_kernels
-class Bend:
+class Bend(Law):
     """Second derivatives of the surface's height where particles are exposed: fitted to the differences of slopes in
     the neighbourhood, each weighed by its plan area and the kernel's gradient."""
 
-    apart, padded, tension, row = False, False, NONE, Columns(position=3, slope=2, area=1)
+    row = Columns(position=3, slope=2, area=1)
     terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
 
-    def __init__(self, exposure: Exposure, positions: tuple[ti.Field, ...]) -> None:
+    def __init__(self, exposure: Exposure) -> None:
         self.particles, self.smoothing = exposure.particles, exposure.smoothing
-        self.reads = (*positions, *exposure.surface)
+        self.reads = (*exposure.reads, *exposure.surface)
         self.skin = Stencil(exposure.smoothing, exposure.particles.spacing).skin
         self.bend = Components(exposure.particles.n)  # by the number of the particle
 
@@ -162,10 +155,6 @@ class Bend:
         """See Exposure.bend_of."""
         name = self.particles.id[i]
         return tm.vec3(self.bend.x[name], self.bend.y[name], self.bend.z[name])
-
-    @ti.func
-    def begin(self, group):
-        pass
 
     @ti.func
     def image(self, other, mirror):

@@ -1,91 +1,89 @@
-"""What a law of pairs is: what it reads of particles, what a neighbour adds to a sum, and what becomes of the sum."""
+"""Interface of a pairwise interaction: its inputs, the term of a pair, and the use of the sum.
 
-from typing import Any, Protocol
+A law is a sum over the neighbours j of each particle i,
+
+    total_i = sum_j pair(own_i, other_j),
+
+which `finish` multiplies by its `prefactor` and puts to use. A law has these ten names and no others.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
 
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.images import mirrored
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
-NONE = -1  # no column
+NO_COLUMN = -1
 
 
-class Law(Protocol):
-    """What `Neighbours.walk` sums over the neighbours of every particle. All functions are ti.funcs."""
+@dataclass(frozen=True)
+class WalkOptions:
+    """How the walk over neighbours sums a law."""
 
-    row: Columns
-    """What is read of a particle, `own`, and of a neighbour, `other`; its position first."""
-    reads: tuple[ti.Field, ...]
-    """The fields of the row, one a column."""
-    terms: Columns
-    """What a neighbour adds to the sum, `total`."""
-    apart: bool
-    """Whether what images in the sides add is summed by itself, as `beyond`."""
-    padded: bool
-    """Whether candidates out of reach fill lists up to whole vectors: worth it where a pair takes long."""
-
-    tension: int
-    """The column of the row that is negative under tension, or NONE. Where it is so for no candidate of a cell, each is
-    summed by `pressed`, which does the same as `pair` there with less to do."""
-
-    def begin(self, group: Any) -> None:
-        """Before the first particle of a group."""
-        ...
-
-    def image(self, other: Any, mirror: Any) -> Any:
-        """The row of a neighbour as a side shows it."""
-        ...
-
-    def pair(self, own: Any, other: Any) -> Any:
-        """What a neighbour adds to the sum of a particle."""
-        ...
-
-    def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """What becomes of the sums of particle i."""
-        ...
-
-
-class SampledLaw(Protocol):
-    """What is summed over the samples of solid bodies, too (`boundary.SampleSum`)."""
-
-    terms: Columns
-
-    def sample(self, own: Any, s: Any, d: Any, mirror: Any) -> Any:
-        """The row of sample s, which a mirror shows at d [m] from a particle."""
-        ...
-
-    def pair(self, own: Any, other: Any) -> Any:
-        """What a sample of share 1 adds to the sum of a particle."""
-        ...
-
-
-class PushingLaw(SampledLaw, Protocol):
-    """What pushes solid bodies back (`boundary.Reaction`)."""
-
-    told: tuple[ti.Field, ...]
-    """What samples are told of a particle: the fields of its row, and what its law adds."""
-
-    def acceleration(self, own: Any, total: Any) -> Any:
-        """Of a particle [m/s2], by its sum."""
-        ...
-
-    def worked(self, own: Any, total: Any) -> Any:
-        """The part of it whose work the law puts under walls, where accounts are kept."""
-        ...
+    apart: bool = False
+    """True if the sum over images in the sides is kept by itself, as `beyond`."""
+    padded: bool = False
+    """True if candidates out of reach fill the lists up to whole vectors: worth it for pairs that take long."""
+    tension_column: int = NO_COLUMN
+    """Column of the row that is negative under tension. A cell none of whose candidates is so is summed by
+    `pair_without_tension` instead of `pair`: the same term with less to do."""
+    pair_without_tension: Any = None
 
 
 @in_kernels
-class PositionLaw:
-    """A law that reads nothing but positions, whatever it sums."""
+class Law(ABC):
+    """Base class of all laws. The defaults suit one that reads nothing but positions. All functions are ti.funcs."""
 
-    row, padded, tension = Columns(position=3), False, NONE
+    row: Columns = Columns(position=3)
+    """Columns that are read of a particle, `own`, and of a neighbour, `other`; the position comes first."""
+    reads: tuple[ti.Field, ...]
+    """Fields of the row, one a column."""
+    terms: Columns
+    """Columns of the sum, `total`."""
+    options: WalkOptions = WalkOptions()
+    bodies = False
+    boundary: Any
+    solid: Any  # SampleSum of the boundary
+
+    def meet(self, boundary: Any) -> None:
+        """Sum over the samples of a Boundary's bodies, too; None: there are none. Call it once `terms` are known."""
+        if boundary is not None:
+            self.bodies, self.boundary, self.solid = True, boundary, boundary.summed(self)
+
+    @ti.func
+    def prefactor(self, own):
+        """Factor of the whole sum: constants of the kernel, masses, what is the particle's own."""
+        return 1.0
+
+    @ti.func  # noqa: B027
+    def begin(self, group):
+        """Prepare for the first particle of a group; most laws have nothing to prepare."""
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it."""
+        """Row of a neighbour as a side shows it."""
         return mirrored(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
+        """Row of sample s of a solid body, seen in a mirror at d [m] from the particle."""
         return own + d
+
+    @abstractmethod
+    def pair(self, own: Any, other: Any) -> Any:
+        """Term of one neighbour, without the prefactor."""
+
+    @abstractmethod
+    def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
+        """Put the sums of particle i to use: `total`, and `beyond` of images where these are summed apart."""
+
+    @ti.func
+    def with_bodies(self, total, x, own):
+        """A sum and that over the samples of solid bodies around x [m]."""
+        both = total
+        if ti.static(self.bodies):
+            both += self.solid.total(x, own)
+        return both

@@ -12,7 +12,7 @@ from ocean_sim.fluid.shared.blocks import Blocks
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.grid import Grid
 from ocean_sim.fluid.shared.images import mirrored
-from ocean_sim.fluid.shared.law import NONE
+from ocean_sim.fluid.shared.law import NO_COLUMN
 from ocean_sim.fluid.shared.list_size import AWAY, ListSize, whole
 from ocean_sim.fluid.shared.pairs import flips
 from ocean_sim.fluid.shared.particles import Particles
@@ -265,12 +265,12 @@ class Neighbours:
     def filled(self, law: Template, count):
         """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
         vectors. What is left over behind those is summed one by one, with four times the instructions each."""
-        return whole(count) if ti.static(law.padded) else count
+        return whole(count) if ti.static(law.options.padded) else count
 
     @ti.func
     def gap(self, law: Template, n):
         """Numbers of the scratch between n particles and their images, where these are summed apart."""
-        return self.filled(law, n) - n if ti.static(law.apart) else 0
+        return self.filled(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
@@ -294,7 +294,7 @@ class Neighbours:
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.added(law, pair, own, a, find, to + a - begin)
-        if ti.static(law.apart):
+        if ti.static(law.options.apart):
             for a in range(middle, end):
                 beyond += self.added(law, pair, own, a, find, to + a - begin)
         return total, beyond
@@ -313,15 +313,16 @@ class Neighbours:
         particles, and finish it."""
         scratch = group * self.width
         images = scratch + n + self.gap(law, n)
-        end = images + self.filled(law, m - n) if ti.static(law.apart) else scratch + self.filled(law, m)
-        middle = images if ti.static(law.apart) else end
-        if ti.static(law.padded):
+        end = images + self.filled(law, m - n) if ti.static(law.options.apart) else scratch + self.filled(law, m)
+        middle = images if ti.static(law.options.apart) else end
+        if ti.static(law.options.padded):
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
-        tense = self.negative(self.scratch[law.tension], scratch, end) if ti.static(law.tension != NONE) else 1
+        column = ti.static(law.options.tension_column)
+        tense = self.negative(self.scratch[column], scratch, end) if ti.static(column != NO_COLUMN) else 1
         to, further = 0, 0  # where the shapes of a particle's pairs go, and how far from there those of the next
         if ti.static(find and self.keeps):
-            ti.static_assert(law.apart and law.padded, "pairs are kept of whole vectors")
+            ti.static_assert(law.options.apart and law.options.padded, "pairs are kept of whole vectors")
             to, further, room = self.blocks.keep(k, group, self.name, n, images, m, end)
             self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1 - room
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
@@ -329,7 +330,7 @@ class Neighbours:
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             if tense == 1:
                 total, beyond = self.sums(law, law.pair, own, scratch, middle, end, find, to)
-            elif ti.static(law.tension != NONE):
-                total, beyond = self.sums(law, law.pressed, own, scratch, middle, end, find, to)
+            elif ti.static(law.options.tension_column != NO_COLUMN):
+                total, beyond = self.sums(law, law.options.pair_without_tension, own, scratch, middle, end, find, to)
             law.finish(i, own, total, beyond, group)
             to += further

@@ -1,27 +1,92 @@
-"""What schemes share whose pressure is known before a step moves the particles: the law of momentum but for what a pair
-adds, and, where the density is a sum, the whole step."""
+"""Laws that push particles; and of schemes whose pressure is known before a step moves them all but the terms of a pair
+and, where the density is a sum, the whole step."""
 
-from typing import ClassVar
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.shared.accounts import BED, SEA, WALLS
-from ocean_sim.fluid.shared.force import Force
+from ocean_sim.fluid.shared.accounts import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
 from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected
-from ocean_sim.fluid.shared.law import Law
+from ocean_sim.fluid.shared.law import Law, WalkOptions
 from ocean_sim.fluid.shared.sph import Sph
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.runtime import Array, in_kernels
+from ocean_sim.runtime import Array, Template, in_kernels
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.shared.boundary import Reaction
+
+
+@in_kernels
+class Force(Law):
+    """A sum of forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have `push`,
+    and `rub` where friction is summed apart."""
+
+    stores_pressure_work: ClassVar[bool] = False
+    """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
+    reaction: "Reaction"
+
+    def __init__(self, fluid: Sph) -> None:
+        """To be called once `reads` and `terms` are known."""
+        self.fluid = fluid
+        self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
+        self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
+        self.meet(fluid.boundary)
+        if fluid.boundary is not None:
+            from ocean_sim.fluid.shared.boundary import Reaction
+
+            forces = (self.acceleration, self.wall_acceleration)
+            self.reaction = Reaction(fluid.boundary, self, self.told, forces)
+
+    @abstractmethod
+    def acceleration(self, own: Any, total: Any) -> Any:
+        """Acceleration [m/s2] of a particle by its sum."""
+
+    @ti.func
+    def wall_acceleration(self, own, total):
+        """Part of it whose work counts as that of walls."""
+        a = self.acceleration(own, total)
+        if ti.static(self.stores_pressure_work):
+            a = self.prefactor(own) * vec3(total, self.terms.rub)
+        return a
+
+    @ti.func
+    def pressure_rise(self, head):
+        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
+        return self.fluid.rest_density * head
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.accounts.begin_motion(group)
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        x, image = vec3(other, self.row.position), reflected(mirror, other)
+        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
+        return image
+
+    @ti.func
+    def rubbing_sample(self, own, s, d, mirror):
+        """A sample of a solid body with the velocity by which it rubs; all else is the particle's own."""
+        return displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
+
+    @ti.func
+    def react(self, dt):
+        """Push the bodies for dt [s]; call it at the top of a kernel."""
+        if ti.static(self.fluid.bodies):
+            self.boundary.react(self.reaction, dt)
 
 
 @in_kernels
 class MomentumLaw(Force):
-    """What pushes particles and moves them: neighbours, wind, gravity (2.25), a hull, a bed, and walls.
+    """Momentum of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
 
-    A scheme adds what is read (`row`, which begins with `position` and `velocity` and has a `pressure` in a form of its
-    own, and `reads`), what a pair adds (`pair`, by way of `added`), and by how much a pressure rises (`risen`).
+    A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
+    (`pair`, by way of `added`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
     """
 
-    passed: ClassVar[float] = 0.0
+    drifted: ClassVar[float] = 0.0
     """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
 
     def __init__(self, fluid: Sph) -> None:
@@ -29,40 +94,13 @@ class MomentumLaw(Force):
         shear = {"shear": 3} if self.sheared else {}  # friction once more, by itself
         self.terms = Columns(push=3, rub=3, **shear) if fluid.accounts.impulses else Columns(push=3, **shear)
         super().__init__(fluid)
-        self.told = (*self.reads, *fluid.last_acceleration)
-
-    @ti.func
-    def risen(self, head):
-        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
-        return self.fluid.rest_density * head
-
-    @ti.func
-    def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, image = vec3(other, self.row.position), reflected(mirror, other)
-        pull = self.fluid.pull.at_rest(halfway(mirror, x))
-        image[self.row.pressure] += self.risen(hydrostatic_offset(mirror, x, pull))
-        return image
-
-    @ti.func
-    def sample(self, own, s, d, mirror):
-        return self.continued(own, s, d, mirror)
-
-    @ti.func
-    def continued(self, own, s, d, mirror):
-        """A sample of a solid body: it has all of the particle, the pressure continued to where it is."""
-        other = displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
-        a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
-        head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
-        other[self.row.pressure] = own[self.row.pressure] + self.risen(head)
-        return other
 
     @ti.func
     def added(self, weight, push, rub, shear):
-        """What a pair adds that presses with `push` and rubs with `rub`, of which `shear` is friction."""
+        """Row of `terms` for a pair that presses with `push` and rubs with `rub`, of which `shear` is friction."""
         total = ti.Vector.zero(float, self.terms.size)
         for k in ti.static(range(3)):
-            if ti.static(self.apart):
+            if ti.static(self.options.apart):
                 total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
             else:
                 total[self.terms.push + k] = weight * (push[k] + rub[k])
@@ -71,77 +109,100 @@ class MomentumLaw(Force):
         return total
 
     @ti.func
-    def scale(self, own):
-        """Acceleration over what a particle has summed."""
-        return 1.0
+    def continued(self, own, s, d, mirror):
+        """A sample of a solid body under the particle's own pressure, continued to the place of the sample."""
+        other = self.rubbing_sample(own, s, d, mirror)
+        a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
+        head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
+        other[self.row.pressure] = own[self.row.pressure] + self.pressure_rise(head)
+        return other
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        return self.continued(own, s, d, mirror)
 
     @ti.func
     def acceleration(self, own, total):
-        """Of a particle by what it has summed [m/s2]."""
         both = vec3(total, self.terms.push)
-        if ti.static(self.apart):
+        if ti.static(self.options.apart):
             both += vec3(total, self.terms.rub)
-        return self.scale(own) * both
-
-    @ti.func
-    def worked(self, own, total):
-        """Whose work on the water stands under walls: all, unless a scheme puts what presses elsewhere."""
-        return self.acceleration(own, total)
+        return self.prefactor(own) * both
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Kick the particle and move it on, as far as walls, absorbing zones and the motion limit let it."""
-        fluid, walls, m = self.fluid, self.fluid.walls, ti.static(self.fluid.particles.mass)
-        dt = fluid.dt[None]
+        """Kick particle i by all accelerations (2.25), let walls constrain its way, and book the step."""
+        fluid, dt = self.fluid, self.fluid.dt[None]
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         if ti.static(fluid.bodies):
             beyond += self.solid.total(x, ti.Vector([field[i] for field in ti.static(self.told)]))
+        a, parts = self.kick(i, own, total, beyond, dt)
+        if ti.static(fluid.bodies):
+            self.remember(i, own, total, beyond, parts)
+        x_free, x_new, v_new, fast = self.constrain(i, x, v + dt * a, dt)
+        fluid.leave(i, x_new, v_new)
+        fluid.accounts.count_motion(group, v_new, a, fast)
+        if ti.static(fluid.accounts.impulses):
+            self.book(group, own, total, beyond, a, parts, x_free, x_new, v_new, dt)
+
+    @ti.func
+    def kick(self, i, own, total, beyond, dt):
+        """Acceleration [m/s2] of particle i (2.25), and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
+        fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
         a_wind = fluid.blown(i, x, v)
         a_pull = fluid.pull.at(x, v)
-        a_hull = fluid.hull_push(x, self.passed * dt)
-        a = a_water + a_walls + a_wind + a_pull + a_hull  # (2.25)
-        a_bed = tm.vec3(0.0)
+        a_hull = fluid.hull_push(x, self.drifted * dt)
+        a = a_water + a_walls + a_wind + a_pull + a_hull
+        a_bed, a_sea = tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(fluid.rubs):
             a_bed = fluid.bed.push(x, v + dt * a, dt)
             a += a_bed
-        a_sea = tm.vec3(0.0)
         if ti.static(fluid.joined):
             a_sea = fluid.rim.push(x, v + dt * a, dt)
             a += a_sea
-        free = v + dt * a
-        pushed, fast = walls.held_back(walls.relaxed(x, free, dt), dt)
-        x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.passed) * dt * pushed)
-        x_new, v_new = walls.bounced(x_free, pushed)
-        if ti.static(fluid.bodies):  # pressure goes with what pulls and presses; friction and wind bend no isobar
-            pressed = fluid.pull.at_rest(x) + a_water + a_walls
-            if ti.static(self.sheared):
-                pressed -= self.scale(own) * (vec3(total, self.terms.shear) + vec3(beyond, self.terms.shear))
-            for k, component in ti.static(enumerate(fluid.last_acceleration)):
-                component[i] = pressed[k]
-        fluid.leave(i, x_new, v_new)
-        fluid.accounts.count_motion(group, v_new, a, fast)
-        if ti.static(self.apart):
-            a_pressure, mean = self.scale(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
-            rubbed = a_water - a_pressure
-            # What walls change: two forms of one difference, which round differently.
-            kept = v_new - free + dt * a_walls if ti.static(self.passed == 0.0) else v_new - v - dt * (a - a_walls)
-            if ti.static(self.passed == 0.0):
-                if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
-                    far = (x_new - x) / dt
-                    fluid.accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - far))
-                    mean = far
-            fluid.accounts.count_step(group, m * dt, a_pressure, rubbed, a_wind, a_pull, a_hull, m * kept, mean)
-            if ti.static(fluid.rubs):
-                fluid.accounts.count_impulse(group, BED, m * dt * a_bed, mean)
-            if ti.static(fluid.joined):
-                fluid.accounts.count_impulse(group, SEA, m * dt * a_sea, mean)
-            self.account(beyond, mean, dt, group)
+        return a, (a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea)
 
     @ti.func
-    def account(self, beyond, mean, dt, group):
-        """What else a scheme puts to the accounts, of what walls add to the sum of a particle and its mean velocity of
-        the step."""
+    def constrain(self, i, x, v, dt):
+        """Where particle i goes from x [m] at v [m/s]: without walls and with them [m]; its velocity there [m/s]; and
+        1 if the motion limit held it back."""
+        fluid, walls = self.fluid, self.fluid.walls
+        pushed, fast = walls.held_back(walls.relaxed(x, v, dt), dt)
+        x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.drifted) * dt * pushed)
+        x_new, v_new = walls.bounced(x_free, pushed)
+        return x_free, x_new, v_new, fast
+
+    @ti.func
+    def remember(self, i, own, total, beyond, parts: Template):
+        """Keep the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
+        wind do not."""
+        a_water, a_walls = parts[:2]
+        a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
+        if ti.static(self.sheared):
+            a -= self.prefactor(own) * (vec3(total, self.terms.shear) + vec3(beyond, self.terms.shear))
+        for k, component in ti.static(enumerate(self.fluid.last_acceleration)):
+            component[i] = a[k]
+
+    @ti.func
+    def book(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
+        """Put impulse and work of each term to the budget."""
+        accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
+        x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
+        a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
+        a_pressure, mean = self.prefactor(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+        by_walls = v_new - (v + dt * a) + dt * a_walls
+        if ti.static(self.drifted == 0.0):
+            if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
+                way = (x_new - x) / dt
+                accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - way))
+                mean = way
+        kick, forces = m * dt, (a_pressure, a_water - a_pressure, a_wind, a_pull, a_hull, a_bed, a_sea)
+        accounts.count_impulses(group, (PRESSURE, VISCOSITY, WIND, GRAVITY, SHIP, BED, SEA), kick, forces, mean)
+        accounts.count_impulse(group, WALLS, m * by_walls, mean)
+        if ti.static(self.stores_pressure_work):
+            stored = kick * self.prefactor(own) * vec3(beyond, self.terms.push).dot(mean)
+            accounts.count_work(group, WALLS, -stored)
+            accounts.count_work(group, PRESSURE, stored)
 
 
 @in_kernels

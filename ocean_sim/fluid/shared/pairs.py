@@ -4,11 +4,11 @@ An image is named by its particle and by the axes along which it is mirrored, so
 """
 
 from abc import ABC, abstractmethod
-from typing import Any, Protocol
+from typing import Any
 
-from ocean_sim.columns import Columns
 from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
 from ocean_sim.fluid.shared.images import SIDE, SIGN, Images
+from ocean_sim.fluid.shared.law import Law
 from ocean_sim.fluid.shared.tasks import Tasks
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
@@ -27,30 +27,18 @@ def bytes_kept(n: int, neighbours: int, word: int) -> int:
     return n * (8 + slots(neighbours) * (4 + 3 * word))
 
 
-class KeptLaw(Protocol):
-    """What is summed over kept pairs. All functions are ti.funcs."""
+@in_kernels
+class KeptLaw(Law):
+    """A law summed over kept pairs, whose gradients are known: it `reads` the fields of its row but the position."""
 
-    reads: tuple[ti.Field, ...]
-    """What is read of a particle, `own`, and of a neighbour, `other`."""
-    terms: Columns
-    """What a neighbour adds to the sum, `total`, and an image to its own, `beyond`."""
-
-    def begin(self, group: Any) -> None:
-        """Before the first particle of a group."""
-        ...
-
-    def image(self, other: Any, name: Any, away: Any) -> Any:
-        """What is read of a neighbour as the sides show it that its name tells; `away` leads from there into the
+    @abstractmethod
+    def kept_image(self, other: Any, name: Any, away: Any) -> Any:
+        """Row of a neighbour, `other`, as the sides show it that its name tells; `away` leads from there into the
         water."""
-        ...
 
-    def near(self, own: Any, other: Any, gradient: Any) -> Any:
-        """What a neighbour adds; `gradient`: x_ij times the shape of grad W."""
-        ...
-
-    def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """What becomes of the sums of particle i."""
-        ...
+    @abstractmethod
+    def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
+        """Term of one neighbour, as `pair`; `gradient`: x_ij times the shape of grad W."""
 
 
 @in_kernels
@@ -63,8 +51,8 @@ class KeptPairs(ABC):
 
     @abstractmethod
     def walk(self, law: Any) -> None:
-        """ti.func, at the top of a kernel: for every particle, sum law.near over its neighbours, and over its images,
-        then law.finish it."""
+        """ti.func, at the top of a kernel: for every particle, sum law.kept_pair over its neighbours, and over its
+        images, then law.finish it."""
 
     @ti.func
     def read(self, law: Template, j):
@@ -74,7 +62,7 @@ class KeptPairs(ABC):
     @ti.func
     def seen_as(self, law: Template, name, away):
         """The same of an image."""
-        return law.image(self.read(law, name % MOST_PARTICLES), name, away)
+        return law.kept_image(self.read(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def velocity(self, v, name, away):
@@ -115,10 +103,10 @@ class Pairs(KeptPairs):
             own, first = self.read(law, i), i * self.room
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             for a in range(first, first + self.near[i]):
-                total += law.near(own, self.read(law, self.name[a]), self.gradient[a])
+                total += law.kept_pair(own, self.read(law, self.name[a]), self.gradient[a])
             for a in range(first + self.near[i], first + self.seen[i]):
                 gradient = self.gradient[a]
-                beyond += law.near(own, self.seen_as(law, self.name[a], gradient), gradient)
+                beyond += law.kept_pair(own, self.seen_as(law, self.name[a], gradient), gradient)
             law.finish(i, own, total, beyond, group)
 
 

@@ -220,7 +220,7 @@ class ParticleWalk:
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 x = ti.Vector([own[0], own[1], own[2]])
                 total, beyond = around.of_water(x, water, own), self.of_images(x, own, around, images)
-                if ti.static(not law.apart):
+                if ti.static(not law.options.apart):
                     total += beyond
                     beyond = ti.Vector.zero(float, law.terms.size)
                 if ti.static(find and self.keeps):

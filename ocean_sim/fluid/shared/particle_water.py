@@ -61,7 +61,7 @@ class ParticleWater(ParticleFluid):
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))
-        self.accounts.idle = (SHIP,) if wind.blows else (SHIP, WIND)
+        self.accounts.idle += (SHIP,) if wind.blows else (SHIP, WIND)
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
         self.around = self.surface.around

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.shared.images import displaced
-from ocean_sim.fluid.shared.pairs import KeptPairs
+from ocean_sim.fluid.shared.pairs import KeptLaw, KeptPairs
 from ocean_sim.fluid.shared.particles import Components, Particles
 from ocean_sim.fluid.shared.smoothing import Smoothing
 from ocean_sim.fluid.shared.staggered import staggered
@@ -61,7 +61,7 @@ class IncompressibleWater(Protocol):
 
 
 @in_kernels
-class Compression:
+class Compression(KeptLaw):
     """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
     6, 7, 12, 13."""
 
@@ -70,22 +70,19 @@ class Compression:
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
-        self.relaxation = (
-            1.0 / fluid.stencil.stiffest
-        )  # in disorder, or piled up, particles are up to 1.31 times as stiff
-        if fluid.boundary is not None:
-            self.boundary, self.solid = fluid.boundary, fluid.boundary.summed(self)
+        self.relaxation = 1.0 / fluid.stencil.stiffest  # in disorder or piled up particles are up to 1.31 as stiff
+        self.meet(fluid.boundary)
 
     @ti.func
     def begin(self, group):
         self.fluid.rows.clear(group)
 
     @ti.func
-    def image(self, other, name, away):
+    def kept_image(self, other, name, away):
         return self.pairs.velocity(other, name, away)
 
     @ti.func
-    def near(self, own, other, gradient):
+    def kept_pair(self, own, other, gradient):
         return ti.Vector([gradient.dot(own - other)])
 
     @ti.func
@@ -95,7 +92,7 @@ class Compression:
 
     @ti.func
     def pair(self, own, other):
-        """What a sample adds."""
+        """Term of a sample."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
@@ -133,7 +130,7 @@ class Compression:
 
 
 @in_kernels
-class Push:
+class Push(KeptLaw):
     """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
     that rounding does not add up over iterations."""
 
@@ -142,20 +139,15 @@ class Push:
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
         self.reads = (solver.next,)
-        if fluid.boundary is not None:
-            self.solid = fluid.boundary.summed(self)
+        self.meet(fluid.boundary)
 
     @ti.func
-    def begin(self, group):
-        pass
-
-    @ti.func
-    def image(self, other, name, away):
+    def kept_image(self, other, name, away):
         """An image has the pressure of its particle."""
         return other
 
     @ti.func
-    def near(self, own, other, gradient):
+    def kept_pair(self, own, other, gradient):
         return (own[0] + other[0]) * gradient
 
     @ti.func
@@ -165,7 +157,7 @@ class Push:
 
     @ti.func
     def pair(self, own, other):
-        """What a sample adds."""
+        """Term of a sample."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 

@@ -439,16 +439,8 @@ class Sph(ParticleWater):
         if self.exposed:
             from ocean_sim.fluid.shared.exposure import Exposure
 
-            plan_area = sizes.grid.lattice.plan_area or 0.0
-            self.exposure = Exposure(
-                self.particles,
-                self.listed_positions,
-                self.smoothing,
-                self.neighbours,
-                self.boundary,
-                plan_area,
-                wind.needs_bend,
-            )
+            positions, plan_area = self.listed_positions, sizes.grid.lattice.plan_area or 0.0
+            self.exposure = Exposure(self, self.neighbours, self.boundary, positions, plan_area, wind.needs_bend)
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from itertools import combinations
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
+from ocean_sim.observers.shared.checks import Momentum, Symmetry, beyond, kept, level_ratio
 from ocean_sim.observers.shared.energy import (
     Balance,
     at_stake,
@@ -23,16 +24,9 @@ from ocean_sim.observers.shared.energy import (
     stored_by_weight,
     told_apart,
 )
-from ocean_sim.observers.shared.escaped import beyond, kept
-from ocean_sim.observers.shared.level import level_ratio
-from ocean_sim.observers.shared.momentum import Momentum
-from ocean_sim.observers.shared.symmetry import Symmetry
 from ocean_sim.parts import ALONE
-from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.ship import Ship
-    from ocean_sim.simulation import Simulation
+from ocean_sim.ship import Ship
+from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig, Simulation
 
 POSITIONS_EVERY = 50  # steps between two checks of all positions
 ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
@@ -67,7 +61,7 @@ class Config(PeriodicConfig):
     """Energy that water driven by nothing but gravity may gain, over its mass times the square of the fluid's
     reference speed: of motion, height and compression together, and of motion and height alone."""
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Health":
+    def build(self, folder: Path, simulation: Simulation) -> "Health":
         return Health(self, None if folder is NOWHERE else folder, simulation)
 
 
@@ -76,7 +70,7 @@ class Health(Concluding):
 
     first_energy: tuple[float, float] | None  # of motion and height, and of compression [J]
 
-    def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
@@ -128,7 +122,7 @@ class Health(Concluding):
         if changed:
             self.event("the program has changed", what=changed)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
         if self.n > 0 and simulation.steps == 0:
@@ -346,7 +340,7 @@ class Health(Concluding):
         frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
-    def judge_hulls(self, simulation: "Simulation") -> None:
+    def judge_hulls(self, simulation: Simulation) -> None:
         """Raises Diverged where two hulls have come into one another: what pushes them apart is not modelled."""
         if len(simulation.ships) < 2:
             return
@@ -363,7 +357,7 @@ class Health(Concluding):
                     f"m, {self.moment()}; contact between hulls is not modelled: keep them apart{self.last_frame()}"
                 )
 
-    def note_rim(self, simulation: "Simulation") -> None:
+    def note_rim(self, simulation: Simulation) -> None:
         """A ship, or one of several that have parted, lies in the rim of the patch: the sea around her is not hers."""
         if len(simulation.ships) < 2:
             return
@@ -372,7 +366,7 @@ class Health(Concluding):
             if inside:
                 self.once("the ships are too far apart for their patch: one is in its rim", **where(name, ship))
 
-    def note_grounding(self, simulation: "Simulation") -> None:
+    def note_grounding(self, simulation: Simulation) -> None:
         """The keel met the bed, again and again it may be."""
         for name, ship in simulation.ships.items():
             if ship.groundings > self.groundings[name]:
@@ -381,7 +375,7 @@ class Health(Concluding):
                     self.grounding_reported[name] = simulation.time
                 self.groundings[name] = ship.groundings
 
-    def note_flight(self, simulation: "Simulation") -> None:
+    def note_flight(self, simulation: Simulation) -> None:
         """The whole hull has left the water, or some of it is in the water again."""
         for name, ship in simulation.ships.items():
             if ship.airborne:
@@ -391,13 +385,13 @@ class Health(Concluding):
                 self.event(f"the hull {what} the water", **where(name, ship), speed_m_s=speed)
                 self.airborne[name], self.flight_reported[name] = ship.airborne, simulation.time
 
-    def note_limit(self, simulation: "Simulation") -> None:
+    def note_limit(self, simulation: Simulation) -> None:
         limit = simulation.time_step.limited_by
         if limit != self.limit and simulation.time >= self.limit_reported + QUIET:
             self.event("limit", limited_by=limit, time_step_s=float(simulation.next_dt))
             self.limit, self.limit_reported = limit, simulation.time
 
-    def note_clipping(self, simulation: "Simulation") -> None:
+    def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
         if clipped > self.clipped and (
             simulation.time >= self.clipped_reported + QUIET or simulation.outcome != "running"
@@ -419,7 +413,7 @@ class Health(Concluding):
             self.close()
 
 
-def where(name: str, ship: "Ship") -> dict[str, object]:
+def where(name: str, ship: Ship) -> dict[str, object]:
     """Which ship of several, and where she is, for an event."""
     x, _, z = ship.body.position
     which = {} if name == ALONE else {"ship": name}

@@ -19,7 +19,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import IO, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -46,10 +46,7 @@ from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import MAPS, SAMPLES, Picture, Shot, foreseen
 from ocean_sim.pictures.sea_state import DRY, FITTINGS, scene_of
-from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Concluding, PeriodicConfig, Progress, Simulation
 
 PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
     2: {"draft": 0.1, "final": 0.26},
@@ -203,7 +200,7 @@ class Config(PeriodicConfig):
             taken, why = taken + ENCODES[0] + ENCODES[1] * pixels, f"{why}, and the encoder of the film"
         return [row._replace(bytes=int(taken), why=why)]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Render":
+    def build(self, folder: Path, simulation: Simulation) -> "Render":
         return Render(self, folder, simulation)
 
 
@@ -219,7 +216,7 @@ class Render(Concluding):
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.progress: Progress | None = None
         self.drawer: Drawer | None = None
@@ -229,7 +226,7 @@ class Render(Concluding):
         if self.drawer is not None:
             self.drawer.progress = progress
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         """Begin to draw once there is a frame; the child does the rest."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
             self.drawer = Drawer(

@@ -10,8 +10,7 @@ import numpy as np
 
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.whole_file import whole
-from ocean_sim.observers.shared.page import page, picture, plot, table, text
-from ocean_sim.observers.shared.svg_plot import curves
+from ocean_sim.observers.shared.page import curves, page, picture, plot, table, text
 
 STILLS = 6  # in a page at most
 EVENTS = 60  # shown from the beginning, and as many from the end

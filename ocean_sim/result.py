@@ -13,7 +13,7 @@ import numpy as np
 
 from ocean_sim.conventions import Refused, Unsuited, figures
 from ocean_sim.files import csv_file, input_file, run_files
-from ocean_sim.files.claim import MANIFEST, Claim, claimed
+from ocean_sim.files.run_files import MANIFEST, Claim, claimed
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.machine import stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load

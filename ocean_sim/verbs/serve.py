@@ -10,7 +10,7 @@ from threading import Event
 from typing import Any
 
 from ocean_sim.files import run_files
-from ocean_sim.files.claim import MANIFEST
+from ocean_sim.files.run_files import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
 from ocean_sim.verbs.shared import console

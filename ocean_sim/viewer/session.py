@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file, run_files
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named

@@ -373,13 +373,7 @@ class Solid(Protocol):
         """(2, 3) lowest and highest corner of the box around it [m]."""
         ...
 
-    def carved(
-        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
-        ...
-
-    def fitted(
+    def make_room(
         self,
         positions: np.ndarray,
         beyond: np.ndarray,
@@ -387,8 +381,8 @@ class Solid(Protocol):
         spacing: float,
         volume: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room for samples, and (n, 3) where the
-        others go, with (m, 3) points at which their lattice goes on [m]."""
+        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room, and (n, 3) where the others go; with
+        (m, 3) points at which their lattice goes on where it is felt [m]."""
         ...
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

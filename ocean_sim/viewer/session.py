@@ -27,8 +27,7 @@ from ocean_sim.viewer.wave_field import answer
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
-    from ocean_sim.ship.shared.pilot import Helmsman
-    from ocean_sim.ship.shared.propulsion import Person
+    from ocean_sim.ship.shared.propulsion import Helmsman, Person
 
 BUDGET = 0.04  # [s] of steps between two looks at what has come in
 NAP = 0.05  # [s] to wait for commands where there is nothing to do

@@ -13,8 +13,8 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files, opengl
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.shapes import drawn
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 

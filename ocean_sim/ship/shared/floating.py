@@ -20,19 +20,16 @@ from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.damping import Resistance
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics, metacentric_heights, squat
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
-from ocean_sim.ship.shared.outline import outline
 from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship.shared.shapes import outermost
 from ocean_sim.ship.shared.solid import Solid
-from ocean_sim.ship.shared.squat import squat
-from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
+from ocean_sim.ship.shared.vessel import Actuators, VesselConfig, outline
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.water import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
-from ocean_sim.ship.shared.waterplane import metacentric_heights
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -133,8 +130,8 @@ class FloatingConfig(VesselConfig):
 
     def outline(self, preflight: Preflight) -> Outline:
         still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
-        vertices, _ = drawn(self.whole_hull.shape)
-        return outline(vertices - still.matter.centre, self.body(still.matter, *afloat_pose(still)))
+        corners = outermost(self.whole_hull.shape) - still.matter.centre
+        return outline(corners, self.body(still.matter, *afloat_pose(still)))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:

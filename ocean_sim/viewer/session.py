@@ -20,10 +20,9 @@ from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, sce
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.answers import answer, keys
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.watch import Audience, Watch
-from ocean_sim.viewer.wave_field import answer
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship

@@ -16,7 +16,7 @@ from ocean_sim.platform.shared import packets
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.answers import keys
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source

@@ -18,6 +18,8 @@ from _kept import BARE, grey, kept, save, shots
 from _options import options, progress
 from _paper import keep, paper, table
 
+from ocean_sim.pictures.foam import monahan
+
 WIND = 14.0  # [m/s]
 SCENE: dict[str, Any] = {
     "title": "figure 6-5",

@@ -361,17 +361,14 @@ class Solid(Protocol):
     @property
     def felt(self) -> bool:
         """Whether the water's laws meet samples of it."""
-        ...
 
     @property
     def origin(self) -> np.ndarray:
         """(3,) of its centre of mass [m]."""
-        ...
 
     @property
     def extent(self) -> np.ndarray:
         """(2, 3) lowest and highest corner of the box around it [m]."""
-        ...
 
     def make_room(
         self,
@@ -383,12 +380,10 @@ class Solid(Protocol):
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) which of (n, 3) particles of a `volume` that fill boxes make room, and (n, 3) where the others go; with
         (m, 3) points at which their lattice goes on where it is felt [m]."""
-        ...
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
         outward normals of the nearest face."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -45,16 +45,13 @@ class OpenSea(Protocol):
     @property
     def significant_height(self) -> float:
         """Of the sea [m]; 0 in calm water."""
-        ...
 
     @property
     def nonlinear(self) -> Nonlinear | None:
         """How it is nonlinear; None: it is the sum of its plane waves."""
-        ...
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """The sea by linear theory, before it is fitted to the patch; None in calm water."""
-        ...
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:

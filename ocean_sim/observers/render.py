@@ -367,23 +367,10 @@ def render_run(
     return [Path(order.out, name) for name in written(order)]
 
 
-def order_of(
-    folder: Path,
-    *,
-    camera: Name = "third_person",
-    quality: Quality = "draft",
-    size: tuple[int, int] = (1280, 720),
-    particles: bool = False,
-    every: float = 0.033,
-    film: bool = True,
-    out: Path | None = None,
-    stills: Sequence[float] = (),
-    **further: Any,
-) -> Order:
-    """What to draw of a run into `out`, by default its own folder; `further` as in Order."""
-    place = str(out or folder)
-    further = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)} | further
-    return Order(str(folder), place, camera, size, particles, quality, every, film, stills=tuple(stills), **further)
+def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
+    """What to draw of a run into `out`, by default its own folder; `asked` as in Order."""
+    by_turns = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)}
+    return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
 
 
 def painters(pictures: float) -> int:
@@ -425,30 +412,19 @@ def no_picture(files: Sequence[Path], missing: Sequence[float]) -> str:
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
-def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at times [s], 8-bit RGB, for figures; options as of `render_run`."""
-    import imageio.v2 as imageio
-
-    with tempfile.TemporaryDirectory() as out:
-        files = render_run(folder, stills=times, out=Path(out), film=False, preview=False, **options)
-        return np.stack([np.asarray(imageio.imread(file)) for file in files])
-
-
 def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at a time [s], as `images`, one for each set of options, which may name
-    another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
+    """(n, height, width, 3) pictures of a run at a time [s], 8-bit RGB, for figures: one for each set of options as in
+    Order, which may name another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
     import imageio.v2 as imageio
 
-    given: dict[str, Any] = {"camera": "third_person", "size": (960, 540), "particles": False, "quality": "draft"}
-    given |= {"every": 0.033, "film": False, "preview": False, "stills": (time,)} | options
+    given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
-        folders = [Path(made, str(k)) for k in range(len(switched))]
-        for out in folders:
-            out.mkdir()
-        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(folders, switched)]
+        orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
         sentences = [impossible(Path(order.folder), order.camera, order.stills, order.ship) for order in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
+        for order in orders:
+            Path(order.out).mkdir()
         draw_apart(orders)
         return np.stack([np.asarray(imageio.imread(Path(order.out, still(order.stills[0])))) for order in orders])
 

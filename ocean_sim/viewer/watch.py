@@ -37,15 +37,12 @@ class Audience(Protocol):
     @property
     def watchers(self) -> int:
         """How many there are."""
-        ...
 
     def begin(self, still: bytes) -> None:
         """Another simulation is shown from now on."""
-        ...
 
     def show(self, frame: bytes) -> None:
         """The newest frame."""
-        ...
 
 
 class Watch(Observer, TakesMotion):

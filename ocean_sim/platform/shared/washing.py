@@ -49,7 +49,6 @@ class Travelling(Protocol):
 
     def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) displacement [m] for (n,) scaled accelerations [m/s2], and (n,) whether the input was cut."""
-        ...
 
 
 class Filter:

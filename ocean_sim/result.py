@@ -20,7 +20,7 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
 
 if TYPE_CHECKING:
-    from ocean_sim.waves.field import WaveField
+    from ocean_sim.waves.exchange import WaveField
 
 FIRST = "events.jsonl"  # of the files of a run: one that fails early leaves it alone
 TENTHS = 10  # parts of a run, and of its pictures, after which a line is printed
@@ -163,7 +163,7 @@ def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]
 def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> "WaveField":
     """The waves of a scene, as `run` takes it, to be asked at any place and time, where its water is a closed form or a
     patch of an open sea; raises SceneError or Refused."""
-    from ocean_sim.waves.field import WaveField
+    from ocean_sim.waves.exchange import WaveField
 
     with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves

@@ -10,16 +10,14 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
-from ocean_sim.basin.absorbing import Absorbing
 from ocean_sim.basin.gate import Gate
-from ocean_sim.basin.open_sea import OpenSea
+from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.model import Model, Vector3, quantity
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
-SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
@@ -253,8 +251,11 @@ class Config(Model):
                 size = basin.upper[side.axis] - basin.lower[side.axis]
                 key = ("walls", walls.key(side.name))
                 found += [((*key, *path), sentence) for path, sentence in side.absorbing.problems(basin, size)]
-        for name, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
-            found += [((name, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
+        moved = [] if self.motion is None else self.motion.problems(basin)
+        found += [(("motion", *path), sentence) for path, sentence in moved]
+        if (maker := self.wavemaker) is not None:
+            pushed = maker.problems(basin, walls.at(maker.wall))
+            found += [(("wavemaker", *path), sentence) for path, sentence in pushed]
         return found
 
 

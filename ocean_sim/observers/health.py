@@ -93,13 +93,11 @@ class Health(Concluding):
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        self.limit, self.limit_reported = "", -QUIET
-        self.clipped, self.clipped_reported = 0, -QUIET
+        self.last: dict[str, float] = {}  # times of the last of events that may come again and again [s], by kind
+        self.limit, self.clipped = "", 0
         self.groundings = dict.fromkeys(simulation.ships, 0)
-        self.grounding_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.airborne = dict.fromkeys(simulation.ships, False)
         self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards when it was last in the air
-        self.flight_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.event(
             "start",
             particles=self.n,
@@ -234,6 +232,14 @@ class Health(Concluding):
         if name not in self.reported:
             self.event(name, **facts)
             self.reported.append(name)
+
+    def seldom(self, kind: str, name: str, **facts: object) -> bool:
+        """An event that comes at least QUIET after the last of its kind; True if it does."""
+        if self.simulation.time < self.last.get(kind, -QUIET) + QUIET:
+            return False
+        self.event(name, **facts)
+        self.last[kind] = self.simulation.time
+        return True
 
     def note_particles(self, ids: np.ndarray) -> None:
         """Where the water's mass is not that of all particles that there are, each once; `ids`: theirs."""
@@ -370,9 +376,7 @@ class Health(Concluding):
         """The keel met the bed, again and again it may be."""
         for name, ship in simulation.ships.items():
             if ship.groundings > self.groundings[name]:
-                if simulation.time >= self.grounding_reported[name] + QUIET:
-                    self.event("the hull meets the bed", **where(name, ship))
-                    self.grounding_reported[name] = simulation.time
+                self.seldom(f"grounding of {name}", "the hull meets the bed", **where(name, ship))
                 self.groundings[name] = ship.groundings
 
     def note_flight(self, simulation: Simulation) -> None:
@@ -380,24 +384,25 @@ class Health(Concluding):
         for name, ship in simulation.ships.items():
             if ship.airborne:
                 self.flown[name] = float(ship.body.velocity[1])
-            if ship.airborne != self.airborne[name] and simulation.time >= self.flight_reported[name] + QUIET:
-                what, speed = "leaves" if ship.airborne else "meets", round(self.flown[name], 3)
-                self.event(f"the hull {what} the water", **where(name, ship), speed_m_s=speed)
-                self.airborne[name], self.flight_reported[name] = ship.airborne, simulation.time
+            if ship.airborne != self.airborne[name]:
+                event = f"the hull {'leaves' if ship.airborne else 'meets'} the water"
+                facts = where(name, ship) | {"speed_m_s": round(self.flown[name], 3)}
+                if self.seldom(f"flight of {name}", event, **facts):
+                    self.airborne[name] = ship.airborne
 
     def note_limit(self, simulation: Simulation) -> None:
-        limit = simulation.time_step.limited_by
-        if limit != self.limit and simulation.time >= self.limit_reported + QUIET:
-            self.event("limit", limited_by=limit, time_step_s=float(simulation.next_dt))
-            self.limit, self.limit_reported = limit, simulation.time
+        limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
+        if limit != self.limit and self.seldom("limit", "limit", limited_by=limit, time_step_s=step):
+            self.limit = limit
 
     def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
-        if clipped > self.clipped and (
-            simulation.time >= self.clipped_reported + QUIET or simulation.outcome != "running"
-        ):
-            self.event("clipped", particles=int(clipped - self.clipped), since_start=int(clipped))
-            self.clipped, self.clipped_reported = clipped, simulation.time
+        if simulation.outcome != "running":
+            self.last.pop("clipped", None)
+        if clipped > self.clipped:
+            facts = {"particles": int(clipped - self.clipped), "since_start": int(clipped)}
+            if self.seldom("clipped", "clipped", **facts):
+                self.clipped = clipped
 
     def close(self) -> None:
         outcome = self.simulation.outcome

@@ -15,7 +15,7 @@ from ocean_sim.parts import KindConfig, slot_of
 from ocean_sim.reading.keys import Key, by_path
 from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.viewer.protocol import Waves
-from ocean_sim.waves.field import WaveField
+from ocean_sim.waves.exchange import WaveField
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid

@@ -27,9 +27,9 @@ from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.moving_hull import BOXED, MovingHull
-from ocean_sim.ship.shared.pose import POSE, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.water import POSE, vector, write_pose
 
 TASK = 512  # a parallel loop is never cut finer than this
 SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several

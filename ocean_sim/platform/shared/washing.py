@@ -139,10 +139,7 @@ class Washing:
         for k, turn in enumerate(self.turns):
             pose[:, 3 + k] = ride.attitude[:, k] * config.rotation_scale[k] if turn is None else turn.of(rates[:, k])
         push = self.lasting(ride)
-        for k, axis, sign in (
-            (3, 1, 1.0),
-            (4, 0, -1.0),
-        ):  # a push lifts the side that it points to
+        for k, axis, sign in ((3, 1, 1.0), (4, 0, -1.0)):  # a push lifts the side that it points to
             angle, held = self.tilts[k - 3].of(push[:, axis])
             pose[:, k] += sign * angle
             limited[held] |= TILT_RATE

@@ -70,9 +70,8 @@ class WaveContact:
         distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
-        self.table = np.zeros(
-            (1 + self.collisions.layers, max(HANDED.size, FOUND.size))
-        )  # one: each costs a kernel its time
+        # One table: each costs a kernel its time.
+        self.table = np.zeros((1 + self.collisions.layers, max(HANDED.size, FOUND.size)))
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]

@@ -8,9 +8,8 @@ import numpy as np
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.checks import beyond, kept
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.observers.shared.energy import Balance, kinetic, potential
-from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation

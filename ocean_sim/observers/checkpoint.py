@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from ocean_sim import kernel_library
 from ocean_sim.machine import installed, sources
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents

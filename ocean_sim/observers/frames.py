@@ -15,7 +15,7 @@ from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Copied, Fluid
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.pictures.far_sea import raised_by

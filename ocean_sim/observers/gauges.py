@@ -18,8 +18,7 @@ from pydantic import Field, model_validator
 from ocean_sim.basin import ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Key, Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 

@@ -9,8 +9,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, TakesMotion, heading, takers
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, takers
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.shared.track import (

@@ -8,8 +8,7 @@ from time import perf_counter
 from typing import ClassVar, NamedTuple
 
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading
 from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig, Simulation
 
 

@@ -9,8 +9,7 @@ from pydantic import Field, model_validator
 from ocean_sim.basin import Box
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 

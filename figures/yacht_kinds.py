@@ -16,7 +16,7 @@ from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.files.yaml_file import read
-from ocean_sim.observers.render import images
+from ocean_sim.observers.render import variants
 from ocean_sim.parts import library
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
@@ -150,7 +150,8 @@ def main() -> None:
         with TemporaryDirectory() as folder:
             rides[kind] = ridden(scene(kind, spacing, lasts), lasts, Path(folder), report)
             progress(share * (number + 0.6), f"{kind}: pictures")
-            pictures[kind] = images(Path(folder), times.tolist(), size=SIZE, camera="third_person", caption=True)
+            moments = [{"stills": (time,)} for time in times.tolist()]
+            pictures[kind] = variants(Path(folder), 0.0, moments, size=SIZE, camera="third_person", caption=True)
     rides["manoeuvring"] = ridden(still(lasts), lasts, None, lambda part: None)
     head = [f"a yacht of 10 m on particles {spacing:g} m apart, a regular wave of {WAVE['height']:g} m and 10 m length"]
     head += ["pitch: bow down, roll: starboard down; manoeuvring: the Otter, 2 m, turning in still water"]

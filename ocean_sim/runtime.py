@@ -521,16 +521,12 @@ def _kernel_cache() -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
-    _unlock(path / "ticache.lock")
-    return path
-
-
-def _unlock(lock: Path) -> None:
-    """Remove the cache's lock where the process that made it was killed: Taichi would wait for nobody, and compile
-    everything anew in every process from then on, without a word."""
+    # Of a process that was killed Taichi would wait for the lock for ever, compiling everything anew without a word.
+    lock = path / "ticache.lock"
     with suppress(OSError):  # there is none, or another process has removed it
         if time.time() - lock.stat().st_mtime > LOCKED:
             lock.unlink()
+    return path
 
 
 def _thread_ids() -> set[int]:

@@ -9,7 +9,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim.__main__ import answered
-from ocean_sim.files.claim import Claim, Claimed
+from ocean_sim.files.run_files import Claim, Claimed
 from ocean_sim.files.whole_file import whole
 from ocean_sim.verbs.run import run_folder
 
@@ -24,7 +24,7 @@ runtime: {threads: 1}
 """
 HOLDER = """import sys
 from pathlib import Path
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.run_files import Claim
 with Claim(Path(sys.argv[1])):
     print("held", flush=True)
     sys.stdin.read()
@@ -99,7 +99,7 @@ def test_a_folder_is_claimed_once_whoever_asks_at_once(tmp_path):
     """Many processes ask in the same moment, again and again: never two hold it."""
     script = """import os, sys
 from pathlib import Path
-from ocean_sim.files.claim import Claim, Claimed
+from ocean_sim.files.run_files import Claim, Claimed
 folder, held = Path(sys.argv[1]), 0
 for _ in range(300):
     try:

@@ -192,12 +192,12 @@ def test_what_cannot_be_is_said():
     assert motion(kind="harmonic", axis="roll_x", amplitude=0.1, period=2.0).problems(SLICE)
     assert not motion(kind="harmonic", axis="roll_x", amplitude=0.1, period=2.0).problems(BAY)
     assert motion(kind="harmonic", axis="x", amplitude=0.1, period=2.0, about=[0.0, 0.0]).problems(BAY)
-    assert "would break" in Wavemaker(height=0.6, period=1.5).problems(SLICE)[0][1]
-    assert "no walls along z" in Wavemaker(height=0.05, period=1.5, wall="z_min").problems(SLICE)[0][1]
+    assert "would break" in Wavemaker(height=0.6, period=1.5).problems(SLICE, "reflecting")[0][1]
+    assert "no walls along z" in Wavemaker(height=0.05, period=1.5, wall="z_min").problems(SLICE, "reflecting")[0][1]
     ring = BasinConfig(length=10.0, depth=0.5, walls="periodic").build()
-    assert "x_min is periodic" in Wavemaker(height=0.05, period=1.5).problems(ring)[0][1]
+    assert "x_min is periodic" in Wavemaker(height=0.05, period=1.5).problems(ring, "periodic")[0][1]
     spectrum = {"significant_wave_height": 0.04, "peak_period": 1.5, "heading_deg": 10.0}
-    assert "leave this out" in Wavemaker(spectrum=spectrum).problems(SLICE)[0][1]
+    assert "leave this out" in Wavemaker(spectrum=spectrum).problems(SLICE, "reflecting")[0][1]
     with pytest.raises(ValidationError):
         motion(kind="harmonic", axis="roll", amplitude=0.1, period=2.0)
     with pytest.raises(ValidationError, match="either height"):

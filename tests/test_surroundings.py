@@ -12,7 +12,7 @@ import pytest
 from ocean_sim import kernel_library
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Refused
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.run_files import Claim
 from ocean_sim.viewer.session import Source
 from tests.conftest import quickly
 

@@ -10,16 +10,14 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
-from ocean_sim.basin.absorbing import Absorbing
 from ocean_sim.basin.gate import Gate
-from ocean_sim.basin.open_sea import OpenSea
+from ocean_sim.basin.open_sea import Absorbing, OpenSea
 from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.model import Model, Vector3, quantity
 
 OPEN = 1.0e30  # [m] where a side that is open would stand
-SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
@@ -253,8 +251,11 @@ class Config(Model):
                 size = basin.upper[side.axis] - basin.lower[side.axis]
                 key = ("walls", walls.key(side.name))
                 found += [((*key, *path), sentence) for path, sentence in side.absorbing.problems(basin, size)]
-        for name, part in (("motion", self.motion), ("wavemaker", self.wavemaker)):
-            found += [((name, *path), sentence) for path, sentence in part.problems(basin)] if part is not None else []
+        moved = [] if self.motion is None else self.motion.problems(basin)
+        found += [(("motion", *path), sentence) for path, sentence in moved]
+        if (maker := self.wavemaker) is not None:
+            pushed = maker.problems(basin, walls.at(maker.wall))
+            found += [(("wavemaker", *path), sentence) for path, sentence in pushed]
         return found
 
 
@@ -361,25 +362,16 @@ class Solid(Protocol):
     @property
     def felt(self) -> bool:
         """Whether the water's laws meet samples of it."""
-        ...
 
     @property
     def origin(self) -> np.ndarray:
         """(3,) of its centre of mass [m]."""
-        ...
 
     @property
     def extent(self) -> np.ndarray:
         """(2, 3) lowest and highest corner of the box around it [m]."""
-        ...
 
-    def carved(
-        self, positions: np.ndarray, spacing: float, boxes: list[tuple[np.ndarray, np.ndarray]]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) lattice positions that fill boxes [m] make room, and (n, 3) where the others go."""
-        ...
-
-    def fitted(
+    def make_room(
         self,
         positions: np.ndarray,
         beyond: np.ndarray,
@@ -387,14 +379,12 @@ class Solid(Protocol):
         spacing: float,
         volume: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room for samples, and (n, 3) where the
-        others go, with (m, 3) points at which their lattice goes on [m]."""
-        ...
+        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room, and (n, 3) where the others go; with
+        (m, 3) points at which their lattice goes on where it is felt [m]."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
         outward normals of the nearest face."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,69 @@
-"""A basin that is a patch of open sea: its sides are periodic, and opposite the ship its water is that of the sea."""
+"""Where a sea goes on beyond the basin: sides before which waves are absorbed, and a basin that is a patch of open sea,
+whose sides are periodic, and whose water is that of the sea opposite the ship."""
 
+from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from math import radians
+from typing import Literal, NamedTuple, Protocol
 
 from ocean_sim import waves
-from ocean_sim.model import Model, Vector2, quantity
+from ocean_sim.model import Model, Vector2, Vector3, quantity
 
 MOST_PARTS = 64  # of a side of a patch, of which the other is a whole number
+Problems = Iterator[tuple[tuple[str, ...], str]]  # path below an absorbing side, sentence
+
+
+class Sea(waves.HeadedTrain):
+    """Waves by linear theory, without beginning or end."""
+
+    phase_deg: float = quantity("deg", 0.0)
+    """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
+
+    def sea(self, basin: waves.Tank) -> waves.Components:
+        sea = super().sea(basin)
+        return replace(sea, phase=sea.phase + radians(self.phase_deg))
+
+
+class Target(Model):
+    """A motion of the water: a current and waves, either or both."""
+
+    current: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
+    """A current, the same everywhere and horizontal."""
+    waves: Sea | None = None
+    """Regular waves by `height` and `period`, or random ones by a `spectrum`; they must fit periodic sides, as waves
+    that the water starts from must."""
+
+
+class Absorbing(Model):
+    """A wall with a zone before it that damps the motion of the water, ever faster up to the wall."""
+
+    kind: Literal["absorbing"] = "absorbing"
+    length: float | None = quantity("m", None, gt=0.0)
+    """Length of the zone; null: from the waves of the scene, one wavelength where they are regular and two where
+    they are random, at most half the basin; a quarter of the basin where the scene names no waves."""
+    rate: float | None = quantity("1/s", None, gt=0.0)
+    """Rate of the damping at the wall; null: the one that returns least of these waves; without waves 2.5 sqrt(g /
+    depth)."""
+    target: Target | None = None
+    """The motion that the zone leaves alone; null: rest."""
+
+    def problems(self, basin: waves.Tank, size: float) -> Problems:
+        """What is wrong with it in a basin that is so long [m] along its axis."""
+        if self.length is not None and self.length > size:
+            yield ("length",), f"a zone of {self.length:g} m is longer than the basin, {size:g} m"
+        if self.target is None:
+            return
+        u, sea = self.target.current, self.target.waves
+        if u[1] != 0.0 or (basin.dimension == 2 and u[2] != 0.0):
+            level = "along x" if basin.dimension == 2 else "along x and z"
+            yield ("target", "current"), f"a current of this basin is {level}, got {list(u)}"
+        if sea is not None:
+            for key, sentences in (
+                (sea.height_key, waves.unsuited(basin, *sea.scale)),
+                (sea.heading_key, waves.misdirected(sea.heading, basin)),
+            ):
+                yield from ((("target", "waves", *key), sentence) for sentence in sentences)
 
 
 class Rim(Model):
@@ -45,16 +102,13 @@ class OpenSea(Protocol):
     @property
     def significant_height(self) -> float:
         """Of the sea [m]; 0 in calm water."""
-        ...
 
     @property
     def nonlinear(self) -> Nonlinear | None:
         """How it is nonlinear; None: it is the sum of its plane waves."""
-        ...
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """The sea by linear theory, before it is fitted to the patch; None in calm water."""
-        ...
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, radians, sin
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -96,21 +96,6 @@ def splined(times: np.ndarray, moved: np.ndarray) -> Law:
         return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))
 
     return law
-
-
-class Sides(Protocol):
-    """The walls of a basin."""
-
-    def at(self, side: str) -> str:
-        """The kind of wall at `x_min`, `x_max`, `z_min` or `z_max`."""
-
-
-class WalledTank(waves.Tank, Protocol):
-    """What a wavemaker asks of the basin that it is a wall of."""
-
-    @property
-    def walls(self) -> Sides:
-        """The kind of every wall."""
 
 
 class Tank(Model):
@@ -291,16 +276,15 @@ class Wavemaker(waves.WaveTrain):
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
 
-    def problems(self, basin: WalledTank) -> Problems:
-        """What is wrong with this wavemaker in this basin."""
+    def problems(self, basin: waves.Tank, side: str) -> Problems:
+        """What is wrong with this wavemaker in this basin, whose wall there is of the kind `side`."""
         found = [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
         if basin.dimension == 2 and self.wall.startswith("z"):
             found.append((("wall",), "a 2-D basin, in x-y, has no walls along z"))
-        elif basin.walls.at(self.wall) not in ("reflecting", "no_slip"):
-            kind = basin.walls.at(self.wall)
-            found.append((("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {kind}"))
+        elif side not in ("reflecting", "no_slip"):
+            found.append((("wall",), f"a piston is a reflecting or no_slip wall; {self.wall} is {side}"))
         return found
 
     def build(self, depth: float, gravity: float) -> "Piston":

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.files import input_file
+from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cache_directory, sources
 
 MOST_BYTES = 300_000_000  # of a folder; beyond them what was not used for the longest time goes
@@ -28,9 +29,8 @@ def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]])
     arrays = made()
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_suffix(f".{os.getpid()}.npz")
-        np.savez(unfinished, **arrays)  # type: ignore[arg-type]
-        os.replace(unfinished, path)
+        with whole(path) as draft:
+            np.savez(draft, **arrays)  # type: ignore[arg-type]
         drop_oldest(path.parent)
     return arrays
 

@@ -162,6 +162,14 @@ def columns(path: str | Path) -> dict[str, np.ndarray]:
     return by_column(path, names, rows, cells, column)
 
 
+def columns_there(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a table over time that a run wrote; none where it was not written, or has no rows."""
+    with suppress(ValueError):  # no line of names: killed at once
+        found = columns(path) if path.exists() else {}
+        return found if len(found.get(TIME, ())) else {}
+    return {}
+
+
 def records(text: str) -> list[dict[str, str]]:
     """The rows of the text of a CSV file, each cell as text by the name of its column."""
     _, heading, rows = lines(text)

@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from io import BytesIO
+from math import prod
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 from typing import Annotated, Any, NamedTuple
@@ -22,6 +23,8 @@ from pydantic import AfterValidator, ValidationInfo
 from ocean_sim.conventions import Refused
 
 MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
+NUMBERS, WORDS = "iuf", "SO"  # kinds of NumPy types in HDF5 files
+MAX_WORDS = 1000  # of a data set
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -57,6 +60,9 @@ REGULAR = Rule(
     f"a file is a regular one, not a folder, a pipe or a device, of at most {MOST_BYTES / 1e6:g} MB, unpacked"
 )
 TEXT = Rule("text is in UTF-8")
+DECLARED = Rule(
+    f"a data set lies in the file itself, holds what its name says and unpacks to at most {MOST_BYTES / 1e6:g} MB"
+)
 
 CHECKS = (Checked("Every file", (REGULAR, TEXT)),)
 
@@ -133,6 +139,26 @@ def arrays(path: str | Path) -> dict[str, np.ndarray]:
     except Exception:  # zipfile, zlib and NumPy each have errors of their own
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
     raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MOST_BYTES / 1e6:g} MB are read")
+
+
+def data_set(group: Any, name: str, kinds: str = NUMBERS, most: int = MOST_BYTES) -> np.ndarray:
+    """The content of a data set in an HDF5 file, of these kinds and at most so many bytes, judged by what the file
+    declares before anything is unpacked; raises ValueError, and what HDF5 raises of a damaged file."""
+    import h5py
+
+    own = isinstance(group.get(name, getlink=True), h5py.HardLink)  # a link leads to any file, or to itself
+    found = group[name] if own else None
+    if not isinstance(found, h5py.Dataset) or found.shape is None:
+        raise ValueError(f"it has no data set {name}")
+    if found.external or found.is_virtual:
+        raise ValueError(f"the numbers of {name} lie in another file")
+    word = h5py.check_string_dtype(found.dtype) is not None
+    if found.dtype.kind not in kinds or (found.dtype.kind == "O" and not word):
+        raise ValueError(f"{name} holds {found.dtype}")
+    size = max(prod(found.shape), prod(found.chunks or ())) * found.dtype.itemsize
+    if size > most or (word and found.size > MAX_WORDS):
+        raise ValueError(f"{name} unpacks to {size / 1e6:g} MB")
+    return np.asarray(found[()])
 
 
 def digest(path: str | Path) -> str:

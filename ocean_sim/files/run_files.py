@@ -1,24 +1,142 @@
-"""The files of a run folder, as its manifest lists them: those that give way to another run, and no others.
+"""Folders of runs. One has one writer at a time: who writes into it claims it first, by a lock that ends with its
+process. The files that its manifest lists give way to another run, and no others.
 
-An entry is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
+An entry of a manifest is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
 """
 
+import os
 import re
+import socket
+import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from errno import EACCES, EAGAIN
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.conventions import Refused
+from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files import input_file
-from ocean_sim.files.claim import MANIFEST
-from ocean_sim.files.whole_file import write_facts
+from ocean_sim.files.whole_file import RESERVE, UNFINISHED, write_facts
 
+LOCK, MANIFEST = ".lock", "manifest.json"
+MAX_FILES_NAMED = 3  # of those that are in the way
+TRIES = 1000  # times that others may remove a folder just before it is claimed
 UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
     *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
     *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
     *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST),
 ]
+
+
+def unfinished(name: str) -> bool:
+    """Whether a file has the name of one that a killed writer left."""
+    return re.fullmatch(UNFINISHED, name) is not None or name == RESERVE
+
+
+def foreign(folder: Path, *ours: str) -> list[str]:
+    """What a folder holds beside what fits one of the patterns `ours`; nothing where there is none, or where a run, or
+    the first of `ours`, shows that it has been written into before."""
+    if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST, *ours[:1])):
+        return []
+    names = sorted(path.name for path in folder.iterdir())
+    return [each for each in names if not unfinished(each) and not any(fnmatch(each, one) for one in (LOCK, *ours))]
+
+
+def claimed(out: Path, *ours: str, named: str = "") -> "Claim":
+    """A claim on a folder that messages call `named`; raises Refused, also where patterns of names are given, the
+    telling one first, and the folder holds other things (see `foreign`)."""
+    named = named or str(out)
+    if out.exists() and not out.is_dir():
+        raise Refused(f"{named}: this is a file, not a folder")
+    if ours and (others := foreign(out, *ours)):
+        shown = ", ".join(others[:MAX_FILES_NAMED] + ["..."] * (len(others) > MAX_FILES_NAMED))
+        raise Refused(f"{named}: this folder holds other things ({shown}); name a new folder")
+    return Claim(out)
+
+
+class Claimed(Refused):
+    """Another process writes into a folder."""
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _locked(file: int) -> None:
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+
+else:
+    import fcntl
+
+    def _locked(file: int) -> None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class Claim:
+    """A folder, made where there is none, that only this holder may write into; use it as a context manager.
+
+    The lock is the kernel's, so a process that is killed holds nothing. What killed writers left unfinished is
+    removed, and so is at the end a folder that was made for nothing. Raises Claimed where another holds it, Refused
+    where it can be no folder, and Lacking where the file system knows no locks.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.path, self.made = folder, folder / LOCK, not folder.exists()
+        self.file = self.locked()
+        with suppress(OSError):  # a full disk has no room for its name
+            os.ftruncate(self.file, 0)
+            os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
+            if unfinished(left.name):
+                left.unlink()
+
+    def locked(self) -> int:
+        """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
+        none."""
+        for _ in range(TRIES):
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+            except (FileExistsError, FileNotFoundError, NotADirectoryError):
+                if self.folder.is_file() or self.folder.is_symlink() or not self.folder.parent.is_dir():
+                    why = "there is a file, or a link to nowhere, where a folder should be"
+                    raise Refused(f"{self.folder}: {why}") from None
+                continue  # another holder has removed the folder, which was made for nothing
+            try:
+                _locked(file)
+                if os.path.samestat(os.fstat(file), os.stat(self.path)):
+                    return file
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                os.close(file)
+                if error.errno not in (EACCES, EAGAIN):
+                    raise Lacking(f"{self.folder}: its file system has no locks ({error.strerror})") from None
+                raise Claimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
+            os.close(file)
+        raise Refused(f"{self.folder}: no folder can be made here")
+
+    def holder(self) -> str:
+        """Who holds the lock, in words."""
+        try:
+            return input_file.content(self.path).decode(errors="replace") or "another process"
+        except input_file.Unreadable:
+            return "another process"
+
+    def close(self) -> None:
+        """Let others claim it."""
+        if sys.platform != "win32":  # which removes no open file
+            self.path.unlink(missing_ok=True)
+        os.close(self.file)
+        if self.made:
+            with suppress(OSError):  # there is something in it
+                self.folder.rmdir()
+
+    def __enter__(self) -> Path:
+        return self.folder
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

@@ -1,22 +1,18 @@
 """How well the water conserves density, energy and momentum, and how much each force gave or took."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
+from ocean_sim.observers.shared.checks import beyond, kept
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.observers.shared.energy import Balance, kinetic, potential
-from ocean_sim.observers.shared.escaped import beyond, kept
-from ocean_sim.observers.shared.sampled import Sampled
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 TERMS = (
     "pressure",
@@ -71,7 +67,7 @@ class Config(PeriodicConfig):
         rows = super().ledger(preflight)
         return rows if preflight.particles else [row._replace(seconds=WORKS) for row in rows]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Accuracy":
+    def build(self, folder: Path, simulation: Simulation) -> "Accuracy":
         return Accuracy(self, folder, simulation)
 
 
@@ -79,7 +75,7 @@ class Accuracy(Observer):
     """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there are
     only the works that it counts and the time step."""
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
         self.sampled = Sampled(config.every, most=MOST_ROWS)
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
@@ -159,7 +155,7 @@ class Accuracy(Observer):
             *(work[term] for term in self.working),
         ]
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         fluid = simulation.fluid
         values = [fluid.work[term] for term in self.working] if fluid.particles is None else []
         counts: tuple[float, ...] = ()

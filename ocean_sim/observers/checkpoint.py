@@ -6,19 +6,16 @@ import threading
 from pathlib import Path
 from time import perf_counter
 from types import FrameType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from ocean_sim import kernel_library
 from ocean_sim.machine import installed, sources
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.observers.shared.csv_rows import Multiples
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.state import file
 from ocean_sim.state.fields import Contents
 from ocean_sim.state.walk import Restorer, Snapshot
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
 
 KEPT = 2  # files: the newest, and the one before in case the newest is damaged
 STOPS = (signal.SIGINT, signal.SIGTERM)
@@ -33,7 +30,7 @@ class Config(PeriodicConfig):
     wall_every: float | None = quantity("s", None, gt=0.0)
     """Wall-clock time after which one is due, too; null: none."""
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Checkpoint":
+    def build(self, folder: Path, simulation: Simulation) -> "Checkpoint":
         return Checkpoint(self, folder, simulation)
 
 
@@ -43,7 +40,7 @@ class Checkpoint(Observer):
 
     left_out = ("contents", "written", "asked", "before")
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.multiples = Multiples(config.every)
         self.names: list[str] = []  # of the files that are kept
@@ -52,7 +49,7 @@ class Checkpoint(Observer):
         self.asked = False  # whether the run has been asked to stop
         self.before: dict[int, Any] | None = None  # the handlers of signals before
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if self.before is None:
             self.listen()
         due = bool(self.multiples.reached(simulation.time)) or simulation.time >= simulation.scene.duration
@@ -94,13 +91,13 @@ class Checkpoint(Observer):
             signal.signal(number, handler)
 
 
-def roots(simulation: "Simulation") -> dict[str, Any]:
+def roots(simulation: Simulation) -> dict[str, Any]:
     """Where the walk over a run begins: observers that the scene does not name are no part of it."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
-def maker(simulation: "Simulation") -> dict[str, Any]:
+def maker(simulation: Simulation) -> dict[str, Any]:
     """What the bytes of a run depend on apart from its scene."""
     return versions() | {"backend": simulation.backend.arch, "sources": sources()}
 
@@ -110,7 +107,7 @@ def versions() -> dict[str, str | None]:
     return {name: installed(name) for name in ("ocean-sim", kernel_library.NAME, "numpy", "scipy")}
 
 
-def restore(simulation: "Simulation", kept: file.Checkpoint, folder: Path, changed: str = "") -> None:
+def restore(simulation: Simulation, kept: file.Checkpoint, folder: Path, changed: str = "") -> None:
     """Put a simulation that was built of the same scene into the state of a checkpoint, its files in `folder`.
 
     `changed`: how this program differs from the one that made it, which every table then states where it goes on.

@@ -15,15 +15,14 @@ from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Copied, Fluid
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures import foam
 from ocean_sim.pictures.far_sea import raised_by
 from ocean_sim.ship import Ship
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
     from ocean_sim.surface import Mesh
 
 
@@ -80,14 +79,14 @@ class Config(PeriodicConfig):
             white = min(1.0, self.every / foam.TICK) * (TICKED[0] + TICKED[1] * points)
         return [row._replace(seconds=row.seconds + white + points * each)]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Frames":
+    def build(self, folder: Path, simulation: Simulation) -> "Frames":
         return Frames(self, folder, simulation)
 
 
 class Frames(Observer):
     """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every = config, config.every
         self.folder = folder / "frames"
         self.folder.mkdir(exist_ok=True)
@@ -127,7 +126,7 @@ class Frames(Observer):
             has_surface=open_air,
         )
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if not self.multiples.reached(simulation.time):
             return
         particles = simulation.fluid.particles
@@ -170,7 +169,7 @@ class Frames(Observer):
 
     def whitened(
         self,
-        simulation: "Simulation",
+        simulation: Simulation,
         points: np.ndarray,
         elevation: np.ndarray,
         origin: np.ndarray,
@@ -201,7 +200,7 @@ class Frames(Observer):
         return shown | ({"cover": np.array(self.white.cover)} if made is None else {})
 
     def crests(
-        self, simulation: "Simulation", points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
+        self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
         """Heights (nx, nz) [m] of the sea that ships go through. Of what they do to it the steepest is the shape of
         their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
@@ -219,7 +218,7 @@ class Frames(Observer):
         widest = 0.5 * max(size[0] for size in self.sizes) + self.cell.max()
         return foam.levelled(elevation, inside.reshape(self.shape), widest / self.cell)
 
-    def whiten_before(self, simulation: "Simulation", points: np.ndarray) -> None:
+    def whiten_before(self, simulation: Simulation, points: np.ndarray) -> None:
         """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
         that is called for would be born at once, in a stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
@@ -262,7 +261,7 @@ class Frames(Observer):
             draft.write_bytes(file.getbuffer())
 
 
-def appearance(simulation: "Simulation", ship: Ship) -> dict[str, object]:
+def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:
     """What a picture of a ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
     in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
     scene, key = simulation.scene, key_of(ship.name)

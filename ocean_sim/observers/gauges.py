@@ -10,7 +10,7 @@ face the mean is the force on it.
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -18,13 +18,9 @@ from pydantic import Field, model_validator
 from ocean_sim.basin import ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Key, Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
@@ -166,7 +162,7 @@ class Config(PeriodicConfig):
         """Those of pressure, a point as one without size."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Gauges":
+    def build(self, folder: Path, simulation: Simulation) -> "Gauges":
         problems = self.misplaced(simulation.basin)
         if problems:
             raise ValueError("; ".join(f"gauges.{'.'.join(map(str, key))}: {text}" for key, text in problems))
@@ -225,7 +221,7 @@ def read_at(sensor: Sensor, points: int) -> str:
     return f"mean pressure over {sensor.diameter:g} m about {place}, of {points} points"
 
 
-def lowered(simulation: "Simulation") -> dict[str, object]:
+def lowered(simulation: Simulation) -> dict[str, object]:
     """How far the water's own weight lowers what the gauges read, for the heading of the table; nothing where it does
     not."""
     if not simulation.fluid.sunk:
@@ -243,7 +239,7 @@ def above(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray
     return heights
 
 
-def middle(simulation: "Simulation") -> np.ndarray:
+def middle(simulation: Simulation) -> np.ndarray:
     """(2,) x, z [m] of what gauges ride with."""
     if simulation.ships:
         return np.mean([ship.body.position[[0, 2]] for ship in simulation.ships.values()], axis=0)
@@ -253,7 +249,7 @@ def middle(simulation: "Simulation") -> np.ndarray:
 class Gauges(Observer):
     """gauges.csv: one column a gauge."""
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
         gauged = config.waves
         self.columns = np.array([(*wave.at, 0.0)[:2] for wave in gauged.values()]).reshape(-1, 2)  # x, z [m]
@@ -278,7 +274,7 @@ class Gauges(Observer):
             ["time_s", *meaning],
         )
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         fluid, parts = simulation.fluid, []
         x, z = middle(simulation) if self.ride else (0.0, 0.0)
         if len(self.columns):

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from itertools import combinations
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.whole_file import naming
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
+from ocean_sim.observers.shared.checks import Momentum, Symmetry, beyond, kept, level_ratio
 from ocean_sim.observers.shared.energy import (
     Balance,
     at_stake,
@@ -23,16 +24,9 @@ from ocean_sim.observers.shared.energy import (
     stored_by_weight,
     told_apart,
 )
-from ocean_sim.observers.shared.escaped import beyond, kept
-from ocean_sim.observers.shared.level import level_ratio
-from ocean_sim.observers.shared.momentum import Momentum
-from ocean_sim.observers.shared.symmetry import Symmetry
 from ocean_sim.parts import ALONE
-from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.ship import Ship
-    from ocean_sim.simulation import Simulation
+from ocean_sim.ship import Ship
+from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig, Simulation
 
 POSITIONS_EVERY = 50  # steps between two checks of all positions
 ENERGY_EVERY = 0.1  # [depth over reference speed] at most between two checks of the energy, however long the steps
@@ -67,7 +61,7 @@ class Config(PeriodicConfig):
     """Energy that water driven by nothing but gravity may gain, over its mass times the square of the fluid's
     reference speed: of motion, height and compression together, and of motion and height alone."""
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Health":
+    def build(self, folder: Path, simulation: Simulation) -> "Health":
         return Health(self, None if folder is NOWHERE else folder, simulation)
 
 
@@ -76,7 +70,7 @@ class Health(Concluding):
 
     first_energy: tuple[float, float] | None  # of motion and height, and of compression [J]
 
-    def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
         basin, fluid = simulation.basin, simulation.fluid
         self.lower, self.upper = np.array(basin.lower), np.array(basin.upper)
@@ -99,13 +93,11 @@ class Health(Concluding):
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        self.limit, self.limit_reported = "", -QUIET
-        self.clipped, self.clipped_reported = 0, -QUIET
+        self.last: dict[str, float] = {}  # times of the last of events that may come again and again [s], by kind
+        self.limit, self.clipped = "", 0
         self.groundings = dict.fromkeys(simulation.ships, 0)
-        self.grounding_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.airborne = dict.fromkeys(simulation.ships, False)
         self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards when it was last in the air
-        self.flight_reported = dict.fromkeys(simulation.ships, -QUIET)
         self.event(
             "start",
             particles=self.n,
@@ -128,7 +120,7 @@ class Health(Concluding):
         if changed:
             self.event("the program has changed", what=changed)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if self.judged and self.first_energy is None:
             self.first_energy = self.energies(with_particles(simulation.fluid).totals())
         if self.n > 0 and simulation.steps == 0:
@@ -241,6 +233,14 @@ class Health(Concluding):
             self.event(name, **facts)
             self.reported.append(name)
 
+    def seldom(self, kind: str, name: str, **facts: object) -> bool:
+        """An event that comes at least QUIET after the last of its kind; True if it does."""
+        if self.simulation.time < self.last.get(kind, -QUIET) + QUIET:
+            return False
+        self.event(name, **facts)
+        self.last[kind] = self.simulation.time
+        return True
+
     def note_particles(self, ids: np.ndarray) -> None:
         """Where the water's mass is not that of all particles that there are, each once; `ids`: theirs."""
         count = len(ids)
@@ -346,7 +346,7 @@ class Health(Concluding):
         frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
-    def judge_hulls(self, simulation: "Simulation") -> None:
+    def judge_hulls(self, simulation: Simulation) -> None:
         """Raises Diverged where two hulls have come into one another: what pushes them apart is not modelled."""
         if len(simulation.ships) < 2:
             return
@@ -363,7 +363,7 @@ class Health(Concluding):
                     f"m, {self.moment()}; contact between hulls is not modelled: keep them apart{self.last_frame()}"
                 )
 
-    def note_rim(self, simulation: "Simulation") -> None:
+    def note_rim(self, simulation: Simulation) -> None:
         """A ship, or one of several that have parted, lies in the rim of the patch: the sea around her is not hers."""
         if len(simulation.ships) < 2:
             return
@@ -372,38 +372,37 @@ class Health(Concluding):
             if inside:
                 self.once("the ships are too far apart for their patch: one is in its rim", **where(name, ship))
 
-    def note_grounding(self, simulation: "Simulation") -> None:
+    def note_grounding(self, simulation: Simulation) -> None:
         """The keel met the bed, again and again it may be."""
         for name, ship in simulation.ships.items():
             if ship.groundings > self.groundings[name]:
-                if simulation.time >= self.grounding_reported[name] + QUIET:
-                    self.event("the hull meets the bed", **where(name, ship))
-                    self.grounding_reported[name] = simulation.time
+                self.seldom(f"grounding of {name}", "the hull meets the bed", **where(name, ship))
                 self.groundings[name] = ship.groundings
 
-    def note_flight(self, simulation: "Simulation") -> None:
+    def note_flight(self, simulation: Simulation) -> None:
         """The whole hull has left the water, or some of it is in the water again."""
         for name, ship in simulation.ships.items():
             if ship.airborne:
                 self.flown[name] = float(ship.body.velocity[1])
-            if ship.airborne != self.airborne[name] and simulation.time >= self.flight_reported[name] + QUIET:
-                what, speed = "leaves" if ship.airborne else "meets", round(self.flown[name], 3)
-                self.event(f"the hull {what} the water", **where(name, ship), speed_m_s=speed)
-                self.airborne[name], self.flight_reported[name] = ship.airborne, simulation.time
+            if ship.airborne != self.airborne[name]:
+                event = f"the hull {'leaves' if ship.airborne else 'meets'} the water"
+                facts = where(name, ship) | {"speed_m_s": round(self.flown[name], 3)}
+                if self.seldom(f"flight of {name}", event, **facts):
+                    self.airborne[name] = ship.airborne
 
-    def note_limit(self, simulation: "Simulation") -> None:
-        limit = simulation.time_step.limited_by
-        if limit != self.limit and simulation.time >= self.limit_reported + QUIET:
-            self.event("limit", limited_by=limit, time_step_s=float(simulation.next_dt))
-            self.limit, self.limit_reported = limit, simulation.time
+    def note_limit(self, simulation: Simulation) -> None:
+        limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
+        if limit != self.limit and self.seldom("limit", "limit", limited_by=limit, time_step_s=step):
+            self.limit = limit
 
-    def note_clipping(self, simulation: "Simulation") -> None:
+    def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
-        if clipped > self.clipped and (
-            simulation.time >= self.clipped_reported + QUIET or simulation.outcome != "running"
-        ):
-            self.event("clipped", particles=int(clipped - self.clipped), since_start=int(clipped))
-            self.clipped, self.clipped_reported = clipped, simulation.time
+        if simulation.outcome != "running":
+            self.last.pop("clipped", None)
+        if clipped > self.clipped:
+            facts = {"particles": int(clipped - self.clipped), "since_start": int(clipped)}
+            if self.seldom("clipped", "clipped", **facts):
+                self.clipped = clipped
 
     def close(self) -> None:
         outcome = self.simulation.outcome
@@ -419,7 +418,7 @@ class Health(Concluding):
             self.close()
 
 
-def where(name: str, ship: "Ship") -> dict[str, object]:
+def where(name: str, ship: Ship) -> dict[str, object]:
     """Which ship of several, and where she is, for an event."""
     x, _, z = ship.body.position
     which = {} if name == ALONE else {"ship": name}

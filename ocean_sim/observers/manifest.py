@@ -4,7 +4,7 @@ import hashlib
 import json
 import platform
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,10 +12,7 @@ from ocean_sim import kernel_library
 from ocean_sim.files import input_file, run_files
 from ocean_sim.files.whole_file import write_facts
 from ocean_sim.machine import installed, program
-from ocean_sim.simulation import Concluding, ObserverConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
 
 PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
 
@@ -26,7 +23,7 @@ class Config(ObserverConfig):
     turn: ClassVar[int] = 2
     leaves: ClassVar[str] = "manifest.json"
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Manifest":
+    def build(self, folder: Path, simulation: Simulation) -> "Manifest":
         return Manifest(folder, simulation)
 
 
@@ -35,7 +32,7 @@ class Manifest(Concluding):
 
     left_out = ("facts",)  # of the program that goes on
 
-    def __init__(self, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, folder: Path, simulation: Simulation) -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
         scene, fluid, backend = simulation.scene.resolved(), simulation.fluid, simulation.backend
         self.facts: dict[str, Any] = {
@@ -97,7 +94,7 @@ def sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def state_sha256(simulation: "Simulation") -> str:
+def state_sha256(simulation: Simulation) -> str:
     """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter (of
     water without particles, of its final heights along a diagonal of the basin), and of the ships."""
     particles = simulation.fluid.particles

@@ -9,9 +9,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Frame, Motions, to_frame
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.handed_on import TakesMotion, takers
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, takers
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.shared.track import (
@@ -25,11 +23,10 @@ from ocean_sim.ship.shared.track import (
     short_way,
     turned,
 )
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
     from ocean_sim.ship.shared.rigid_body import RigidBody
-    from ocean_sim.simulation import Simulation
 
 LINES, TURNS = Motions._fields[:3], Motions._fields[3:]
 AXES = {
@@ -103,7 +100,7 @@ class Config(PeriodicConfig):
         what, seconds = ", ".join(logs) or row.what, n * row.seconds
         return [row._replace(what=what, seconds=seconds, several=True, of_step=n * BETWEEN_ROWS)]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Motion":
+    def build(self, folder: Path, simulation: Simulation) -> "Motion":
         return Motion(self, folder, simulation)
 
 
@@ -112,11 +109,11 @@ class Motion(Observer):
 
     every = 0.0  # what acts on a ship at one time is known a step later
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.simulation = simulation
         self.logs = [Log(config, folder, simulation, ship) for ship in simulation.ships.values()]
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         for log in self.logs:
             log.observe(simulation)
 
@@ -132,7 +129,7 @@ class Log:
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation", ship: Ship) -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation, ship: Ship) -> None:
         self.ship, self.frame = ship, config.frame
         self.signs = to_frame(self.frame, np.eye(3)).sum(axis=1)  # each of our axes is plus or minus one of the frame's
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
@@ -156,11 +153,11 @@ class Log:
         self.handed_on = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))  # so many of them
         self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         self.complete(simulation)
         self.last = simulation.time, self.ship.body, self.ship.orders
 
-    def complete(self, simulation: "Simulation") -> None:
+    def complete(self, simulation: Simulation) -> None:
         """Take in what has acted on the ship since the newest time, and write rows."""
         if self.last is None:
             return
@@ -183,7 +180,7 @@ class Log:
         gained = dt * self.ship.acceleration, dt * self.ship.turning
         self.velocity = change(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
-    def write(self, simulation: "Simulation") -> None:
+    def write(self, simulation: Simulation) -> None:
         """Write the rows that are due, and keep the last moment, with which the next ones begin."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
@@ -203,7 +200,7 @@ class Log:
             self.hand_on(rows, simulation)
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
 
-    def hand_on(self, rows: list[str], simulation: "Simulation") -> None:
+    def hand_on(self, rows: list[str], simulation: Simulation) -> None:
         """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
         would make of the file."""
         for observer in takers(simulation, TakesMotion):
@@ -230,7 +227,7 @@ class Log:
         turn = q[:1], to_frame(self.frame, q[1:].T).T
         return np.concatenate([*(signs * x for x in pose), *turn, *(signs * x for x in speed)])
 
-    def close(self, simulation: "Simulation") -> None:
+    def close(self, simulation: Simulation) -> None:
         self.complete(simulation)
         if self.due:
             self.write(simulation)

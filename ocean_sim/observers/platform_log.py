@@ -1,19 +1,15 @@
 """What a motion platform would do: washout and leg lengths, one row for each row of the motion log."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.observers.shared.csv_rows import CsvFile
-from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion, takers
+from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, takers
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, as_logged, ride_of
-from ocean_sim.simulation import Observer, ObserverConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 FRAME = "flu"
 ROWS = 100  # answered together, where nobody waits for each
@@ -29,7 +25,7 @@ class Config(ObserverConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return [row._replace(several=True) for row in super().ledger(preflight)]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "PlatformLog":
+    def build(self, folder: Path, simulation: Simulation) -> "PlatformLog":
         scene = simulation.scene
         assert scene.platform is not None
         rate = self.interval(scene.preflight)
@@ -58,7 +54,7 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
 class PlatformLog(Observer, TakesMotion):
     """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
 
-    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: "Simulation", ship: str) -> None:
+    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: Simulation, ship: str) -> None:
         """`ship`: the name of the one that it rides in."""
         self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
         self.at_once = every == 0.0
@@ -70,7 +66,7 @@ class PlatformLog(Observer, TakesMotion):
             self.new.append(rows)
             self.frame = frame
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         self.answer()
 
     def answer(self) -> None:

@@ -17,7 +17,7 @@ from pydantic import Field, field_validator
 from ocean_sim.files.whole_file import whole
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.pictures.buffers import Buffer, Mesh
 from ocean_sim.pictures.controls import controls

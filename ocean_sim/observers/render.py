@@ -19,7 +19,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import IO, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -46,10 +46,7 @@ from ocean_sim.pictures.moments import Moments
 from ocean_sim.pictures.order import Order, Quality, RenderFailed
 from ocean_sim.pictures.picture import MAPS, SAMPLES, Picture, Shot, foreseen
 from ocean_sim.pictures.sea_state import DRY, FITTINGS, scene_of
-from ocean_sim.simulation import Concluding, PeriodicConfig, Progress
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Concluding, PeriodicConfig, Progress, Simulation
 
 PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
     2: {"draft": 0.1, "final": 0.26},
@@ -203,7 +200,7 @@ class Config(PeriodicConfig):
             taken, why = taken + ENCODES[0] + ENCODES[1] * pixels, f"{why}, and the encoder of the film"
         return [row._replace(bytes=int(taken), why=why)]
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Render":
+    def build(self, folder: Path, simulation: Simulation) -> "Render":
         return Render(self, folder, simulation)
 
 
@@ -219,7 +216,7 @@ class Render(Concluding):
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.progress: Progress | None = None
         self.drawer: Drawer | None = None
@@ -229,7 +226,7 @@ class Render(Concluding):
         if self.drawer is not None:
             self.drawer.progress = progress
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         """Begin to draw once there is a frame; the child does the rest."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
             self.drawer = Drawer(
@@ -370,23 +367,10 @@ def render_run(
     return [Path(order.out, name) for name in written(order)]
 
 
-def order_of(
-    folder: Path,
-    *,
-    camera: Name = "third_person",
-    quality: Quality = "draft",
-    size: tuple[int, int] = (1280, 720),
-    particles: bool = False,
-    every: float = 0.033,
-    film: bool = True,
-    out: Path | None = None,
-    stills: Sequence[float] = (),
-    **further: Any,
-) -> Order:
-    """What to draw of a run into `out`, by default its own folder; `further` as in Order."""
-    place = str(out or folder)
-    further = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)} | further
-    return Order(str(folder), place, camera, size, particles, quality, every, film, stills=tuple(stills), **further)
+def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
+    """What to draw of a run into `out`, by default its own folder; `asked` as in Order."""
+    by_turns = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)}
+    return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
 
 
 def painters(pictures: float) -> int:
@@ -428,30 +412,19 @@ def no_picture(files: Sequence[Path], missing: Sequence[float]) -> str:
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
-def images(folder: Path, times: Sequence[float], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at times [s], 8-bit RGB, for figures; options as of `render_run`."""
-    import imageio.v2 as imageio
-
-    with tempfile.TemporaryDirectory() as out:
-        files = render_run(folder, stills=times, out=Path(out), film=False, preview=False, **options)
-        return np.stack([np.asarray(imageio.imread(file)) for file in files])
-
-
 def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **options: Any) -> np.ndarray:
-    """(n, height, width, 3) pictures of a run at a time [s], as `images`, one for each set of options, which may name
-    another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
+    """(n, height, width, 3) pictures of a run at a time [s], 8-bit RGB, for figures: one for each set of options as in
+    Order, which may name another `folder` and, as `stills: (time,)`, another time; all are drawn by one process."""
     import imageio.v2 as imageio
 
-    given: dict[str, Any] = {"camera": "third_person", "size": (960, 540), "particles": False, "quality": "draft"}
-    given |= {"every": 0.033, "film": False, "preview": False, "stills": (time,)} | options
+    given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
-        folders = [Path(made, str(k)) for k in range(len(switched))]
-        for out in folders:
-            out.mkdir()
-        orders = [Order(**{"folder": str(folder), "out": str(out)} | given | m) for out, m in zip(folders, switched)]
+        orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
         sentences = [impossible(Path(order.folder), order.camera, order.stills, order.ship) for order in orders]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
+        for order in orders:
+            Path(order.out).mkdir()
         draw_apart(orders)
         return np.stack([np.asarray(imageio.imread(Path(order.out, still(order.stills[0])))) for order in orders])
 

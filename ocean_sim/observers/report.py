@@ -1,13 +1,10 @@
 """report.html: one page that says what was run and how it went, with its pictures and curves; it needs no network."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from ocean_sim.observers.shared.run_report import write
-from ocean_sim.simulation import Concluding, ObserverConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
 
 
 class Config(ObserverConfig):
@@ -16,7 +13,7 @@ class Config(ObserverConfig):
     turn: ClassVar[int] = 3
     leaves: ClassVar[str] = "report.html, when the run is over"
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Report":
+    def build(self, folder: Path, simulation: Simulation) -> "Report":
         return Report(folder)
 
 

@@ -2,21 +2,18 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import field_validator
 
 from ocean_sim.files.input_file import AnyFileName
-from ocean_sim.observers.shared.handed_on import TakesCommands
+from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
 from ocean_sim.platform.shared.datagrams import Sender, address, key_in
 from ocean_sim.platform.shared.packets import packets
-from ocean_sim.simulation import Observer, ObserverConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 
 class Config(ObserverConfig):
@@ -50,7 +47,7 @@ class Config(ObserverConfig):
             return [(("key",), str(error))]
         return []
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Stream":
+    def build(self, folder: Path, simulation: Simulation) -> "Stream":
         scene = simulation.scene
         assert scene.platform is not None
         every = self.interval(scene.preflight)
@@ -74,7 +71,7 @@ class Stream(Observer, TakesCommands):
     def take_commands(self, rows: Commands) -> None:
         self.new.append(rows)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         self.send_new()
 
     def send_new(self) -> None:

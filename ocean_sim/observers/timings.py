@@ -5,15 +5,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Multiples
-from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading
+from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig, Simulation
 
 
 class Config(PeriodicConfig):
@@ -24,7 +20,7 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 0.5, gt=0.0)
     """Simulated time between rows."""
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Timings":
+    def build(self, folder: Path, simulation: Simulation) -> "Timings":
         return Timings(self, None if folder is NOWHERE else folder, simulation)
 
 
@@ -45,7 +41,7 @@ class Timings(Observer):
 
     left_out = ("taken", "began", "first_step", "first_step_s", "start", "last", "end")  # what depends on a clock
 
-    def __init__(self, config: Config, folder: Path | None, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
         self.multiples = Multiples(config.every)
         parts = {"surface": simulation.surface is not None, "ship": bool(simulation.ships)}
@@ -84,7 +80,7 @@ class Timings(Observer):
     def mark(self, now: float) -> Mark:
         return Mark(now, self.simulation.time, self.simulation.steps, dict(self.taken))
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         if self.multiples.reached(simulation.time):
             self.row()
 

@@ -1,7 +1,7 @@
 """Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -9,13 +9,9 @@ from pydantic import Field, model_validator
 from ocean_sim.basin import Box
 from ocean_sim.fluid import with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.csv_rows import CsvFile, heading
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.simulation import Observer, PeriodicConfig
-
-if TYPE_CHECKING:
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 MOST = 1000  # tagged particles; each is six columns
 Number = Annotated[int, Field(ge=0)]
@@ -55,7 +51,7 @@ class Config(PeriodicConfig):
                 found.append((("boxes", k), "holds no water"))
         return found
 
-    def build(self, folder: Path, simulation: "Simulation") -> "Tracers":
+    def build(self, folder: Path, simulation: Simulation) -> "Tracers":
         return Tracers(self, folder, simulation)
 
 
@@ -64,7 +60,7 @@ class Tracers(Observer):
 
     last: np.ndarray | None
 
-    def __init__(self, config: Config, folder: Path, simulation: "Simulation") -> None:
+    def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         if simulation.fluid.particles is None:
             raise ValueError("tracers: this water has no particles to follow")
         self.every, self.sampled = config.every, Sampled(config.every)
@@ -77,7 +73,7 @@ class Tracers(Observer):
         head = heading(simulation, rate, depth=f"{simulation.basin.depth:.9g} m", still_surface="y = 0")
         self.csv = CsvFile(folder / "tracers.csv", head, ["time_s", *columns])
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         particles = with_particles(simulation.fluid).particles
         order = np.argsort(particles.id.to_numpy())[self.names]
         x = particles.position.to_numpy()[order].astype(float)
@@ -94,7 +90,7 @@ class Tracers(Observer):
         self.csv.close()
 
 
-def chosen(config: Config, simulation: "Simulation") -> np.ndarray:
+def chosen(config: Config, simulation: Simulation) -> np.ndarray:
     """Numbers of the particles that are followed, each once; raises ValueError where there are none or too many."""
     particles = with_particles(simulation.fluid).particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()

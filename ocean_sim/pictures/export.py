@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.conventions import Failed
-from ocean_sim.files import ply
 from ocean_sim.files.input_file import arrays
-from ocean_sim.files.vtkhdf import Series
+from ocean_sim.files.meshes import Series, save_ply
 from ocean_sim.files.whole_file import must_have_room, whole
 from ocean_sim.pictures import export_scene
 from ocean_sim.pictures.export_scene import Shot, upright
@@ -145,7 +144,7 @@ def moments_saved(
 def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
     """One mesh, or points alone, with fields of the points."""
     if path.suffix == ".ply":
-        return ply.save(path, points, faces, fields)
+        return save_ply(path, points, faces, fields)
     import pyvista
 
     mesh = pyvista.PolyData(points) if faces is None else pyvista.PolyData.from_regular_faces(points, faces)

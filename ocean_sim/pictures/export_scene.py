@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.files.glb import Glb
 from ocean_sim.files.input_file import arrays
+from ocean_sim.files.meshes import Glb
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.export_wakes import Wakes, read
 from ocean_sim.pictures.foam import coarser

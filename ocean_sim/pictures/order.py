@@ -19,12 +19,12 @@ class Order:
 
     folder: str
     out: str
-    camera: Name
-    size: tuple[int, int]
-    particles: bool
-    quality: Quality
-    every: float
-    film: bool
+    camera: Name = "third_person"
+    size: tuple[int, int] = (1280, 720)
+    particles: bool = False
+    quality: Quality = "draft"
+    every: float = 0.033
+    film: bool = True
     eye: tuple[float, float, float] | None = None
     target: tuple[float, float, float] | None = None
     stills: tuple[float, ...] = ()

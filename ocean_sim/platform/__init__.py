@@ -77,7 +77,6 @@ class WashoutConfig(Protocol):
 
     def build(self, every: float, travel: np.ndarray) -> Washout:
         """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
-        ...
 
 
 class Platform(Protocol):
@@ -86,10 +85,8 @@ class Platform(Protocol):
     @property
     def neutral_legs(self) -> np.ndarray:
         """(6,) lengths of the legs in neutral [m]."""
-        ...
 
     def follow(self, ride: Ride) -> Commands: ...
 
     def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """The way back to neutral from the (2, 6) poses of the last two rows, the last of this time [s] and number."""
-        ...

@@ -11,8 +11,7 @@ from ocean_sim.basin import whole_sides
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Limits
-    from ocean_sim.ship.shared.pilot import Helmsman
-    from ocean_sim.ship.shared.propulsion import Person
+    from ocean_sim.ship.shared.propulsion import Helmsman, Person
     from ocean_sim.ship.shared.rigid_body import RigidBody
     from ocean_sim.surface import Surface
     from ocean_sim.wind import Wind
@@ -118,12 +117,10 @@ class Ship(Protocol):
     @property
     def name(self) -> str:
         """Its name in the scene."""
-        ...
 
     @property
     def parts(self) -> tuple[str, ...]:
         """Of its load: PARTS first, then what a kind adds; columns of motion.csv."""
-        ...
 
     body: "RigidBody"
     points: dict[str, np.ndarray]  # named points, body axes from the centre of mass [m]
@@ -137,38 +134,29 @@ class Ship(Protocol):
     @property
     def orders(self) -> tuple[float, float]:
         """Throttle and rudder [rad] as they are now."""
-        ...
 
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
         """(4.27), now."""
-        ...
 
     def advance(self, load: Load, dt: float) -> None:
         """(4.22) to (4.25); raises Diverged."""
-        ...
 
     def hand_over(self) -> "Person":
         """A person takes the helm: what `give(throttle, rudder)` orders replaces the controls of the scene."""
-        ...
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
         """A pilot takes the helm and sails along waypoints x, z [m] at a speed [m/s], in place of the controls of the
         scene; one is reached a length of the ship before it."""
-        ...
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
-        ...
 
     def outline(self) -> Outline | None:
         """The room that it takes; None where it has no shape."""
-        ...
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         """Where it displaces water, x and z (m, 2) [m], and how much there (m,) [m3], as in its last load; m is 0 where
         its law of motion does not say."""
-        ...
 
     def limits(self) -> "Limits":
         """What the time step must stay a fraction of."""
-        ...

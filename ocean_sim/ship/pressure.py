@@ -27,9 +27,7 @@ from ocean_sim.wind import Wind
 
 IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
 FEWEST = 2.0  # spacings across a hull
-REST_SWING = (
-    0.13  # [spacings] by which a box heaves in still water of delta_sph at most, measured at draughts from 2 on
-)
+REST_SWING = 0.13  # [spacings] of heave in still water at most, measured with boxes in delta_sph at draughts from 2 on
 STATED_SWING = 0.02  # of the draught, from which on it is said
 
 
@@ -45,7 +43,7 @@ class Config(FloatingConfig):
     """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        still = self.still(preflight)
         flat = preflight.tank.dimension == 2
         body = self.unsettled(self.start(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
@@ -73,10 +71,7 @@ class Config(FloatingConfig):
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:
-        draught, spacing = (
-            self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density).draught,
-            preflight.spacing,
-        )
+        draught, spacing = self.still(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
         swing = REST_SWING * spacing / draught

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.files import input_file
-from ocean_sim.files.hdf5_file import data_set
+from ocean_sim.files.input_file import data_set
 from ocean_sim.files.whole_file import whole
 
 HEAD = 512  # bytes, the least block that HDF5 leaves to its user

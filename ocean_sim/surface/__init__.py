@@ -17,21 +17,16 @@ class Surface(Protocol):
 
     def follow(self, particles: Particles, dt: float) -> None:
         """Take in that the particles have moved on by dt [s]."""
-        ...
 
     def elevation(self, x, z):
         """ti.func: height of the surface [m] above the still water, continuous in x and z [m]; the bed where it is dry.
         Points beyond the basin have the height at its side."""
-        ...
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
-        ...
 
     def mesh(self) -> Mesh:
         """The surface as triangles, made when asked for."""
-        ...
 
     def measures(self) -> list[float]:
         """The numbers of the columns `measured` now, in their order."""
-        ...

@@ -183,10 +183,6 @@ class MarchingCubes:
         mesh, counts = self.cut(self.goes_on)
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
-    def counts(self) -> Counts:
-        """How much surface there is, and how much of it is ambiguous."""
-        return self.cut(0)[1]
-
     def cut(self, goes_on: int) -> tuple[Mesh, Counts]:
         """The surface, going on through the sides whose bits are set; raises Diverged where it is too large."""
         self.sample()

@@ -190,9 +190,9 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """What `hull` answers, and sentences for people."""
     from ocean_sim.ship.shared.hull import ENOUGH
+    from ocean_sim.ship.shared.hydrostatics import metacentric_heights
     from ocean_sim.ship.shared.stability import Stability
     from ocean_sim.ship.shared.voxels import MISSED_SHARE
-    from ocean_sim.ship.shared.waterplane import metacentric_heights
 
     notes: list[str] = []
     problems: list[str] = []
@@ -288,7 +288,7 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     theory is not for her. Raises Refused."""
     from math import degrees, sqrt
 
-    from ocean_sim.ship.shared.squat import slender, squat
+    from ocean_sim.ship.shared.hydrostatics import slender, squat
 
     if depth is None:
         return [], []

@@ -6,8 +6,8 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.files import input_file
-from ocean_sim.files.claim import MANIFEST, Claim
 from ocean_sim.files.input_file import shown
+from ocean_sim.files.run_files import MANIFEST, Claim
 from ocean_sim.files.whole_file import set_aside
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.kernel_library import NAME, QUADRANTS, TAICHI, VARIABLE

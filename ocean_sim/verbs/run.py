@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ocean_sim.conventions import figures
-from ocean_sim.files.claim import MANIFEST, Claim, Claimed, foreign
+from ocean_sim.files.run_files import MANIFEST, Claim, Claimed, foreign
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST, Result, claimed_for, simulated

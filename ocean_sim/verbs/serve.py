@@ -10,7 +10,7 @@ from threading import Event
 from typing import Any
 
 from ocean_sim.files import run_files
-from ocean_sim.files.claim import MANIFEST
+from ocean_sim.files.run_files import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
 from ocean_sim.verbs.shared import console
@@ -71,8 +71,7 @@ def play(
 def live_files(title: str) -> dict[str, Any]:
     """The addresses of a page that shows a simulation."""
     from ocean_sim.reading.schema import schema
-    from ocean_sim.viewer.page import page
-    from ocean_sim.viewer.still import sky_packet
+    from ocean_sim.viewer.still import page, sky_packet
 
     return {
         "/": (HTML, lambda: page(f"{title} · Ocean Sim", {"mode": "live"})),
@@ -83,10 +82,9 @@ def live_files(title: str) -> dict[str, Any]:
 
 def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_json: bool) -> None:
     """One finished run, or two side by side."""
-    from ocean_sim.viewer.page import page
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
-    from ocean_sim.viewer.still import sky_packet
+    from ocean_sim.viewer.still import page, sky_packet
 
     found = [Recorded(run) for run in runs]
     start = {"mode": "replay", "held": False, "runs": [{"title": run.title, "name": run.folder.name} for run in found]}

@@ -21,7 +21,7 @@ from ocean_sim.verbs.shared.wave_files import (
     write_rows,
     write_table,
 )
-from ocean_sim.waves.orbits import BREAKING, tracer_motion
+from ocean_sim.waves.orbits import BREAKING, Grid, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.waves.record import (
     CUT_OFF,
     REGULAR,
@@ -38,7 +38,6 @@ from ocean_sim.waves.record import (
     spectra,
     trend,
 )
-from ocean_sim.waves.surface_record import Grid, SurfaceRecord, surface_record
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 

@@ -9,10 +9,9 @@ from tempfile import TemporaryDirectory
 from ocean_sim.conventions import Unsuited, number
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
-from ocean_sim.viewer.page import page
 from ocean_sim.viewer.replay import replay_file
 from ocean_sim.viewer.server import File, Server
-from ocean_sim.viewer.still import sky_packet
+from ocean_sim.viewer.still import page, sky_packet
 from ocean_sim.viewer.watch import Watch
 
 

@@ -27,7 +27,6 @@ anything else closes the connection, and says why in the reason of the close.
 """
 
 import json
-import zlib
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -183,23 +182,6 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
     return b"".join([MAGIC, len(head).to_bytes(4, "little"), head, *data])
 
 
-def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Header and arrays of a packet; raises BadMessage."""
-    if data[:1] == b"\x78":
-        data = zlib.decompress(data)
-    if data[:4] != MAGIC:
-        raise BadMessage("this is not a packet")
-    begin = 8 + int.from_bytes(data[4:8], "little")
-    header = json.loads(data[8:begin])
-    arrays = {}
-    for row in header["arrays"]:
-        dtype, shape = np.dtype(row["dtype"]), tuple(row["shape"])
-        count = int(np.prod(shape))
-        arrays[row["name"]] = np.frombuffer(data, dtype, count, begin).reshape(shape)
-        begin += -(-count * dtype.itemsize // 4) * 4
-    return header, arrays
-
-
 def scaled(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Middle of a box [m], and whole numbers a metre along each of its sides."""
     return 0.5 * (high + low), FULL / np.maximum(0.5 * (high - low), 1e-9)
@@ -212,19 +194,8 @@ def boxed(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarra
     return np.nan_to_num(np.rint(share)).astype(np.int16)
 
 
-def opened(whole: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The positions [m] that whole numbers in a box stand for."""
-    return 0.5 * (high + low) + 0.5 * (high - low) / FULL * whole
-
-
 def differences(values: np.ndarray) -> np.ndarray:
     """int16 (moments, n) as differences from moment to moment, (2, moments, n) uint8: high bytes, then low ones."""
     turned = values.astype(np.uint16)
     step = np.diff(turned, axis=0, prepend=np.zeros_like(turned[:1]))
     return np.stack([(step >> 8).astype(np.uint8), (step & 255).astype(np.uint8)])
-
-
-def summed(planes: np.ndarray) -> np.ndarray:
-    """The int16 (moments, n) that differences stand for."""
-    step = (planes[0].astype(np.uint16) << 8) | planes[1]
-    return np.cumsum(step, axis=0, dtype=np.uint16).astype(np.int16)

@@ -12,9 +12,8 @@ from ocean_sim.files.input_file import document
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened, ships_in
-from ocean_sim.viewer.page import page
 from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
-from ocean_sim.viewer.still import Setting, Vessel, sky_packet
+from ocean_sim.viewer.still import Setting, Vessel, page, sky_packet
 from ocean_sim.viewer.watch import CELLS, elevation_gauges
 from ocean_sim.waves import Components
 
@@ -172,30 +171,10 @@ class Recorded:
 
     @staticmethod
     def pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
-        """Position and quaternion w, x, y, z of a matrix from body to world (Shepperd 1978)."""
-        m = turn.astype(float)
-        four = np.array([1.0 + m[0, 0] + m[1, 1] + m[2, 2], *(1.0 + 2.0 * m[a, a] - np.trace(m) for a in range(3))])
-        k = int(four.argmax())
-        w, x, y, z = (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]), m[0], m[1], m[2]
-        rows = np.array(
-            [
-                [four[0], *w],
-                [w[0], four[1], x[1] + y[0], x[2] + z[0]],
-                [w[1], x[1] + y[0], four[2], y[2] + z[1]],
-                [w[2], x[2] + z[0], y[2] + z[1], four[3]],
-            ]
-        )
-        q = rows[k] / np.linalg.norm(rows[k])
-        return [*(float(v) for v in position), *(q if q[0] >= 0.0 else -q)]
+        """Position and quaternion w, x, y, z of a matrix from body to world."""
+        from scipy.spatial.transform import Rotation
 
-    def table(self, name: str) -> dict[str, np.ndarray]:
-        """The columns of a CSV of the run; empty where there is none."""
-        path = self.folder / name
-        try:
-            log = csv_file.columns(path) if path.exists() else {}
-        except ValueError:
-            return {}
-        return log if log and len(log.get("time_s", ())) else {}
+        return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
     def numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
         """What is plotted, and its numbers (moments, k) at some times."""
@@ -210,23 +189,27 @@ class Recorded:
             rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})
             columns.append(factor * np.interp(times, log["time_s"], values))
 
-        gauges = self.table("gauges.csv")
+        gauges = csv_file.columns_there(self.folder / "gauges.csv")
         for column in [name for name in gauges if name.endswith("_m")]:
             add(gauges, column, column.removesuffix("_m"), "m", "elevation")
         ships = self.scene.get("ships") or {}
-        logs = {name: self.table(f"motion_{name}.csv") for name in ships} if ships else {"": self.table("motion.csv")}
+        logs = (
+            {name: csv_file.columns_there(self.folder / f"motion_{name}.csv") for name in ships}
+            if ships
+            else {"": csv_file.columns_there(self.folder / "motion.csv")}
+        )
         for name, log in logs.items():
             for column, (label, group, unit, factor) in PLOTTED.items():
                 if column in log:
                     add(log, column, f"{label} {name}".strip(), unit, group, factor)
-        platform = self.table("platform.csv")
+        platform = csv_file.columns_there(self.folder / "platform.csv")
         for k in range(1, 7):
             if f"leg{k}_m" in platform:
                 add(platform, f"leg{k}_m", f"leg {k}", "m", "legs")
-        accuracy = self.table("accuracy.csv")
+        accuracy = csv_file.columns_there(self.folder / "accuracy.csv")
         if "compression_max" in accuracy:
             add(accuracy, "compression_max", "largest density error", "%", "compression", 100.0)
-        timings = self.table("timings.csv")
+        timings = csv_file.columns_there(self.folder / "timings.csv")
         if "real_time_factor" in timings:
             add(timings, "real_time_factor", "simulated over wall time", "x", "pace")
         for column in [name for name in timings if name.endswith("_ms_per_step")]:
@@ -235,7 +218,7 @@ class Recorded:
 
     def platform(self, times: np.ndarray) -> np.ndarray | None:
         """(moments, 12) pose and legs at some times."""
-        log = self.table("platform.csv")
+        log = csv_file.columns_there(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
             return None

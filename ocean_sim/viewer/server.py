@@ -181,11 +181,11 @@ class Server:
     # in the thread of the simulation
 
     def begin(self, still: bytes) -> None:
-        self.loop.call_soon_threadsafe(self.take_still, still)
+        self.loop.call_soon_threadsafe(self.take, still, None)
 
     def show(self, frame: bytes) -> None:
         self.fresh = False
-        self.loop.call_soon_threadsafe(self.take_frame, frame)
+        self.loop.call_soon_threadsafe(self.take, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
         """Text to one watcher, or to all; a `panel` is kept for those who come later."""
@@ -193,11 +193,7 @@ class Server:
 
     def orders(self) -> list[Order]:
         """The commands that have come in since the last call."""
-        found = []
-        with suppress(IndexError):
-            while True:
-                found.append(self.inbox.popleft())
-        return found
+        return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
         """Say goodbye to all watchers, and stop."""
@@ -359,23 +355,23 @@ class Server:
             self.helm = 0 if self.helm == watcher.number else self.helm
             self.stands()
         elif order.do not in LOOKS and not self.grasp(watcher.number):
-            self.post(watcher.number, {"type": "said", "text": "Another page has the helm.", "bad": True})
+            self.refuse(watcher, "Another page has the helm.")
         elif len(self.inbox) >= WAITING:
-            self.post(
-                watcher.number,
-                {"type": "said", "text": "The simulation is busy; your command was not taken.", "bad": True},
-            )
+            self.refuse(watcher, "The simulation is busy; your command was not taken.")
         else:
             self.inbox.append(Order(watcher.number, order))
             self.arrived.set()
+
+    def refuse(self, watcher: Watcher, text: str) -> None:
+        """Say why a command is not taken."""
+        self.post(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def grasp(self, number: int) -> bool:
         """Give the helm to a watcher where it is free, or its holder idle; whether this one has it."""
         now = monotonic()
         if self.helm in (0, number) or now - self.touched > IDLE:
-            changed = self.helm != number
-            self.helm, self.touched = number, now
-            if changed:
+            before, self.helm, self.touched = self.helm, number, now
+            if before != number:
                 self.stands()
         return self.helm == number
 
@@ -391,15 +387,9 @@ class Server:
             watcher.texts.append(text)
             watcher.woken.set()
 
-    def take_still(self, still: bytes) -> None:
-        self.still, self.frame = still, None
-        self.wake()
-
-    def take_frame(self, frame: bytes) -> None:
-        self.frame = frame
-        self.wake()
-
-    def wake(self) -> None:
+    def take(self, still: bytes | None, frame: bytes | None) -> None:
+        """Keep the newest frame, or another still, of which there is no frame yet, for all watchers."""
+        self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()
 
@@ -411,16 +401,13 @@ class Server:
                 await watcher.woken.wait()
                 watcher.woken.clear()
                 while watcher.texts:
-                    async with asyncio.timeout(STALLED):
-                        await watcher.socket.send_str(watcher.texts.popleft())
+                    await asyncio.wait_for(watcher.socket.send_str(watcher.texts.popleft()), STALLED)
                 if self.still is not None and watcher.still is not self.still:
                     watcher.still = self.still
-                    async with asyncio.timeout(STALLED):
-                        await watcher.socket.send_bytes(self.still)
+                    await asyncio.wait_for(watcher.socket.send_bytes(self.still), STALLED)
                 frame = self.frame
                 if frame is not None and watcher.frame is not frame and watcher.still is self.still:
                     watcher.frame = frame
-                    async with asyncio.timeout(STALLED):
-                        await watcher.socket.send_bytes(frame)
+                    await asyncio.wait_for(watcher.socket.send_bytes(frame), STALLED)
         with suppress(Exception):
             await watcher.socket.close(code=1008)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file, run_files
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named
@@ -20,15 +20,13 @@ from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, sce
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.answers import answer, keys
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.watch import Audience, Watch
-from ocean_sim.viewer.wave_field import answer
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
-    from ocean_sim.ship.shared.pilot import Helmsman
-    from ocean_sim.ship.shared.propulsion import Person
+    from ocean_sim.ship.shared.propulsion import Helmsman, Person
 
 BUDGET = 0.04  # [s] of steps between two looks at what has come in
 NAP = 0.05  # [s] to wait for commands where there is nothing to do
@@ -70,12 +68,14 @@ class Source(NamedTuple):
 class Session:
     """One simulation after another, each with a `Watch`; use it as a context manager."""
 
+    simulation: Simulation
+
     def __init__(self, source: Source, desk: Desk, out: Path, described: Callable[[], list[dict[str, str]]]) -> None:
         """`out`: where records and saved scenes go; `described`: what a page lists of packaged scenes."""
         self.source, self.desk, self.out, self.described = source, desk, out, described
         self.panel = Panel([*named("wind"), "still"], "")
         self.speed, self.due = 1.0, 0.0
-        self.simulation: Simulation | None = None
+        self.plays = False  # whether a simulation is open
         self.away: TemporaryDirectory | None = None
         self.claim: Claim | None = None  # of the run folder of a record
         self.touched: list[str] = []  # what was set by hand in a record
@@ -95,6 +95,7 @@ class Session:
             kept = {name: part for name, part in config.observers.items() if name in playing}
             config = config.model_copy(update={"observers": kept})
         self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
+        self.plays = True
         self.watch = Watch(self.simulation, self.desk)
         self.simulation.observers.append(self.watch)
         self.panel.wind = wind_name(self.source)
@@ -105,10 +106,10 @@ class Session:
 
     def end(self) -> None:
         """Close what is played, and let go of its folder."""
-        if self.simulation is None:
+        if not self.plays:
             return
         simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
-        self.simulation, self.claim, self.touched, self.away = None, None, [], None
+        self.plays, self.claim, self.touched, self.away = False, None, [], None
         with ExitStack() as last:
             if away is not None:
                 last.callback(away.cleanup)
@@ -139,7 +140,6 @@ class Session:
         if panel.take("step"):
             self.step()
             self.watch.show(perf_counter())
-        assert self.simulation is not None
         if panel.paused:
             if self.desk.fresh and self.desk.watchers:
                 self.watch.show(perf_counter())
@@ -156,7 +156,6 @@ class Session:
     def step(self) -> None:
         """One step; a simulation that leaves the physical world, or a record that is complete, stops here."""
         simulation = self.simulation
-        assert simulation is not None
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
             self.follow()
@@ -177,11 +176,9 @@ class Session:
     def follow(self) -> None:
         """Say how far along their routes ships are; at the end of one the rudder goes amidships."""
         simulation = self.simulation
-        assert simulation is not None
         for name, pilot in list(self.pilots.items()):
             if pilot.arrived(simulation.ships[name].body):
-                person = self.person(name)
-                person.give(person.throttle, 0.0)
+                self.amidships(name)
                 self.say(f"{name}: the end of the route")
                 self.report()
             elif self.sailed.get(name) != pilot.leg:
@@ -204,7 +201,7 @@ class Session:
             except Failed as error:
                 self.say(error.sentence, order.watcher, bad=True)
             except (OSError, MemoryError, RuntimeError) as error:
-                if self.simulation is None:
+                if not self.plays:
                     raise
                 self.say(in_words(error), order.watcher, bad=True)
         if changed:
@@ -219,24 +216,18 @@ class Session:
                 self.watch.show(perf_counter())
             case p.Act(do="step"):
                 panel.do("step")
-            case p.Act(do="reset"):
+            case p.Act(do="reset" | "stop"):
                 self.rebuild(self.source)
             case p.Act(do="record"):
                 self.record()
-            case p.Act(do="stop"):
-                self.rebuild(self.source)
             case p.Act(do="scene"):
                 self.tell_scene(order.watcher)
-                return False
             case p.Act(do="scenes"):
                 self.desk.tell(order.watcher, type="scenes", rows=self.described())
-                return False
             case p.Act(do="keys"):
                 self.desk.tell(order.watcher, type="keys", rows=keys(self.config))
-                return False
             case p.Waves():
                 self.tell_waves(order.watcher, command)
-                return False
             case p.Speed(value=value):
                 self.speed, self.due = value, 0.0
             case p.Slide(key=label, value=value):
@@ -256,8 +247,7 @@ class Session:
                     self.sail(ship, points, speed)
                     self.note(f"{ship}: route {points} at {speed:g} m/s")
                 else:
-                    person = self.person(ship)
-                    person.give(person.throttle, 0.0)
+                    self.amidships(ship)
                     self.note(f"{ship}: no route")
             case p.Wind(name=name):
                 if name not in panel.winds:
@@ -269,7 +259,6 @@ class Session:
                 self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
             case p.Check(text=text):
                 self.check(order.watcher, text)
-                return False
             case p.Apply(text=text):
                 self.rebuild(self.source._replace(text=text, overrides={}))
                 self.desk.tell(order.watcher, type="problems", problems=[])
@@ -284,8 +273,7 @@ class Session:
                 self.tell_scene(None)
             case p.Save(name=name):
                 self.save(name)
-                return False
-        return True
+        return command.do not in (*p.LOOKS, "save")
 
     def person(self, name: str) -> "Person":
         """Who steers a ship by hand from now on; raises Failed."""
@@ -295,6 +283,11 @@ class Session:
             self.persons[name] = ship.hand_over()
         return self.persons[name]
 
+    def amidships(self, name: str) -> None:
+        """Steer a ship by hand, with the throttle as it is and the rudder amidships; raises Failed."""
+        person = self.person(name)
+        person.give(person.throttle, 0.0)
+
     def sail(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
         """A pilot sails a ship along waypoints from now on; raises Failed."""
         ship = self.ship(name)
@@ -303,7 +296,6 @@ class Session:
 
     def ship(self, name: str) -> "Ship":
         """A ship by its name; raises Failed."""
-        assert self.simulation is not None
         if name not in self.simulation.ships:
             raise Failed(f"there is no ship {name!r} here")
         return self.simulation.ships[name]
@@ -349,7 +341,7 @@ class Session:
 
     def note(self, what: str) -> None:
         """Keep what was set by hand in a record: its scene does not say it."""
-        if self.claim is not None and self.simulation is not None:
+        if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check(self, watcher: int, text: str) -> None:
@@ -382,7 +374,6 @@ class Session:
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
         """What the water does, to who asked."""
-        assert self.simulation is not None
         try:
             found = answer(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:
@@ -400,7 +391,6 @@ class Session:
     def report(self) -> None:
         """Tell everybody what may be set, and how it stands."""
         simulation, panel = self.simulation, self.panel
-        assert simulation is not None
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in panel.sliders]
         ships = [
             {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route(name)}

@@ -1,9 +1,18 @@
-"""What a page is told of a simulation once: basin, ships as triangles, the sea around it, and the programs of water."""
+"""The page, and what it is told of a simulation once: basin, ships as triangles, the sea around it, and the programs of
+water.
 
+The page is one document that holds its style and its programs, and may hold a replay.
+"""
+
+import base64
+import html
+import json
+import re
 import zlib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from math import pi
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +26,8 @@ from ocean_sim.pictures.ship_model import modelled
 from ocean_sim.viewer.protocol import VERSION, boxed, packet
 from ocean_sim.waves import Components
 
+STATIC = Path(__file__).parent / "static"
+SCRIPTS = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
 GAP_CELLS, GAP_REACH = 64, 3.0  # of the map of distances to a hull at rest; [m] around it
 FAR_WAVES = 40  # plane waves of the sea around the basin, at most
 INVENTED = 28  # of them where only the basin's own water is known
@@ -216,3 +227,28 @@ def plain(value: Any) -> Any:
     """Numbers as JSON has them, with six digits, which is plenty for a picture."""
     array = np.asarray(value, dtype=float)
     return [plain(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
+
+
+@cache
+def part(name: str) -> str:
+    """A file of the page."""
+    return (STATIC / name).read_text(encoding="utf-8")
+
+
+def page(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
+    """The document. `start`: what its programs begin with; `data`: packets that it holds, by name."""
+    held = "".join(
+        f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
+        for name, content in (data or {}).items()
+    )
+    program = "".join(part(f"{name}.js") for name in SCRIPTS)
+    given = json.dumps(start, allow_nan=False).replace("<", "\\u003c")
+    contents = {
+        "<!--title-->": html.escape(title),
+        "/*style*/": part("style.css"),
+        "<!--data-->": held,
+        "/*start*/": f"const START = {given};",
+        "/*program*/": program,
+    }
+    places = "|".join(map(re.escape, contents))
+    return re.sub(places, lambda place: contents[place[0]], part("index.html")).encode(errors="replace")

@@ -5,22 +5,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import sqrt
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
-from ocean_sim.observers.shared.handed_on import TakesMotion
+from ocean_sim.fluid import Particles
+from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.preview_scene import PreviewScene
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
-from ocean_sim.simulation import Observer, PeriodicConfig
+from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL, packet, scaled
 from ocean_sim.viewer.still import Setting, Vessel
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid import Particles
-    from ocean_sim.simulation import Simulation
 
 RATE = 20.0  # frames a second of wall time, at most
 CELLS = 128  # heights along a side, at most
@@ -40,15 +37,12 @@ class Audience(Protocol):
     @property
     def watchers(self) -> int:
         """How many there are."""
-        ...
 
     def begin(self, still: bytes) -> None:
         """Another simulation is shown from now on."""
-        ...
 
     def show(self, frame: bytes) -> None:
         """The newest frame."""
-        ...
 
 
 class Watch(Observer, TakesMotion):
@@ -56,7 +50,7 @@ class Watch(Observer, TakesMotion):
 
     at_once = True
 
-    def __init__(self, simulation: "Simulation", audience: Audience) -> None:
+    def __init__(self, simulation: Simulation, audience: Audience) -> None:
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, FAST
@@ -86,7 +80,7 @@ class Watch(Observer, TakesMotion):
         self.around(simulation)
         audience.begin(self.setting.packet())
 
-    def around(self, simulation: "Simulation") -> None:
+    def around(self, simulation: Simulation) -> None:
         """Measure stages inside of whatever measures them already."""
         inner, taken = simulation.stage, self.taken
 
@@ -104,7 +98,7 @@ class Watch(Observer, TakesMotion):
             done = self.platform.follow(ride_of(rows, frame))
             self.commands = np.concatenate([done.pose[-1], done.legs[-1]]).astype(np.float32)
 
-    def observe(self, simulation: "Simulation") -> None:
+    def observe(self, simulation: Simulation) -> None:
         now = perf_counter()
         if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / RATE):
             self.show(now)
@@ -179,7 +173,7 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self, particles: "Particles") -> dict[str, np.ndarray]:
+    def particles(self, particles: Particles) -> dict[str, np.ndarray]:
         """Positions in the box and speeds, by identity: in storage order none would stay itself."""
         rows = particles.in_box(self.middle, self.scale, FULL, every_shown(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
@@ -208,7 +202,7 @@ class Watch(Observer, TakesMotion):
         return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.spent.values()]
 
 
-def setting_of(simulation: "Simulation") -> Setting:
+def setting_of(simulation: Simulation) -> Setting:
     """What a page is told of a simulation once."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     lower, upper = (np.array(corner, dtype=float) for corner in (basin.lower, basin.upper))

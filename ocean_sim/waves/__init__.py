@@ -240,7 +240,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
     rows = lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
-        return sea.grown(time) * _elevation_on_lattice(sea, points[::columns, 0], points[:columns, -1], time)
+        parts = [(sea.amplitude, np.zeros_like(sea.amplitude))]
+        return sea.grown(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, -1], time)[:, 0]
     eta = np.zeros(len(points))
     for some, angle in sea.angles(points, time):
         eta += summed(sea.amplitude[some], np.cos(angle))
@@ -258,18 +259,6 @@ def lattice_rows(points: np.ndarray) -> int | None:
         return None
     across, along = x.reshape(-1, columns), z.reshape(-1, columns)
     return len(across) if (across == across[:, :1]).all() and (along == along[:1]).all() else None
-
-
-def _elevation_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
-    """(len(x) len(z),) the same without the ramp at every pair of x and z."""
-    return _on_lattice(sea, [(sea.amplitude, np.zeros_like(sea.amplitude))], x, z, time)[:, 0]
-
-
-def _velocity_on_lattice(sea: Components, x: np.ndarray, z: np.ndarray, time: float) -> np.ndarray:
-    """(len(x) len(z), 3) velocity [m/s] at the still surface without the ramp, at every pair of x and z."""
-    none, (kx, kz) = np.zeros_like(sea.amplitude), sea.wavevector.T
-    along = sea.amplitude * sea.gravity / sea.omega
-    return _on_lattice(sea, [(along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)], x, z, time)
 
 
 def _on_lattice(
@@ -298,7 +287,10 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
     rows = None if points[:, 1].any() else lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
-        return sea.grown(time) * _velocity_on_lattice(sea, points[::columns, 0], points[:columns, 2], time)
+        none, (kx, kz) = np.zeros_like(sea.amplitude), sea.wavevector.T
+        along = sea.amplitude * sea.gravity / sea.omega
+        parts = [(along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)]
+        return sea.grown(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, 2], time)
     v = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]

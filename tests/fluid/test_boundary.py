@@ -9,7 +9,7 @@ import pytest
 from ocean_sim import load
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.shared.boundary import Boundary
-from ocean_sim.observers.shared.escaped import beyond
+from ocean_sim.observers.shared.checks import beyond
 from ocean_sim.reading.scene import SceneError
 from tests.conftest import quickly
 from tests.fluid.conftest import by_id, put, undone

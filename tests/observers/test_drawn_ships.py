@@ -6,8 +6,8 @@ from scipy.optimize import brentq
 
 from ocean_sim.pictures import light, ship_glsl, ship_hull, ship_parts
 from ocean_sim.pictures.ship_model import BLACK, OXIDE, WHITE, modelled
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.shapes import drawn
 
 NOWHERE = np.full(3, np.nan)
 HULLS = {

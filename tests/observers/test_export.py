@@ -10,7 +10,7 @@ from scipy.ndimage import map_coordinates
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import in_words
 from ocean_sim.files import whole_file
-from ocean_sim.files.vtkhdf import Series
+from ocean_sim.files.meshes import Series
 from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
 from ocean_sim.pictures import export_scene, opengl, water_mesh

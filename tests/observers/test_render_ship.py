@@ -13,8 +13,8 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files, opengl
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import hull_of
+from ocean_sim.ship.shared.shapes import drawn
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -123,8 +123,9 @@ def test_a_strip_is_pictures_side_by_side():
 @pytest.mark.slow
 @with_opengl
 def test_images_for_a_figure_are_the_same_whatever_else_is_drawn(folder):
-    several = render.images(folder, [0.2, 0.8], camera="follow", size=(160, 90), caption=False)
-    alone = render.images(folder, [0.8], camera="follow", size=(160, 90), caption=False)
+    looks = {"camera": "follow", "size": (160, 90), "caption": False}
+    several = render.variants(folder, 0.8, [{"stills": (0.2,)}, {}], **looks)
+    alone = render.variants(folder, 0.8, [{}], **looks)
     assert several.shape == (2, 90, 160, 3) and several.dtype == np.uint8
     np.testing.assert_array_equal(several[1], alone[0])
     assert (several[0] != several[1]).any() and several.std() > 10.0
@@ -134,10 +135,9 @@ def test_images_for_a_figure_are_the_same_whatever_else_is_drawn(folder):
 @pytest.mark.slow
 @with_opengl
 def test_from_the_helm_the_deck_is_below_and_from_the_side_the_sky_is_above(folder):
-    [helm] = render.images(folder, [0.5], camera="first_person", size=(160, 90), caption=False)
-    [side] = render.images(
-        folder, [0.5], camera="fixed", eye=(40.0, 3.0, 0.0), target=(0.0, 2.0, 0.0), size=(160, 90), caption=False
-    )
+    [helm] = render.variants(folder, 0.5, [{}], camera="first_person", size=(160, 90), caption=False)
+    beside = {"camera": "fixed", "eye": (40.0, 3.0, 0.0), "target": (0.0, 2.0, 0.0)}
+    [side] = render.variants(folder, 0.5, [beside], size=(160, 90), caption=False)
     deck, sky, hull = helm[-3, 80].astype(int), side[3, 5].astype(int), side[45:60, 60:100].astype(int)
     assert deck[0] > deck[2] + 20  # planks are yellower than water and sky
     assert sky[2] > sky[0] and (np.ptp(hull, axis=2) > 30).any()

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import accuracy, gauges, manifest, report, timings
-from ocean_sim.observers.shared.page import STYLE, text
-from ocean_sim.observers.shared.svg_plot import (
+from ocean_sim.observers.shared.page import (
     APART,
     COLOURS,
     LEFT,
@@ -17,9 +16,11 @@ from ocean_sim.observers.shared.svg_plot import (
     POINTS,
     RIGHT,
     SAMPLE,
+    STYLE,
     WIDTH,
     curves,
     legend,
+    text,
     thinned,
     ticks,
 )

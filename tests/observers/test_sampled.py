@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ocean_sim.files.csv_file import columns
-from ocean_sim.observers.shared.csv_rows import CsvFile
-from ocean_sim.observers.shared.sampled import Multiples, Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, Sampled
 
 
 @given(st.lists(st.floats(1e-4, 0.2), min_size=1, max_size=60), st.sampled_from([0.05, 0.033, 0.1, 0.01]))

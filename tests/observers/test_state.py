@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.kernel_library import ti, to_numpy_type
-from ocean_sim.observers.shared.csv_rows import CsvFile
-from ocean_sim.observers.shared.sampled import Sampled
+from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled
 from ocean_sim.platform.shared.washing import Filter
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.state import fields as state_fields

@@ -7,7 +7,8 @@ import ocean_sim
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import SceneError
-from ocean_sim.waves.orbits import motion, orbit_ratio, orbit_sizes, read_tracers, towards
+from ocean_sim.waves.orbits import motion, read_tracers, towards
+from tests.waves.closed_forms import orbit_ratio, orbit_sizes
 
 LENGTH, DEPTH, HEIGHT = 1.0, 0.5, 0.03
 K = 2.0 * np.pi / LENGTH

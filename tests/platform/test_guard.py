@@ -13,7 +13,7 @@ from ocean_sim.platform.shared.datagrams import (
     key_in,
     ready_made,
 )
-from ocean_sim.platform.shared.guard import EVERY
+from ocean_sim.platform.shared.limits import EVERY
 from ocean_sim.platform.shared.packets import OURS, Packet, halt, packed, reading, signed, unpacked
 from tests.platform.conftest import Receiving
 

@@ -352,7 +352,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     from ocean_sim.basin import Config as BasinConfig
     from ocean_sim.observers import motion as motion_log
     from ocean_sim.observers import platform_log
-    from ocean_sim.observers.shared.handed_on import TakesCommands
+    from ocean_sim.observers.shared.csv_rows import TakesCommands
 
     class Taker(TakesCommands):
         def __init__(self):

@@ -199,7 +199,7 @@ def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path
 
 def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_path, monkeypatch):
     """The second time nothing is worked out anew; another place, lattice or shape is another entry."""
-    from ocean_sim.ship.shared import drawn, solid, wall_contact
+    from ocean_sim.ship.shared import shapes, solid
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     shape = hull_of("wigley").shape
@@ -212,7 +212,11 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
         unit = np.array([1.0, 0.0, 0.0, 0.0])
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
         hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, felt=False)
-        parts = [*drawn.drawn(shape), wall_contact.outermost(shape), *hull.carved(lattice, spacing, [box])]
+        parts = [
+            *shapes.drawn(shape),
+            shapes.outermost(shape),
+            *hull.make_room(lattice, lattice[:0], [box], spacing, spacing**3),
+        ]
         return [array.tobytes() for array in parts]
 
     first, other = found(0.0), found(0.25)
@@ -221,7 +225,6 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
     def never(*given):
         raise AssertionError("worked out anew")
 
-    monkeypatch.setattr(drawn, "spanned", never)
-    monkeypatch.setattr(solid.Solid, "making_room", never)
-    monkeypatch.setattr(wall_contact, "drawn", never)
+    monkeypatch.setattr("scipy.spatial.ConvexHull", never)
+    monkeypatch.setattr(solid.Solid, "carved", never)
     assert found(0.0) == first and found(0.25) == other

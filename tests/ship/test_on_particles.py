@@ -256,5 +256,5 @@ def test_a_ship_may_float_before_the_first_water_comes():
     body = RigidBody(400.0, np.eye(3), np.zeros(3), unit, np.zeros(3), np.zeros(3))
     hull = Solid(hull_of("wigley").shape, np.zeros(3), body, flat=False, felt=False)
     for places, taken in ((np.zeros((0, 3)), 0), (np.zeros((1, 3)), 1)):
-        gone, others = hull.carved(places, 0.2, [(np.full(3, -2.0), np.full(3, 2.0))])
+        gone, others = hull.make_room(places, places[:0], [(np.full(3, -2.0), np.full(3, 2.0))], 0.2, 0.2**3)
         assert gone.sum() == taken and np.array_equal(others, places)

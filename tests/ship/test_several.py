@@ -307,7 +307,7 @@ def test_every_ship_is_drawn_and_each_meets_the_water(tmp_path):
         keys = {"frames": {"every": 0.1, "spacing": 4.0}}
         run(load(at_sea(ships, calm, 0.1, **keys), {"runtime.threads": 1}), tmp_path / name)
         options = {"camera": "fixed", "eye": (12.0, 60.0, 0.0), "target": (12.0, 0.0, 0.1), "caption": False}
-        [image] = render.images(tmp_path / name, [0.0], size=(160, 90), **options)
+        [image] = render.variants(tmp_path / name, 0.0, [options], size=(160, 90))
         pictures.append(image.astype(float))
     changed = np.abs(pictures[1] - pictures[0]).max(axis=2) > 25.0
     half = changed.shape[1] // 2

@@ -9,11 +9,10 @@ import pytest
 
 from ocean_sim.observers import health
 from ocean_sim.reading.scene import load
-from ocean_sim.ship.shared.added_mass import slenderness
+from ocean_sim.ship.shared.added_mass import WAGNER, Slamming, entry, slenderness
 from ocean_sim.ship.shared.hull import Hull
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.shapes import Outline, Sphere
-from ocean_sim.ship.shared.slamming import WAGNER, Slamming, entry
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.ship import floating
 

@@ -4,32 +4,11 @@ import numpy as np
 import pytest
 
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.surface.shared.contact import Contact
-from ocean_sim.surface.shared.springs import springs
+from ocean_sim.surface.cloth import Contact
 from tests.fluid.conftest import put
 
 H = 0.1  # [m] spacing of the particles
 FLUME = {"length": 12.0, "width": 0.4, "depth": 0.8, "walls": {"x": "periodic"}}
-
-
-@pytest.mark.parametrize("nx, nz", [(2, 2), (5, 7), (33, 33), (3, 2)])
-def test_springs_are_as_many_as_the_formula_says_and_each_is_there_once(nx, nz):
-    found = springs(nx, nz)
-    count = {kind: len(ends) for kind, ends in found.items()}
-    assert count["stretch"] == nx * (nz - 1) + nz * (nx - 1)
-    assert count["shear"] == 2 * (nx - 1) * (nz - 1)
-    assert count["bend"] == nx * max(nz - 2, 0) + nz * max(nx - 2, 0)
-    ends = np.sort(np.concatenate(list(found.values())), axis=1)
-    assert len(np.unique(ends, axis=0)) == len(ends) and (ends[:, 0] != ends[:, 1]).all()
-    place = np.stack(np.divmod(np.arange(nx * nz), nz), axis=1)
-    lengths = {k: np.abs(place[e[:, 0]] - place[e[:, 1]]).tolist() for k, e in found.items()}
-    assert all(step in ([1, 0], [0, 1]) for step in lengths["stretch"])
-    assert all(step == [1, 1] for step in lengths["shear"])
-    assert all(step in ([2, 0], [0, 2]) for step in lengths["bend"])
-
-
-def test_a_rope_has_stretch_and_bend_springs_only():
-    assert {kind: len(ends) for kind, ends in springs(6, 1).items()} == {"stretch": 5, "shear": 0, "bend": 4}
 
 
 @pytest.fixture(scope="module")

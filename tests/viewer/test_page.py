@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.parts import PACKAGE
-from ocean_sim.viewer.page import page
 from ocean_sim.viewer.replay import replay_file
+from ocean_sim.viewer.still import page
 from tests.viewer import _chromium
 
 pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")

@@ -16,11 +16,12 @@ from ocean_sim.platform.shared import packets
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.keys import keys
+from ocean_sim.viewer.answers import keys
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source
 from ocean_sim.viewer.watch import Watch
+from tests.viewer import page_packets
 
 COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
 
@@ -104,7 +105,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
 def test_a_frame_says_where_everything_is(session):
     simulation, desk = session.simulation, session.desk
     session.watch.show(0.0)
-    head, arrays = p.unpacked(desk.frames[-1])
+    head, arrays = page_packets.unpacked(desk.frames[-1])
     assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
     heights = simulation.surface.elevations(session.watch.points)
     assert np.abs(arrays["height"] - heights).max() < 1e-3
@@ -112,9 +113,9 @@ def test_a_frame_says_where_everything_is(session):
     there = np.empty((particles.n, 3))
     there[particles.id.to_numpy()] = particles.position.to_numpy()
     low, high = session.watch.setting.box
-    assert np.abs(p.opened(arrays["particles"], low, high) - there).max() < 1e-3
+    assert np.abs(page_packets.opened(arrays["particles"], low, high) - there).max() < 1e-3
     assert arrays["poses"][0, :3] == pytest.approx(simulation.ships["ship"].body.position, abs=1e-5)
-    still, _ = p.unpacked(desk.stills[-1])
+    still, _ = page_packets.unpacked(desk.stills[-1])
     assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.VERSION
     assert len(desk.frames[-1]) < 12_000 and still["tile"] == {
         "nx": 16,
@@ -293,8 +294,8 @@ def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
     while session.claim is not None:
         session.go_on(0.05)
     run = Recorded(folder)
-    head, arrays = p.unpacked(run.stream())
-    heights = p.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
+    head, arrays = page_packets.unpacked(run.stream())
+    heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
     with np.load(run.files[-1]) as frame:
         assert np.abs(heights[-1].reshape(16, 16) - frame["elevation"]).max() < 1e-3
     assert "throttle 1" in (folder / "touched.txt").read_text()

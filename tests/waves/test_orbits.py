@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.waves.orbits import (
-    circulation,
-    orbit,
-    orbit_ratio,
-    orbit_sizes,
-    stokes_drift,
-    white_cap_cover,
-    white_caps_of,
-)
+from ocean_sim.waves.orbits import circulation, orbit
+from tests.waves.closed_forms import orbit_ratio, orbit_sizes, stokes_drift
 
 DEPTH, PERIOD, HEIGHT, PERIODS, STEPS = 0.5, 1.2, 0.04, 5, 200
 LEVELS = np.array([-0.05, -0.15, -0.3, -0.45])  # [m]
@@ -84,11 +77,3 @@ def test_circulation_of_a_vortex_and_of_a_stream():
     assert abs(circulation(x, np.tile([3.0, 0.0, 1.0], (len(x), 1)), 2.0, 0.5)) < 0.05 * strength
     with pytest.raises(ValueError, match="no particles"):
         circulation(x, vortex, 30.0, 0.5)
-
-
-def test_white_caps():
-    speed = np.cos(np.linspace(0.0, 2.0 * np.pi, 100_001))
-    assert white_cap_cover(speed, 1.0) == pytest.approx(np.arccos(0.85) / np.pi, abs=1e-4)
-    assert white_cap_cover(speed, 2.0) == 0.0
-    for u10, cover in ((10.0, 0.0099), (15.0, 0.039), (20.0, 0.105)):
-        assert white_caps_of(u10) == pytest.approx(cover, rel=0.02)

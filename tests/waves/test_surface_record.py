@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from ocean_sim.waves.surface_record import Grid, surface_record
+from ocean_sim.waves.orbits import Grid, surface_record
 
 
 @dataclass

@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim import load, wave_field, waves
 from ocean_sim.conventions import Refused
-from ocean_sim.waves.field import WaveField
+from ocean_sim.waves.exchange import WaveField
 
 SEA = {
     "basin": {"length": 100.0, "width": 100.0, "depth": 40.0, "walls": "none"},

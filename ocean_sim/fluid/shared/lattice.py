@@ -177,11 +177,9 @@ class Lattice:
         wet, positions = ~inside(self.full, self.basin), self.full
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
-            if solid.felt:
-                beyond, volume = self.beyond(solid), self.mass / self.config.rest_density
-                gone, moved = solid.fitted(positions + nearest, beyond, self.repeated, self.spacing, volume)
-            else:
-                gone, moved = solid.carved(positions + nearest, self.spacing, self.repeated)
+            beyond = self.beyond(solid) if solid.felt else np.empty((0, 3))
+            volume = self.mass / self.config.rest_density
+            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated, self.spacing, volume)
             wet &= ~gone
             positions = initial_module.wrapped(moved - nearest, self.basin)
         return wet, positions

@@ -1,15 +1,12 @@
 """The energy of the water, and whether anything but gravity could give it some."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ocean_sim.basin import Basin
 from ocean_sim.fluid import Totals, with_particles
-
-if TYPE_CHECKING:
-    from ocean_sim.basin import Basin
-    from ocean_sim.simulation import Simulation
+from ocean_sim.simulation import Simulation
 
 HOLDING = ("pressure", "walls")  # forces of which only the sum tells, see `told_apart`
 BETWEEN_ENERGIES = ("gravity", "pressure")  # their work turns one energy into another; pressure's where water stores it
@@ -20,7 +17,7 @@ class Balance:
 
     at_first: float | None
 
-    def __init__(self, simulation: "Simulation", working: Sequence[str]) -> None:
+    def __init__(self, simulation: Simulation, working: Sequence[str]) -> None:
         """`working`: the forces whose work is summed, in the order in which they are added."""
         between = BETWEEN_ENERGIES[: 1 if simulation.fluid.solvers else 2]  # what is not compressed stores nothing
         self.outer = [term for term in working if term not in between]  # forces that give and take energy
@@ -48,18 +45,18 @@ def potential(mass: float, totals: Totals, gravity: Sequence[float] | np.ndarray
         return -mass * float(totals.position @ gravity)
 
 
-def mechanical(simulation: "Simulation", totals: Totals) -> float:
+def mechanical(simulation: Simulation, totals: Totals) -> float:
     """Kinetic and potential energy [J] of all particles."""
     mass = with_particles(simulation.fluid).particles.mass
     return kinetic(mass, totals) + potential(mass, totals, simulation.basin.gravity)
 
 
-def total(simulation: "Simulation") -> float:
+def total(simulation: Simulation) -> float:
     """The same, with the energy of compression [J]."""
     return mechanical(simulation, with_particles(simulation.fluid).totals()) + simulation.fluid.internal_energy()
 
 
-def stored_by_weight(simulation: "Simulation") -> float:
+def stored_by_weight(simulation: Simulation) -> float:
     """What the water's own weight compresses, at most: (g depth)^2 / (6 c^2) for each kilogram of a still basin [J]."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
@@ -67,7 +64,7 @@ def stored_by_weight(simulation: "Simulation") -> float:
     return particles.mass * particles.count.now * head**2 / (6.0 * fluid.sound_speed**2)
 
 
-def at_stake(simulation: "Simulation") -> float:
+def at_stake(simulation: Simulation) -> float:
     """Energy [J] beside which a gain counts: of the motion at the reference speed; in a patch of open sea with waves
     theirs, of motion and of height, and what the weight of the water stores, if the scheme stores any."""
     basin, particles = simulation.basin, with_particles(simulation.fluid).particles
@@ -79,7 +76,7 @@ def at_stake(simulation: "Simulation") -> float:
     return waves + stored_by_weight(simulation)
 
 
-def falls_around(simulation: "Simulation") -> bool:
+def falls_around(simulation: Simulation) -> bool:
     """Whether what the water falls through is not all in its potential energy: a body force, a tank that moves, or
     gravity along an axis that is periodic."""
     basin = simulation.basin
@@ -87,7 +84,7 @@ def falls_around(simulation: "Simulation") -> bool:
     return around or any(simulation.scene.fluid.steady_force) or basin.config.motion is not None
 
 
-def told_apart(simulation: "Simulation") -> list[str]:
+def told_apart(simulation: Simulation) -> list[str]:
     """The forces whose work says what the water was given.
 
     Water that solves for its pressure stores no energy in it: what pressure takes, pressure and walls give elsewhere.
@@ -99,14 +96,14 @@ def told_apart(simulation: "Simulation") -> list[str]:
     return [] if walls_drive(simulation.basin) else [term for term in fluid.work if term not in HOLDING]
 
 
-def walls_drive(basin: "Basin") -> bool:
+def walls_drive(basin: Basin) -> bool:
     """Whether a piston or a lid moves, or the zone before an absorbing side has a motion that it leaves alone."""
     lid, absorbing = basin.config.lid, [side.absorbing for side in basin.sides if side.absorbing is not None]
     moved = basin.config.wavemaker is not None or (lid is not None and any(lid.velocity))
     return moved or any(zone.target is not None for zone in absorbing)
 
 
-def driven(simulation: "Simulation") -> bool:
+def driven(simulation: Simulation) -> bool:
     """Whether wind, walls or obstacles that move, ships, new water or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
     walls = walls_drive(basin) or basin.gates

@@ -10,8 +10,7 @@ import numpy as np
 
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.whole_file import whole
-from ocean_sim.observers.shared.page import page, picture, plot, table, text
-from ocean_sim.observers.shared.svg_plot import curves
+from ocean_sim.observers.shared.page import curves, page, picture, plot, table, text
 
 STILLS = 6  # in a page at most
 EVENTS = 60  # shown from the beginning, and as many from the end
@@ -36,7 +35,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.manifest: dict[str, Any] = self.json(folder / "manifest.json") or {}
+        self.manifest: dict[str, Any] = input_file.facts(folder / "manifest.json")
         self.scene: dict[str, Any] = self.manifest.get("scene") or {}
         self.title = self.scene.get("title") or "Untitled scene"
         self.events = self.lines(folder / "events.jsonl")
@@ -116,9 +115,9 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def motion(self) -> Iterator[str]:
-        yield from self.motion_of("Motions of the ship", self.read("motion.csv"))
+        yield from self.motion_of("Motions of the ship", csv_file.columns_there(self.folder / "motion.csv"))
         for name in self.scene.get("ships", {}):
-            yield from self.motion_of(f"Motions of {name}", self.read(f"motion_{name}.csv"))
+            yield from self.motion_of(f"Motions of {name}", csv_file.columns_there(self.folder / f"motion_{name}.csv"))
 
     def motion_of(self, title: str, log: Table) -> Iterator[str]:
         """The motions of one ship."""
@@ -144,7 +143,7 @@ class Run:
             yield plot(curves(time, orders, "throttle and rudder"))
 
     def platform(self) -> Iterator[str]:
-        log = self.read("platform.csv")
+        log = csv_file.columns_there(self.folder / "platform.csv")
         if "leg1_m" not in log:
             return
         time = log["time_s"]
@@ -166,7 +165,7 @@ class Run:
         yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
 
     def gauges(self) -> Iterator[str]:
-        log = self.read("gauges.csv")
+        log = csv_file.columns_there(self.folder / "gauges.csv")
         heights = {name.removesuffix("_m"): values for name, values in log.items() if name.endswith("_m")}
         pressures = {name.removesuffix("_Pa"): v / 1000.0 for name, v in log.items() if name.endswith("_Pa")}
         if heights or pressures:
@@ -182,7 +181,7 @@ class Run:
             yield plot(curves(log["time_s"], pressures, "pressure [kPa]"))
 
     def accuracy(self) -> Iterator[str]:
-        log = self.read("accuracy.csv")
+        log = csv_file.columns_there(self.folder / "accuracy.csv")
         if "compression_mean" not in log:  # water without particles keeps no balances
             return
         time = log["time_s"]
@@ -206,7 +205,7 @@ class Run:
             yield plot(curves(time, {"time step": 1000.0 * log["time_step_s"]}, "time step [ms]"))
 
     def timings(self) -> Iterator[str]:
-        log = self.read("timings.csv")
+        log = csv_file.columns_there(self.folder / "timings.csv")
         stages = [name for name in log if name.endswith("_ms_per_step")]
         if not stages:
             return
@@ -250,22 +249,6 @@ class Run:
         links = [f'<a href="{name}">{name}</a>' for name in names if (self.folder / name).exists()]
         if links:
             yield f"<h2>Files</h2>\n<p>{' · '.join(links)}</p>"
-
-    def read(self, name: str) -> Table:
-        """The columns of a CSV of this run; empty where it was not written or holds no row."""
-        path = self.folder / name
-        try:
-            log = csv_file.columns(path) if path.exists() else {}
-        except ValueError:  # no line of names: killed at once
-            return {}
-        return log if log and len(log["time_s"]) else {}
-
-    @staticmethod
-    def json(path: Path) -> Any:
-        try:
-            return input_file.document(path)
-        except ValueError:
-            return None
 
     @staticmethod
     def lines(path: Path) -> list[dict[str, Any]]:

@@ -18,8 +18,8 @@ import numpy as np
 
 from ocean_sim.files import input_file, yaml_file
 from ocean_sim.parts import library
-from ocean_sim.platform.shared.guard import EVERY, Drive, Judge
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smoothly
+from ocean_sim.platform.shared.limits import EVERY, Drive, Judge
 from ocean_sim.platform.shared.packets import (
     Packet,
     Reading,

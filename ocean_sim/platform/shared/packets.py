@@ -134,12 +134,15 @@ def signed(data: bytes, key: bytes, began: int) -> bytes:
 
 def verified(data: bytes, key: bytes) -> tuple[bytes, int]:
     """A packet without its signature, and when its stream began [ns]; raises ValueError."""
-    told, signature = data[:-DIGEST], data[-DIGEST:]
-    if len(data) != OURS.size + BEGAN.size + DIGEST or not hmac.compare_digest(
-        signature, hmac.digest(key, told, "sha256")
-    ):
+    if not is_signed(data, OURS.size, key):
         raise ValueError("a packet that is not signed with our key")
-    return told[: OURS.size], BEGAN.unpack(told[OURS.size :])[0]
+    return data[: OURS.size], BEGAN.unpack_from(data, OURS.size)[0]
+
+
+def is_signed(data: bytes, size: int, key: bytes) -> bool:
+    """True if this is a packet of so many bytes, followed by a time and its signature with a key."""
+    told, signature = data[:-DIGEST], data[-DIGEST:]
+    return len(told) == size + BEGAN.size and hmac.compare_digest(signature, hmac.digest(key, told, "sha256"))
 
 
 class Reading(NamedTuple):
@@ -174,9 +177,4 @@ def halt(key: bytes = b"", now: int = 0) -> bytes:
 
 def halts(data: bytes, key: bytes = b"") -> bool:
     """Whether this is a packet that stops a platform, with a key one that is signed with it."""
-    if data[:4] != STOP:
-        return False
-    if not key:
-        return len(data) == HALT.size
-    whole = len(data) == HALT.size + BEGAN.size + DIGEST
-    return whole and hmac.compare_digest(data[-DIGEST:], hmac.digest(key, data[:-DIGEST], "sha256"))
+    return data[:4] == STOP and (is_signed(data, HALT.size, key) if key else len(data) == HALT.size)

@@ -49,7 +49,6 @@ class Travelling(Protocol):
 
     def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) displacement [m] for (n,) scaled accelerations [m/s2], and (n,) whether the input was cut."""
-        ...
 
 
 class Filter:
@@ -140,10 +139,7 @@ class Washing:
         for k, turn in enumerate(self.turns):
             pose[:, 3 + k] = ride.attitude[:, k] * config.rotation_scale[k] if turn is None else turn.of(rates[:, k])
         push = self.lasting(ride)
-        for k, axis, sign in (
-            (3, 1, 1.0),
-            (4, 0, -1.0),
-        ):  # a push lifts the side that it points to
+        for k, axis, sign in ((3, 1, 1.0), (4, 0, -1.0)):  # a push lifts the side that it points to
             angle, held = self.tilts[k - 3].of(push[:, axis])
             pose[:, k] += sign * angle
             limited[held] |= TILT_RATE

@@ -17,8 +17,7 @@ import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.hdf5_file import DECLARED, WORDS, data_set
-from ocean_sim.files.input_file import Checked, Rule, shown
+from ocean_sim.files.input_file import DECLARED, WORDS, Checked, Rule, data_set, shown
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.shared.rigid_body import cross
 

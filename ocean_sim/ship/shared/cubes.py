@@ -9,9 +9,8 @@ from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, Template, alone, in_kernels
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.pose import pose, turned, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
-from ocean_sim.ship.shared.water import HANDED, TOP, SurroundingSea, SurroundingWater
+from ocean_sim.ship.shared.water import HANDED, TOP, SurroundingSea, SurroundingWater, pose, turned, vector, write_pose
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 

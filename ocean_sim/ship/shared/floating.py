@@ -20,19 +20,16 @@ from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.shared.cubes import Cubes, Wetted
 from ocean_sim.ship.shared.damping import Resistance
 from ocean_sim.ship.shared.distance import MANY, Distance, memory
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hull import Hull, Inertia, explained, hull_of
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics
+from ocean_sim.ship.shared.hydrostatics import Hydrostatics, metacentric_heights, squat
 from ocean_sim.ship.shared.moorings import Mooring, Moorings
-from ocean_sim.ship.shared.outline import outline
 from ocean_sim.ship.shared.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.shared.rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship.shared.shapes import outermost
 from ocean_sim.ship.shared.solid import Solid
-from ocean_sim.ship.shared.squat import squat
-from ocean_sim.ship.shared.vessel import Actuators, VesselConfig
+from ocean_sim.ship.shared.vessel import Actuators, VesselConfig, outline
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.water import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
-from ocean_sim.ship.shared.waterplane import metacentric_heights
 from ocean_sim.ship.shared.wave_contact import FINE, RIM, Contact, WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
@@ -101,6 +98,10 @@ class FloatingConfig(VesselConfig):
             self.known[asked] = self.whole_hull.afloat(self.cells_per_draught, density, gravity)
         return self.known[asked]
 
+    def still(self, preflight: Preflight) -> Hydrostatics:
+        """The hull in the still water of a scene; raises ValueError."""
+        return self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
         return np.zeros(6)
@@ -110,7 +111,7 @@ class FloatingConfig(VesselConfig):
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        still = self.still(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
@@ -125,21 +126,21 @@ class FloatingConfig(VesselConfig):
         return self.by_faces[still]
 
     def look(self, preflight: Preflight) -> Look:
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        still = self.still(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
         submerged = min(1.0, still.wanted / still.voxels.volume)
         return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
-        vertices, _ = drawn(self.whole_hull.shape)
-        return outline(vertices - still.matter.centre, self.body(still.matter, *afloat_pose(still)))
+        still = self.still(preflight)
+        corners = outermost(self.whole_hull.shape) - still.matter.centre
+        return outline(corners, self.body(still.matter, *afloat_pose(still)))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        still = self.still(preflight)
         body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
         reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
@@ -176,7 +177,7 @@ class FloatingConfig(VesselConfig):
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         if not preflight.fluid.made_of_particles:
-            still = self.afloat(-basin.gravity[1], preflight.fluid.rest_density)
+            still = self.still(preflight)
             body = self.body(still.matter, *afloat_pose(still))
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
             for _, _, depth in sides.beyond(body):
@@ -278,7 +279,7 @@ class FloatingConfig(VesselConfig):
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        hull = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        hull = self.still(preflight)
         mesh = self.whole_hull.shape.closed()
         remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
         if mesh is not None and not isinf(hull.draught):
@@ -350,9 +351,8 @@ class FloatingHull:
             self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
             self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
         if water is None:
-            self.sides = Sides(
-                config.whole_hull.shape, matter.centre, basin, axes=(1,)
-            )  # waves pass walls, and so do ships
+            # Waves pass walls, and so do ships.
+            self.sides = Sides(config.whole_hull.shape, matter.centre, basin, axes=(1,))
         self.water: SurroundingWater | SurroundingSea
         closed = fluid.in_closed_form
         if below and closed is not None:

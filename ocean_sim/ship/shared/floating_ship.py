@@ -13,10 +13,10 @@ from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared import plain
+from ocean_sim.ship.shared.added_mass import Slamming
 from ocean_sim.ship.shared.cubes import Wetted
 from ocean_sim.ship.shared.floating import FloatingConfig, FloatingHull
 from ocean_sim.ship.shared.rigid_body import RigidBody, to_world
-from ocean_sim.ship.shared.slamming import Slamming
 from ocean_sim.ship.shared.vessel import Vessel
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind

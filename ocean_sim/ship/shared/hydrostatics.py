@@ -1,22 +1,34 @@
-"""Still water and a hull of cubes: where it floats, its stability, its dry periods.
+"""Still water and a hull: where it floats, its stability, its dry periods, and how much deeper it lies under way.
 
-A cube is wet as far as the water stands over its lower side; one that is turned has the same spread of heights, so a
-straight ramp serves it too (variance side^2 / 12 in any direction).
+By its cubes: one is wet as far as the water stands over its lower side; one that is turned has the same spread of
+heights, so a straight ramp serves it too (variance side^2 / 12 in any direction).
+
+By its faces, without cubes, metacentric heights are KB + I / V - KG, by integrals over its wet faces. Over a closed
+surface the integral of f(x, z) n_y is 0, so that over the waterplane, where n_y = 1, it is that over the wet faces with
+the other sign; with heights from the waterplane, volume and its moment are the integrals of y n_y and y^2 n_y / 2
+(Gauss).
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf, pi, radians, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.ship.shared.mesh import ClosedMesh, gauss_points, lone_corner_first, stretches
 from ocean_sim.ship.shared.rigid_body import about
+from ocean_sim.ship.shared.shapes import HullShape, drawn
 from ocean_sim.ship.shared.voxels import Voxels
 
 UP = np.array([0.0, 1.0, 0.0])
 SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
 HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
 ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
+LEVEL_ROUNDING = 1e-13  # of a hull's height
+BLUNT_AREA = 0.1  # of the greatest area, of a slice at an end
+BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
 
 
 @dataclass(frozen=True)
@@ -206,3 +218,129 @@ class Hydrostatics:
 def _under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
     """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
+
+
+class Wet(NamedTuple):
+    """What lies under a level, from integrals over its faces."""
+
+    volume: float  # [m3]
+    below: float  # moment of the volume about the level, negative [m4]
+    area: float  # of the waterplane [m2]
+    first: np.ndarray  # (2,) its moments along x and z [m3]
+    second: np.ndarray  # (2,) the same, second [m4]
+
+
+def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
+    """GM across and along [m] of a hull upright in still water; None where its faces only approach it, or it sinks."""
+    from scipy.optimize import brentq
+
+    if shape.rounded:
+        return None
+    vertices, triangles = drawn(shape)
+    faces, mesh = vertices[triangles], shape.closed()
+    wet_under = partial(under, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
+    low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
+    if still.wanted >= wet_under(high).volume:
+        return None
+    level = brentq(lambda y: wet_under(y).volume - still.wanted, low, high, xtol=LEVEL_ROUNDING * (high - low))
+    wet = wet_under(level)
+    about_middle = wet.second - wet.first**2 / wet.area
+    km = level + (wet.below + about_middle) / wet.volume
+    across, along = km - still.matter.centre[1] - np.array(still.lost)
+    return float(across), float(along)
+
+
+def under(faces: np.ndarray, level: float) -> Wet:
+    """Of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
+    cut = parts(faces - [0.0, level, 0.0])
+    upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
+    x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
+
+    def over(values: np.ndarray) -> float:
+        return float(upwards @ values.mean(axis=1))
+
+    plane = [np.ones_like(x), x, z, x * x, z * z]
+    area, *moments = (-over(values) for values in plane)
+    return Wet(over(y), 0.5 * over(y * y), area, np.array(moments[:2]), np.array(moments[2:]))
+
+
+def columns_under(mesh: ClosedMesh, level: float) -> Wet:
+    """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
+    volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
+    positions, along = gauss_points(mesh.vertices[:, 2])
+    line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
+    z, dz = positions[line], along[line]
+    area, first, second = (dz * (starboard**n - port**n) / n for n in (1, 2, 3))
+    moments = np.array([first.sum(), z @ area]), np.array([second.sum(), z**2 @ area])
+    return Wet(volume, below, float(area.sum()), *moments)
+
+
+def parts(faces: np.ndarray) -> np.ndarray:
+    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
+    tips that are cut off, turned round where they are to be taken away."""
+    over = faces[..., 1] > 0.0
+    number = np.count_nonzero(over, axis=1)
+    cut = number % 3 > 0
+    a, b, c, above = lone_corner_first(faces[cut], over[cut])
+    ab, ac = (a + (a[:, 1] / (a[:, 1] - end[:, 1]))[:, None] * (end - a) for end in (b, c))
+    tips = np.where(above[:, None, None], np.stack([a, ac, ab], axis=1), np.stack([a, ab, ac], axis=1))
+    return np.concatenate([faces[number <= 1], tips])
+
+
+def squat(volume: float, length: float, speed: float, depth: float) -> float:
+    """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
+    depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
+    1980 has it); infinite from F = 1 on, where the law ends."""
+    return BOW_SINKAGE * volume / length**2 * of_speed(speed, depth)
+
+
+def of_speed(speed: float, depth: float) -> float:
+    """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
+    froude_2 = speed**2 / (GRAVITY * depth)
+    return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
+
+
+class Slender(NamedTuple):
+    """Squat of a slender hull in shallow open water, per F^2 / sqrt(1 - F^2) (Tuck 1966)."""
+
+    sinkage: float  # of the centre of her waterplane [m]
+    trim: float  # bow down [rad]
+    levers: tuple[float, float]  # from there to the stern and to the bow [m]
+    blunt: bool = False  # whether she ends in more than a tenth of her greatest area, which the theory does not allow
+
+    @property
+    def deepest(self) -> float:
+        """How much deeper the lower of her ends lies [m]."""
+        return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
+
+    def at(self, speed: float, depth: float) -> "Slender":
+        """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
+        factor = of_speed(speed, depth)
+        return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
+
+
+def slender(hull: Hydrostatics) -> Slender:
+    """Of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S pulls at
+    the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and turns it
+    by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
+    along, breadth, _ = hull.stations
+    half = 0.5 * hull.voxels.size[2]
+    wet = np.flatnonzero(breadth > 0.0)
+    inside = slice(wet[0], wet[-1] + 1)
+    x = np.concatenate([[along[inside][0] - half], along[inside], [along[inside][-1] + half]])
+    b, s = (np.pad(values[inside], 1) for values in (breadth, hull.sections))
+    centre = float((along * breadth).sum() / breadth.sum())
+    apart = np.abs(x[:, None] - x)
+    kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
+
+    def bends(values: np.ndarray) -> np.ndarray:
+        """Of straight lines between the nodes, at each of them."""
+        return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
+
+    def pulled(values: np.ndarray) -> float:
+        return -float(bends(values) @ kernel @ bends(s)) * hull.density * hull.gravity / (2.0 * pi)
+
+    stiff = hull.stiffness
+    blunt = bool(max(s[1], s[-2]) > BLUNT_AREA * s.max())
+    levers = (centre - float(x[0]), float(x[-1]) - centre)
+    return Slender(-pulled(b) / stiff["heave"], -pulled((x - centre) * b) / stiff["pitch"], levers, blunt)

@@ -14,8 +14,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
-from ocean_sim.ship.shared.pose import POSE
-from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
+from ocean_sim.ship.shared.water import POSE, SurroundingSea, SurroundingWater
 
 BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
 

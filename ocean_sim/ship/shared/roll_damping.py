@@ -88,10 +88,7 @@ EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
 
 def polynomial(coefficients: Sequence[float], x: float) -> float:
     """By falling powers."""
-    found = 0.0
-    for coefficient in coefficients:
-        found = found * x + coefficient
-    return found
+    return float(np.polyval(coefficients, x))
 
 
 class BilgeKeels(Model):

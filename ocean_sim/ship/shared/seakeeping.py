@@ -20,7 +20,7 @@ from ocean_sim.files.input_file import FileName
 from ocean_sim.fluid import ClosedForm, Fluid
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.ship import Load
-from ocean_sim.ship.shared.added_mass import AddedMass, reaction
+from ocean_sim.ship.shared.added_mass import AddedMass, Slamming, reaction
 from ocean_sim.ship.shared.bem_table import Scattering, columns_of
 from ocean_sim.ship.shared.damping import Damping, Resistance
 from ocean_sim.ship.shared.floating import FloatingConfig
@@ -28,7 +28,6 @@ from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics
 from ocean_sim.ship.shared.radiation import Memory, Radiation
 from ocean_sim.ship.shared.rigid_body import to_world
-from ocean_sim.ship.shared.slamming import Slamming
 
 OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
 OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
@@ -89,7 +88,7 @@ class SeakeepingConfig(FloatingConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found = super().mismatches(preflight)
         if self.table is not None:
-            still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+            still = self.still(preflight)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
             for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
                 if mass + water <= 0.0:
@@ -103,7 +102,7 @@ class SeakeepingConfig(FloatingConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
-        still = self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        still = self.still(preflight)
         if self.table is None or isinf(still.draught):
             return found
         said = [*self.of_table(self.table, preflight.tank, still), *self.table.doubts, *self.unsaid(self.table, still)]

@@ -58,26 +58,36 @@ class Solid:
         placed = (corners - self.centre) @ self.turn.T + self.origin
         return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
-    def carved(self, positions: np.ndarray, spacing: float, boxes: Boxes) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) positions of a lattice that fills boxes [m] make room, as many as the hull displaces,
-        the deepest first; and (n, 3) where the others go: half a spacing off the hull and away from each other [m].
-        Kept in the user's cache: of all that is known before a run this takes longest."""
-        rules = (FINE, APART, ALIKE, PACKINGS, PUSH, GOLDEN)
-        content = self.content(spacing, rules, boxes) + positions.tobytes()
-        return applied(kept("carved", content, lambda: self.making_room(positions, spacing, boxes)), positions)
+    def make_room(
+        self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Make room for the hull in a lattice of particles at rest.
 
-    def content(self, spacing: float, rules: tuple[float, ...], boxes: Boxes) -> bytes:
-        """Bytes that differ where the room that it takes does."""
-        numbers = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
-        return self.shape.content() + repr([spacing, rules, *(array.tolist() for array in numbers)]).encode()
+        (n, 3) `positions` of particles of a `volume` [m3], in 2-D [m2], that fill `boxes`, and (m, 3) points `beyond`
+        at which their lattice goes on [m]. As many make room as the hull displaces, the deepest first; those around it
+        move. Returned are (n,) which are gone, and (n, 3) where the others are. Kept in the user's cache: of all that
+        is known before a run this takes longest.
+        """
+        rules = (FINE, APART, ALIKE, PACKINGS, PUSH, FIT_SUPPORT, FIT_REACH, FIT_ITERATIONS, GOLDEN)
+        poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
+        numbers = repr([spacing, volume, self.felt, self.flat, rules, *(array.tolist() for array in poses)]).encode()
+        content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
-    def making_room(self, positions: np.ndarray, spacing: float, boxes: Boxes) -> dict[str, np.ndarray]:
-        """The same of those alone that make room: the numbers of those `gone`, and of those `near`, which are
-        `moved`."""
+        def made() -> dict[str, np.ndarray]:
+            if self.felt:
+                return self.fitted(positions, beyond, boxes, spacing, volume)
+            return self.carved(positions, boxes, spacing)
+
+        found = kept("rooms", content, made)
+        gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
+        gone[found["gone"]], moved[found["near"]] = True, found["moved"]
+        return gone, moved
+
+    def carved(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
+        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` half a spacing off the hull
+        and away from each other [m]."""
         values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
-        at = ((positions - self.origin) @ self.turn + self.centre - first) / step
-        distance = interpolated(values["distance"], at, 2.0 * spacing)
-        order = np.lexsort((np.arange(len(positions)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
+        distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
         gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
         slopes = np.gradient(values["distance"], *step)
@@ -94,43 +104,37 @@ class Solid:
 
     def fitted(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for the hull's samples in a lattice of particles at rest.
+    ) -> dict[str, np.ndarray]:
+        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to where a kernel's sum over
+        particles and samples of the hull is smallest, so that an even pressure pushes none (particle packing,
+        Colagrossi et al. 2012)."""
+        points = np.concatenate([positions, beyond])
+        water = np.arange(len(points)) < len(positions)
+        # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
+        origin = np.round(self.origin / spacing, 3) * spacing
+        _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
+        wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
+        gone = np.zeros(len(points), dtype=bool)
+        for there, count in ((water, wet), (~water, whole - wet)):
+            gone[order[there[order]][: round(count)]] = True
+        at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
+        hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
+        near = near_to(points, hull[:, :3], FIT_REACH * spacing)
+        free, rest = near & ~gone, near_to(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
+        if (free & water).any():
+            fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
+            points[free] = evened(points[free], fixed, spacing, self.dimension)
+        moved = np.flatnonzero(free & water)
+        return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
-        (n, 3) `positions` of particles of a `volume` [m3], in 2-D [m2], that fill `boxes`, and (m, 3) points `beyond`
-        at which their lattice goes on [m]. As many make room as the hull displaces, the deepest first; those around it
-        move to where a kernel's sum over particles and samples is smallest, so that an even pressure pushes none
-        (particle packing, Colagrossi et al. 2012). Returned are (n,) which are gone, and (n, 3) where the others are.
-        """
-        rules = (FINE, ALIKE, FIT_SUPPORT, FIT_REACH, FIT_ITERATIONS, GOLDEN, volume, self.flat)
-        content = self.content(spacing, rules, boxes) + positions.tobytes() + beyond.tobytes()
-
-        def made() -> dict[str, np.ndarray]:
-            points = np.concatenate([positions, beyond])
-            water = np.arange(len(points)) < len(positions)
-            # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
-            origin = np.round(self.origin / spacing, 3) * spacing
-            own = (points - origin) @ self.turn + self.centre
-            values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
-            if self.flat:
-                own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
-            distance = interpolated(values["distance"], (own - first) / step, 2.0 * spacing)
-            order = np.lexsort((np.arange(len(points)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
-            wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
-            gone = np.zeros(len(points), dtype=bool)
-            for there, count in ((water, wet), (~water, whole - wet)):
-                gone[order[there[order]][: round(count)]] = True
-            at, volumes, _ = self.samples(spacing, FIT_SUPPORT * spacing)
-            hull = np.concatenate([at @ self.turn.T + origin, (volumes / volume)[:, None]], axis=1)
-            near = near_to(points, hull[:, :3], FIT_REACH * spacing)
-            free, rest = near & ~gone, near_to(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
-            if (free & water).any():
-                fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
-                points[free] = evened(points[free], fixed, spacing, self.dimension)
-            moved = np.flatnonzero(free & water)
-            return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
-
-        return applied(kept("fitted", content, made), positions)
+    def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (n,) of points (n, 3) in the hull's axes from it [m], and their order, the deepest first, spread
+        evenly along rows of the same depth."""
+        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        if self.flat:
+            own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
+        distance = interpolated(values["distance"], (own - first) / step, 2.0 * spacing)
+        return distance, np.lexsort((np.arange(len(own)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
 
     def displaced(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
@@ -170,13 +174,6 @@ class Solid:
         at, slopes = (position[sampled] + self.centre - first) / step, np.gradient(values["distance"], *step)
         across = np.diag([1.0, 1.0, 0.0 if self.flat else 1.0])
         return position[sampled], volume[sampled], normals(slopes, at, across)
-
-
-def applied(found: dict[str, np.ndarray], positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) which of (n, 3) positions are gone, and (n, 3) where they are once those near are moved [m]."""
-    gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
-    gone[found["gone"]], moved[found["near"]] = True, found["moved"]
-    return gone, moved
 
 
 def normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:

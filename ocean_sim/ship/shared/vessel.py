@@ -16,11 +16,8 @@ from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import Preflight, Problems, ShipConfig, called
 from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.shared import plain
-from ocean_sim.ship.shared.drawn import drawn
 from ocean_sim.ship.shared.hydrostatics import Matter
-from ocean_sim.ship.shared.outline import extreme, outline
-from ocean_sim.ship.shared.pilot import Helmsman, Pilot
-from ocean_sim.ship.shared.propulsion import Crew, Helm, Person, Propeller, Rudder, towards
+from ocean_sim.ship.shared.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, towards
 from ocean_sim.ship.shared.rigid_body import (
     RigidBody,
     about,
@@ -31,7 +28,7 @@ from ocean_sim.ship.shared.rigid_body import (
     rotated,
     spinning,
 )
-from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.shapes import HullShape, drawn, outermost
 from ocean_sim.ship.shared.wall_contact import Sides
 from ocean_sim.ship.shared.wave_contact import WaveContact
 from ocean_sim.surface import Surface
@@ -168,6 +165,15 @@ def at(arm: plain.Vector, force: plain.Three) -> np.ndarray:
     return np.array((force, plain.cross(arm, force)))
 
 
+def outline(corners: np.ndarray, body: RigidBody) -> Outline:
+    """The room of a hull with (m, 3) corners from its centre of mass, body axes [m], where its body is."""
+    from scipy.spatial import ConvexHull
+
+    at = np.einsum("ij,kj->ik", corners, body.matrix) + body.position
+    plan = at[:, [0, 2]]
+    return Outline(plan[ConvexHull(plan).vertices], float(at[:, 1].min()), float(at[:, 1].max()))
+
+
 class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
@@ -224,8 +230,7 @@ class Vessel(ABC):
     @cached_property
     def corners(self) -> np.ndarray | None:
         """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
-        found = self.drawn()
-        return None if found is None else extreme(found[0])
+        return None if self.shape is None else outermost(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
         """The room that it takes; None where it has no shape."""

@@ -74,9 +74,8 @@ class Voxels:
         """(4.18): (3, 3) of a homogeneous body about a point, by parallel axes from its centroid [kg m2]."""
         m = mass * self.share / self.share.sum()
         r = self.centre - about
-        moments = (
-            np.stack([(m * r[:, a])[:, None] * r for a in range(3)]).sum(axis=1) + mass * np.diag(self.size**2) / 12.0
-        )  # and each cube's own spread
+        own = mass * np.diag(self.size**2) / 12.0  # spread of each cube
+        moments = np.stack([(m * r[:, a])[:, None] * r for a in range(3)]).sum(axis=1) + own
         return np.trace(moments) * np.eye(3) - moments
 
 

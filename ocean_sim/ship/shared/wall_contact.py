@@ -10,12 +10,10 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.basin import OPEN, Basin
-from ocean_sim.files.cache_file import kept
 from ocean_sim.ship import Load
 from ocean_sim.ship.shared import plain
-from ocean_sim.ship.shared.drawn import content, drawn
 from ocean_sim.ship.shared.rigid_body import RigidBody, cross
-from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.shapes import HullShape, outermost
 from ocean_sim.ship.shared.wave_contact import with_wave
 
 SWEEPS = 8  # over the points that touch
@@ -110,15 +108,3 @@ def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) ->
     """Mass [kg] that a point at `arm` has along a direction."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))
-
-
-def outermost(shape: HullShape) -> np.ndarray:
-    """(n, 3) corners of a hull's convex outline [m], in its axes."""
-
-    def made() -> dict[str, np.ndarray]:
-        from scipy.spatial import ConvexHull
-
-        vertices = drawn(shape)[0]
-        return {"corners": vertices[ConvexHull(vertices).vertices]}
-
-    return kept("outlines", content(shape), made)["corners"]

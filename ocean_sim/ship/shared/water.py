@@ -6,6 +6,8 @@ hull are filled straight across from the water on both sides, those at the edge 
 hull as the nearest that does not. In a closed form the lattice lies still in the water for a moment, a fraction of the
 waves' period, and is carried by a current, before it is laid anew around the hull; places count from its middle, so
 that no digits are lost far from the origin.
+
+Kernels are handed a rigid body as a row of numbers.
 """
 
 from collections.abc import Sequence
@@ -19,16 +21,35 @@ from ocean_sim.fluid import ClosedForm, Contact, Hull
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.shared.distance import Distance
-from ocean_sim.ship.shared.pose import POSE, pose, turned, vector
 from ocean_sim.ship.shared.rigid_body import RigidBody
 
 ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
 REACH = 1.1  # of the hull's half sizes
 SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
 TOP = 4  # of the frame: the highest level [m]
+POSE = {"position": 3, "turn": 9, "velocity": 3, "spin": 3}  # [m], body to world, [m/s], [rad/s], world axes
+pose = Columns(**POSE)
 # What kernels are handed: a body, the clock of the wind [s], and of the lattice its middle x, z [m], sine and cosine of
 # its heading, how much of its time has gone, and how far the waves have grown.
 HANDED = Columns(**POSE, since=1, step=1, middle=2, heading=2, late=1, share=1)
+
+
+def write_pose(row: np.ndarray, body: RigidBody) -> None:
+    """Write a body into the first numbers of a row."""
+    across, up, ahead = body.rows
+    row[: pose.size] = *body.position.tolist(), *across, *up, *ahead, *body.velocity.tolist(), *body.spin
+
+
+@ti.func
+def vector(table: Template, first: Template):
+    """Three numbers of the first row of a table."""
+    return ti.cast(tm.vec3(table[0, first], table[0, first + 1], table[0, first + 2]), float)
+
+
+@ti.func
+def turned(table: Template):
+    """The matrix in the first row of a table, from body to world axes."""
+    return ti.Matrix.rows([vector(table, pose.turn), vector(table, pose.turn + 3), vector(table, pose.turn + 6)])
 
 
 class Around:

@@ -27,9 +27,9 @@ from ocean_sim.runtime import Array2, Template, in_kernels
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.shared.distance import Distance
 from ocean_sim.ship.shared.moving_hull import BOXED, MovingHull
-from ocean_sim.ship.shared.pose import POSE, vector, write_pose
 from ocean_sim.ship.shared.rigid_body import RigidBody
 from ocean_sim.ship.shared.shapes import HullShape
+from ocean_sim.ship.shared.water import POSE, vector, write_pose
 
 TASK = 512  # a parallel loop is never cut finer than this
 SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
@@ -70,9 +70,8 @@ class WaveContact:
         distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
-        self.table = np.zeros(
-            (1 + self.collisions.layers, max(HANDED.size, FOUND.size))
-        )  # one: each costs a kernel its time
+        # One table: each costs a kernel its time.
+        self.table = np.zeros((1 + self.collisions.layers, max(HANDED.size, FOUND.size)))
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]

@@ -23,7 +23,7 @@ from typing import Any
 
 from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files import input_file
-from ocean_sim.files.claim import Claim
+from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import write_facts
 from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
 from ocean_sim.parts import PACKAGE

@@ -13,8 +13,7 @@ from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Template, in_kernels
 from ocean_sim.surface.shared.cube_cases import MOST, table
 from ocean_sim.surface.shared.mesh import Mesh
-from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
-from ocean_sim.surface.shared.rows import Rows
+from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes, Rows
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 SLABS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads

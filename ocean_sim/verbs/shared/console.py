@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.claim import Claim, claimed
+from ocean_sim.files.run_files import Claim, claimed
 from ocean_sim.files.whole_file import naming
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
 from ocean_sim.machine import extra_missing

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.observers.motion import Motion
-from ocean_sim.observers.shared.handed_on import TakesCommands, TakesMotion
-from ocean_sim.observers.shared.sampled import Multiples
+from ocean_sim.observers.shared.csv_rows import Multiples, TakesCommands, TakesMotion
 from ocean_sim.simulation import Simulation
 from ocean_sim.state.walk import Restorer, Snapshot
 

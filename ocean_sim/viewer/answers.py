@@ -1,21 +1,59 @@
-"""A wave field that other programs ask over the socket: elevation, normal, velocity, and a square that repeats itself.
+"""Answers to a page: the plain keys of a scene and what they hold, and what the water does at points.
 
-Water that is no more than its plane waves answers for any time, and so does the square, which is always of plane waves.
-Other water, particles or a sea with wakes and breakers, answers for now, as its gauges read it.
+Of keys unit, range and meaning are those of the reference. Water that is no more than its plane waves answers for any
+time, and so does a square that repeats itself, which is always of plane waves. Other water, particles or a sea with
+wakes and breakers, answers for now, as its gauges read it.
 """
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from ocean_sim.conventions import Refused
+from ocean_sim.parts import KindConfig, slot_of
+from ocean_sim.reading.keys import Key, by_path
+from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.viewer.protocol import Waves
-from ocean_sim.waves.field import WaveField
+from ocean_sim.waves.exchange import WaveField
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid
 
+HEADING = ("seed", "duration")
 APART = 0.5  # spacings of the water, over which a slope is taken on either side
+
+
+def keys(scene: SceneConfig) -> list[dict[str, Any]]:
+    """`key`, `value`, `unit`, `meaning`, `range` and `choices` of each number, word or switch that may be set, in the
+    order of the scene's parts."""
+    rows = [row(by_path()[name], name, getattr(scene, name)) for name in HEADING]
+    for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
+        rows += inside(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
+    return rows
+
+
+def inside(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
+    """The plain keys of a model, and of the models in it; `path`: where the reference has it."""
+    rows: list[dict[str, Any]] = []
+    for name in type(model).model_fields:
+        value, known = getattr(model, name), by_path().get(f"{path}.{name}")
+        if isinstance(value, BaseModel):
+            rows += inside(f"{place}.{name}", f"{path}.{name}", value)
+        elif name != "kind" and known is not None and known.is_plain and not isinstance(value, list | tuple | dict):
+            rows.append(row(known, f"{place}.{name}", value))
+    return rows
+
+
+def row(known: Key, key: str, value: Any) -> dict[str, Any]:
+    return {
+        "key": key,
+        "value": value,
+        "unit": known.unit,
+        "meaning": known.meaning,
+        "range": known.range,
+        "choices": list(known.choices),
+    }
 
 
 def answer(fluid: "Fluid", now: float, asked: Waves) -> dict[str, Any]:

@@ -1,0 +1,241 @@
+"""Meshes for other programs, one format each.
+
+PLY, binary (Turk 1994, the Stanford triangle format), of meshes and of points, with what is known at each point as
+properties of their own names: readers take those that they know. glTF 2.0, binary (Khronos 2021), of meshes that move:
+nodes that are turned and put, and surfaces that change shape by morph targets, one a moment; y is up, metres and
+seconds, as the format has it. VTKHDF 2.2, poly data (ParaView 5.12 or newer), of points with cells at several moments.
+"""
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.files.whole_file import must_have_room, whole
+
+PLY_TYPES = {"<f4": "float", "<i4": "int", "|u1": "uchar"}
+AXES = "xyz"
+FLOAT, INDEX = 5126, 5125  # component types of glTF
+SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
+HELD_BACK = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
+BEGINS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")  # where in the arrays a moment begins
+
+
+def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
+    """Points (n, 3) and triangles, with fields (n,) or (n, 3) of the points: `Normals` as nx, ny, nz; `RGB` as red,
+    green and blue of 8 bits, where there is none `foam` as grey, too; any other by its name, of three numbers as name_x
+    and so on."""
+    columns: dict[str, np.ndarray] = dict(zip(AXES, points.T))
+    if "Normals" in fields:
+        columns |= {f"n{axis}": values for axis, values in zip(AXES, fields["Normals"].T)}
+    colours = fields.get("RGB")
+    if colours is None and "foam" in fields:
+        colours = np.repeat((255.0 * np.clip(fields["foam"], 0.0, 1.0))[:, None], 3, axis=1)
+    if colours is not None:
+        columns |= dict(zip(("red", "green", "blue"), colours.astype(np.uint8).T))
+    for name, values in fields.items():
+        if name not in ("Normals", "RGB"):
+            columns |= {name: values} if values.ndim == 1 else {f"{name}_{a}": v for a, v in zip(AXES, values.T)}
+    rows = np.empty(len(points), [(name, stored(values)) for name, values in columns.items()])
+    for name, values in columns.items():
+        rows[name] = values
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
+    head += [f"property {PLY_TYPES[stored(values)]} {name}" for name, values in columns.items()]
+    corners = np.empty(0 if faces is None else len(faces), [("count", "|u1"), ("corners", "<i4", 3)])
+    if faces is not None:
+        head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+        corners["count"], corners["corners"] = 3, faces
+    with whole(path) as draft:
+        draft.write_bytes("\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
+    return path
+
+
+def stored(values: np.ndarray) -> str:
+    """The type by which values are written."""
+    if values.dtype == np.uint8:
+        return "|u1"
+    return "<i4" if values.dtype.kind in "iu" else "<f4"
+
+
+class Glb:
+    """Parts are added, then it is saved."""
+
+    def __init__(self, times: np.ndarray) -> None:
+        """`times`: of the moments [s]."""
+        self.data = bytearray()
+        self.tree: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "ocean-sim"},
+            "scene": 0,
+            "scenes": [{"nodes": []}],
+            "nodes": [],
+            "meshes": [],
+            "materials": [],
+            "accessors": [],
+            "bufferViews": [],
+            "animations": [{"name": "run", "channels": [], "samplers": []}],
+        }
+        self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
+
+    def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
+        """The number under which an array (n,) or (n, components) is found."""
+        values = np.ascontiguousarray(values)
+        self.data += b"\0" * (-len(self.data) % 4)
+        views, accessors = self.tree["bufferViews"], self.tree["accessors"]
+        views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
+        self.data += values.tobytes()
+        kind = INDEX if values.dtype == np.uint32 else FLOAT
+        shape = SHAPES[1 if values.ndim == 1 else values.shape[1]]
+        found = {"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": shape}
+        if bounds:
+            found |= {
+                "min": np.atleast_1d(values.min(axis=0)).tolist(),
+                "max": np.atleast_1d(values.max(axis=0)).tolist(),
+            }
+        accessors.append(found)
+        return len(accessors) - 1
+
+    def mesh(
+        self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
+    ) -> int:
+        """A node with points (n, 3) [m], triangles, and linear RGB of all or of each point (n, 3); `moved`: the points
+        at every moment (k, n, 3). Returns its number."""
+        traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
+        base = [1.0, 1.0, 1.0, 1.0]
+        if colour.ndim == 2:
+            traits["COLOR_0"] = self.accessor(colour.astype(np.float32))
+        else:
+            base = [*colour.tolist(), 1.0]
+        part: dict[str, Any] = {"attributes": traits, "indices": self.accessor(faces.astype(np.uint32).ravel())}
+        surface = {"baseColorFactor": base, "metallicFactor": 0.0, "roughnessFactor": 0.4}
+        self.tree["materials"].append({"name": name, "pbrMetallicRoughness": surface, "doubleSided": True})
+        part["material"] = len(self.tree["materials"]) - 1
+        mesh: dict[str, Any] = {"name": name, "primitives": [part]}
+        if moved is not None:
+            ways = (moved - points).astype(np.float32)
+            part["targets"] = [{"POSITION": self.accessor(way, bounds=True)} for way in ways]
+            mesh["weights"] = [0.0] * len(ways)
+        self.tree["meshes"].append(mesh)
+        self.tree["nodes"].append({"name": name, "mesh": len(self.tree["meshes"]) - 1})
+        self.tree["scenes"][0]["nodes"].append(len(self.tree["nodes"]) - 1)
+        if moved is not None:
+            self.animate(len(self.tree["nodes"]) - 1, "weights", np.eye(len(moved), dtype=np.float32).ravel())
+        return len(self.tree["nodes"]) - 1
+
+    def in_turn(self, nodes: dict[int, int], moments: int) -> None:
+        """Shows each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
+        3.5.2)."""
+        for k, node in nodes.items():
+            seen = np.zeros((moments, 3), np.float32)
+            seen[k] = 1.0
+            self.tree["nodes"][node]["scale"] = [float(k == 0)] * 3  # to who knows no time, the first
+            self.animate(node, "scale", seen, "STEP")
+
+    def animate(self, node: int, path: str, values: np.ndarray, between: str = "LINEAR") -> None:
+        """Values at every moment: `translation` (k, 3) [m], `rotation` (k, 4) quaternions x, y, z, w, `scale` (k, 3),
+        or `weights`; `between` moments as the format calls it."""
+        run = self.tree["animations"][0]
+        sampler = {"input": self.times, "output": self.accessor(values.astype(np.float32)), "interpolation": between}
+        run["samplers"].append(sampler)
+        run["channels"].append({"sampler": len(run["samplers"]) - 1, "target": {"node": node, "path": path}})
+
+    def save(self, path: Path) -> None:
+        self.data += b"\0" * (-len(self.data) % 4)
+        self.tree["buffers"] = [{"byteLength": len(self.data)}]
+        if not self.tree["animations"][0]["channels"]:
+            del self.tree["animations"]
+        words = json.dumps(self.tree, separators=(",", ":")).encode()
+        words += b" " * (-len(words) % 4)
+        size = 12 + 8 + len(words) + 8 + len(self.data)
+        with whole(path) as draft, draft.open("wb") as file:
+            file.write(struct.pack("<4sII", b"glTF", 2, size))
+            file.write(struct.pack("<I4s", len(words), b"JSON") + words)
+            file.write(struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data))
+
+
+class Series:
+    """A file that grows moment by moment; use it as a context manager. Raises OSError before a disk is full: HDF5 ends
+    the process where it cannot write.
+
+    Cells that are as they were in the moment before are written once.
+    """
+
+    def __init__(self, path: Path, topology: str) -> None:
+        """`topology`: what the cells are, one of TOPOLOGIES."""
+        import h5py
+
+        self.path, self.topology = path, topology
+        self.file = h5py.File(path, "w")
+        self.root = self.file.create_group("VTKHDF")
+        self.root.attrs["Version"] = np.array([2, 2])
+        self.root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+        self.cells: np.ndarray | None = None
+        self.times: list[float] = []
+        self.parts = 0  # sets of cells written
+        self.steps: dict[str, list[Any]] = {name: [] for name in BEGINS}
+        self.fields: list[str] = []
+
+    def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
+        """A moment [s]: (n, 3) points [m], cells (m, corners) as numbers of points, and values of the points."""
+        taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
+        must_have_room(self.path, taken + HELD_BACK)
+        before = len(self.root["Points"]) if self.times else 0
+        self.steps["PointOffsets"].append(before)
+        self.append("Points", points.astype(np.float32))
+        for name, values in fields.items():
+            self.append(f"PointData/{name}", values)
+        self.fields = list(fields)
+        if self.cells is None or not np.array_equal(self.cells, cells) or self.held != len(points):
+            self.write_cells(cells, len(points))
+        self.times.append(time)
+        self.steps["PartOffsets"].append(self.parts - 1)
+        for name in ("CellOffsets", "ConnectivityIdOffsets"):
+            self.steps[name].append(self.begins[name])
+
+    def write_cells(self, cells: np.ndarray, points: int) -> None:
+        """A new part."""
+        self.append("NumberOfPoints", np.array([points]))
+        self.begins = {"CellOffsets": [0] * len(TOPOLOGIES), "ConnectivityIdOffsets": [0] * len(TOPOLOGIES)}
+        for k, (name, corners) in enumerate(TOPOLOGIES.items()):
+            own = cells if name == self.topology else np.empty((0, corners), dtype=np.int64)
+            if self.parts:
+                self.begins["CellOffsets"][k] = int(np.sum(self.root[name]["NumberOfCells"]))
+                self.begins["ConnectivityIdOffsets"][k] = len(self.root[name]["Connectivity"])
+            self.append(f"{name}/NumberOfCells", np.array([len(own)]))
+            self.append(f"{name}/NumberOfConnectivityIds", np.array([own.size]))
+            self.append(f"{name}/Offsets", corners * np.arange(len(own) + 1))
+            self.append(f"{name}/Connectivity", own.ravel().astype(np.int64))
+        self.cells, self.held, self.parts = cells, points, self.parts + 1
+
+    def append(self, name: str, values: np.ndarray) -> None:
+        """Rows after those that are there."""
+        if name not in self.root:
+            chunk = (max(1, min(len(values), 65536)), *values.shape[1:])
+            self.root.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]), chunks=chunk)
+            return
+        rows: Any = self.root[name]
+        rows.resize(len(rows) + len(values), axis=0)
+        rows[len(rows) - len(values) :] = values
+
+    def finish(self) -> None:
+        """Say where in the arrays each moment begins."""
+        group = self.root.create_group("Steps")
+        group.attrs["NSteps"] = len(self.times)
+        group["Values"] = np.array(self.times)
+        group["NumberOfParts"] = np.ones(len(self.times), dtype=int)
+        for name, values in self.steps.items():
+            group[name] = np.array(values)
+        for name in self.fields:
+            group[f"PointDataOffsets/{name}"] = np.array(self.steps["PointOffsets"])
+
+    def __enter__(self) -> "Series":
+        return self
+
+    def __exit__(self, kind: type | None, *failure: object) -> None:
+        try:
+            if kind is None:
+                self.finish()
+        finally:
+            self.file.close()

@@ -1,0 +1,23 @@
+"""Closed forms of orbits and drift by linear theory (Dean & Dalrymple 1991, chapters 4 and 10)."""
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.waves import Values, angular_frequency
+
+
+def orbit_ratio(k: float, y: Values, depth: float) -> np.ndarray:
+    """Height over length of the orbits at a level y [m] below the still surface, on water of this depth [m]."""
+    return np.tanh(k * (np.asarray(y) + depth))
+
+
+def orbit_sizes(amplitude: float, k: float, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Half length and half height [m] of the orbits under a wave of this amplitude [m]: they fall with depth."""
+    above = k * (np.asarray(y) + depth)
+    return amplitude * np.cosh(above) / np.sinh(k * depth), amplitude * np.sinh(above) / np.sinh(k * depth)
+
+
+def stokes_drift(amplitude: float, k: float, y: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
+    """Mean velocity [m/s] of the particles along the waves (Stokes 1847): a^2 w k cosh 2k(y+h) / (2 sinh^2 kh)."""
+    above, omega = k * (np.asarray(y) + depth), angular_frequency(k, depth, gravity)
+    return amplitude**2 * omega * k * np.cosh(2.0 * above) / (2.0 * np.sinh(k * depth) ** 2)

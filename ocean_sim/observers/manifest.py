@@ -17,7 +17,7 @@ from ocean_sim.simulation import Concluding, ObserverConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
+PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
 
 
 class Config(ObserverConfig):

@@ -16,5 +16,10 @@ def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
 
 
+def in_brackets(unit: str | None) -> str:
+    """A unit after what has it: ` [m/s]`; nothing where there is none."""
+    return f" [{unit}]" if unit not in (None, "", "1") else ""
+
+
 Vector2 = Annotated[tuple[float, float], Field(strict=False)]
 Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]

@@ -4,10 +4,13 @@ Paths are written as in `--set`, with the kind of a part after its slot: `basin.
 `motion.every`; `[]` stands for the entries of a list and `NAME` for a name that the user gives.
 """
 
+import json
+import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
+from ocean_sim.files.yaml_file import CORE
 from ocean_sim.parts import BESIDE, SEVERAL, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
 from ocean_sim.reading.sentences import opening
@@ -25,6 +28,7 @@ WORDS = {
 PLAIN = ("number", "integer", "boolean", "string")
 BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 NO_DEFAULT = object()
+WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that stands in YAML without quotes
 EXAMPLES = {  # of keys by their names, where no default is one; of any other text the name itself
     "particles": "6000",
     "waves": "{height: 1.0, period: 6.0}",
@@ -217,16 +221,15 @@ def words_of(node: dict[str, Any]) -> list[str]:
 
 
 def in_yaml(value: Any) -> str:
-    """A plain value as it stands in YAML."""
+    """A plain value as it stands in a line of YAML."""
     if value is NO_DEFAULT:
         return ""
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(in_yaml, value)) + "]"
-    return str(value) or '""'
+    is_word = isinstance(value, str) and WORD.fullmatch(value) and not CORE.fullmatch(value)
+    return value if is_word else json.dumps(value, ensure_ascii=False)
 
 
 def example(path: str, node: dict[str, Any]) -> str:

@@ -14,6 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
+from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading.composition import chosen, known
 from ocean_sim.reading.heading import Heading
@@ -104,8 +105,8 @@ def _explain(node: dict[str, Any], definitions: dict[str, Any]) -> None:
     meaning = node.get("description") or of_model
     if not meaning:
         return
-    unit, default = node.get("unit", ""), node.get("default")
-    more = f" [{unit}]" if unit not in ("", "1") else ""
+    default = node.get("default")
+    more = in_brackets(node.get("unit"))
     more += f" Default: {json.dumps(default)}." if default not in (None, [], {}, "") else ""
     node |= {"meaning": meaning, "description": f"{meaning}{more}"}
 

@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
+from ocean_sim.model import in_brackets
 
 LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
 NAMES = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
@@ -395,5 +396,4 @@ def _number(bound: Any) -> str:
 
 def _unit(field: FieldInfo | None) -> str:
     extra = field.json_schema_extra if field is not None else None
-    unit = extra.get("unit") if isinstance(extra, dict) else None
-    return f" [{unit}]" if unit and unit != "1" else ""
+    return in_brackets(str(extra.get("unit", "")) if isinstance(extra, dict) else "")

@@ -4,6 +4,7 @@ import shlex
 from typing import Any
 
 from ocean_sim.files.yaml_file import Location, node_of
+from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import chosen, kind_named, known
 from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys, schema_slots
@@ -94,10 +95,6 @@ def grouped(found: list[Key]) -> list[tuple[Key, list[str]]]:
     return list(same.values())
 
 
-def unit_of(key: Key) -> str:
-    return f" [{key.unit}]" if key.unit not in ("", "1") else ""
-
-
 def lines(key: Key, paths: list[str]) -> list[str]:
     """A key at length."""
     bounds = f", {key.range}" if key.range else ""
@@ -106,7 +103,7 @@ def lines(key: Key, paths: list[str]) -> list[str]:
     return [
         ", ".join(paths),
         f"  {key.meaning}",
-        f"  takes    {key.takes}{unit_of(key)}{bounds}",
+        f"  takes    {key.takes}{in_brackets(key.unit)}{bounds}",
         f"  default  {key.default or 'none'}",
         f"  example  --set {shlex.quote(key.example)}",
         *([f"  where    {slot}.kind is {' or '.join(owners)}"] if owners else []),
@@ -115,7 +112,7 @@ def lines(key: Key, paths: list[str]) -> list[str]:
 
 def row(key: Key, paths: list[str]) -> list[str]:
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
-    return [paths[0] + more, key.default, f"{key.meaning}{unit_of(key)}"]
+    return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
 
 
 def answer(key: Key, paths: list[str]) -> dict[str, Any]:

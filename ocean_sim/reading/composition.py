@@ -235,8 +235,6 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
 def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     """What a name or a mapping with `kind` stands for; raises SceneError."""
     slot = slot_of(place)
-    if not kinds(slot):
-        raise SceneError([problem(node.key_location, place, f"there is no kind of {slot} yet")])
     if isinstance(node.data, str):
         name = node
         part_first = True

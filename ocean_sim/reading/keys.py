@@ -11,9 +11,10 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import CORE
-from ocean_sim.parts import BESIDE, SEVERAL, KindConfig, config_of, kinds, slot_of
+from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
 from ocean_sim.reading.sentences import opening
+from ocean_sim.reading.translation import members
 
 NAMED, ITEM = "NAME", "[]"
 WORDS = {
@@ -76,7 +77,7 @@ class Key(NamedTuple):
     def section(self) -> str:
         """The table in which the reference lists it: `basin`, `wind.stress`, `motion`."""
         words = self.path.split(".")
-        kind = len(words) > 1 and words[0] in schema_slots() and words[1] in kinds(words[0])
+        kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])
 
 
@@ -87,17 +88,11 @@ def whole() -> dict[str, Any]:
 
 
 @cache
-def schema_slots() -> tuple[str, ...]:
-    """The slots, as the schema has them."""
-    return tuple(key for key, node in whole()["properties"].items() if "enum" in node.get("anyOf", [{}])[0])
-
-
-@cache
 def keys() -> tuple[Key, ...]:
     """All of them, in the order of the models."""
     found: dict[str, Key] = {}
     for name, node in whole()["properties"].items():
-        if name in schema_slots():
+        if name in SLOTS:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
@@ -160,24 +155,15 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
     yield Key(f"{path}.kind", takes, "", "required", "", meaning, needed, words, is_plain=True)
 
 
-def members(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The members of a union, or the node itself."""
-    for union in ("anyOf", "oneOf"):
-        if union in node:
-            for member in node[union]:
-                yield from members(member)
-            return
-    yield node
-
-
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
     default = "required" if required else in_yaml(node.get("default", NO_DEFAULT))
     meaning = " ".join(plain(node).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
     bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
     choices = tuple(dict.fromkeys(word for member in members(node) for word in words_of(member)))
+    example = f"{example_path(path)}={value_of(path, node)}"
     return Key(
-        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example(path, node), choices),
+        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example, choices),
         is_plain=bool(choices) or any(member.get("type") in PLAIN for member in members(node)),
     )
 
@@ -190,9 +176,8 @@ def plain(node: dict[str, Any]) -> str:
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
     yield from (f"{sign} {node[name]:g}" for name, sign in BOUNDS.items() if name in node)
-    for member in (node.get("items") if isinstance(node.get("items"), dict) else None,):
-        if member:
-            yield from bounds_of(member)
+    if isinstance(node.get("items"), dict):
+        yield from bounds_of(node["items"])
 
 
 def kind_of(node: dict[str, Any]) -> str:
@@ -232,15 +217,10 @@ def in_yaml(value: Any) -> str:
     return value if is_word else json.dumps(value, ensure_ascii=False)
 
 
-def example(path: str, node: dict[str, Any]) -> str:
-    """A key and a value, as `--set` takes them."""
-    return f"{example_path(path)}={value_of(path, node)}"
-
-
 def example_path(path: str) -> str:
     """A path as `--set` takes it: without the kind, the first entry of a list."""
     words = path.split(".")
-    if words[0] in schema_slots():
+    if words[0] in SLOTS:
         words = [words[0], *words[2:]]
     return ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
 
@@ -248,7 +228,7 @@ def example_path(path: str) -> str:
 def value_of(path: str, node: dict[str, Any]) -> str:
     """A value that suits a key: the kind's own example, its default, or one of its size."""
     words = path.split(".")
-    if len(words) == 3 and words[0] in schema_slots():
+    if len(words) == 3 and words[0] in SLOTS:
         given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
         if words[2] in given.example:
             return in_yaml(given.example[words[2]])
@@ -320,7 +300,7 @@ def found(word: str) -> list[Key]:
     exact, below = [], []
     for key in keys():
         path = key.path.replace(ITEM, "").split(".")
-        forms = [path] + ([[path[0], *path[2:]]] if path[0] in schema_slots() else [])
+        forms = [path] + ([[path[0], *path[2:]]] if path[0] in SLOTS else [])
         if path[0] == "ship":
             forms += [[SEVERAL, NAMED, *form[1:]] for form in forms]
         forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]

@@ -190,11 +190,8 @@ def load(
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The same of a text, as if it stood in a file of this name in a folder, from which its names of files start."""
-    try:
-        return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
-    except RecursionError:
-        raise SceneError([Problem(name, None, None, "", "nested too deeply")]) from None
+    """The scene in a text, as if it stood in a file of this name in a folder, from which its names of files start."""
+    return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
 
 
 def _loaded(scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None) -> SceneConfig:
@@ -351,13 +348,11 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
 
 def _below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     """The end of a refusal of a key that is one of a part, and the suggestion: first what the chosen kinds have."""
-    from ocean_sim.reading.keys import elsewhere, example_path, named_so, schema_slots  # they read scenes
+    from ocean_sim.reading.keys import elsewhere, example_path, named_so  # they read scenes
 
     def here(path: str) -> bool:
         slot, kind, *_ = path.split(".")
-        return slot not in schema_slots() or (
-            slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind
-        )
+        return slot not in SLOTS or (slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind)
 
     paths = sorted(
         (example_path(path) for path in named_so(key) if "." in path and here(path)), key=lambda p: p.count(".")

@@ -69,7 +69,7 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     module = import_module(f"ocean_sim.{slot}")
     words = known(slot)
     told = [sentence(slot, word) for word in words]
-    choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}] if words else []
+    choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}]
     for kind in kinds(slot):
         choices.append({"$ref": f"#/$defs/{slot}.{kind}"})
         if MEANT.get(slot) != kind:

@@ -3,14 +3,13 @@
 import re
 from collections.abc import Iterator
 from difflib import get_close_matches
+from functools import cache
 from itertools import islice
 from math import inf
 from pathlib import Path as Folder
-from types import UnionType
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
 from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
@@ -36,6 +35,7 @@ SHAPES = {
     "tuple_type": "a list",
     "none_required": "null",
 }
+TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
 
 MEASURE = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")  # a number and its unit
 UNITS = {  # what people write, in units of scenes
@@ -186,14 +186,14 @@ def translated(error: ValidationError, model: type[BaseModel], root: Node, prefi
 
 
 class _Found(NamedTuple):
-    """One pydantic error: where in the data it is, and the parts of the models that it concerns."""
+    """One pydantic error: where in the data it is, and what the schema of the model allows there."""
 
     kind: str
     message: str
     context: dict[str, Any]
     path: Path  # keys and indices that exist in the data, then the missing key if one is missing
     node: Node  # the deepest node on that path
-    field: FieldInfo | None  # the last field passed on the way
+    unit: str  # in brackets
     keys: tuple[str, ...]  # what could be written instead of an unknown key
     form: str  # what a value of its kind looks like, where that is a mapping or a list
     union: Path | None  # the path of the first union on the way, and
@@ -201,12 +201,17 @@ class _Found(NamedTuple):
     shape: bool  # the value has another shape than the member expects
 
 
+@cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
+
+
 def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
-    node, types = root, [model]
+    definitions = _schema(model).get("$defs", {})
+    node, places, keys = root, [*opened(_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
     union: Path | None = None
-    field: FieldInfo | None = None
-    member, keys = "", tuple[str, ...]()
+    member, unit = "", ""
     steps = error["loc"]
     for k, step in enumerate(steps):
         inner = node.child(step)
@@ -214,61 +219,53 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
         if inner is None and not (last and error["type"] in ("missing", "extra_forbidden")):
             if union is None:
                 union, member = path, str(step)
-            types = _narrowed(types, str(step))
+            places = [place for place in places if _is_meant(place, str(step))] or places
             continue
-        keys = tuple(dict.fromkeys(name for t in types if _is_model(t) for name in t.model_fields))
+        keys = tuple(dict.fromkeys(name for place in places for name in place.get("properties", ())))
         path = (*path, step)
-        types, field = _inside(types, step, field)
+        below = [_below(place, step) for place in places]
+        if step in keys:
+            unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
+        places = [member for schema in below for member in opened(schema, definitions)]
         node = inner if inner is not None else node
     shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
-    context = error.get("ctx", {})
-    form = _form([t for t in types if _fits(error["type"], t)])
-    return _Found(error["type"], error["msg"], context, path, node, field, keys, form, union, member, shape)
+    fitting = [place for place in places if place.get("type") == TYPES.get(SHAPES.get(error["type"], ""))]
+    form = _form(fitting[0], definitions) if fitting else ""
+    return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
 
-def _members(annotation: Any) -> list[Any]:
-    """An annotation without `Annotated`, a union as its members."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return _members(get_args(annotation)[0])
-    if origin in (Union, UnionType):
-        return [member for argument in get_args(annotation) for member in _members(argument)]
-    return [annotation]
+def members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The members of a union of JSON Schema, or the schema itself."""
+    union = schema.get("anyOf", schema.get("oneOf"))
+    if union is None:
+        yield schema
+    for member in union or ():
+        yield from members(member)
 
 
-def _is_model(annotation: Any) -> bool:
-    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+def opened(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The members of a union, each as its definition."""
+    for member in members(schema):
+        if "$ref" in member:
+            yield from opened(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
+        else:
+            yield member
 
 
-def _narrowed(types: list[Any], tag: str) -> list[Any]:
-    """The members of a union that pydantic means by a tag: a class by name, or by the word of its discriminator."""
-
-    def meant(model: Any) -> bool:
-        words = [
-            w
-            for f in model.model_fields.values()
-            if get_origin(f.annotation) is Literal
-            for w in get_args(f.annotation)
-        ]
-        return model.__name__ == tag or tag in words
-
-    return [t for t in types if _is_model(t) and meant(t)] or types
+def _is_meant(place: dict[str, Any], tag: str) -> bool:
+    """True if pydantic means a member of a union by a tag: its name, or a word of its discriminator."""
+    keys = place.get("properties", {}).values()
+    return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
-def _inside(types: list[Any], step: str | int, field: FieldInfo | None) -> tuple[list[Any], FieldInfo | None]:
-    """The annotations one step further in, and the last model field passed."""
-    inner: list[Any] = []
-    for t in types:
-        arguments = get_args(t)
-        if _is_model(t) and step in t.model_fields:
-            field = t.model_fields[step]
-            inner += _members(field.annotation)
-        elif get_origin(t) is dict and arguments:
-            inner += _members(arguments[1])
-        elif get_origin(t) in (list, tuple) and isinstance(step, int) and arguments:
-            inner += _members(arguments[min(step, len(arguments) - 1)] if arguments[-1] is not ... else arguments[0])
-    return inner, field
+def _below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
+    """The schema of what stands under a key or an index."""
+    if isinstance(step, int):
+        entries = place.get("prefixItems", [])
+        return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
+    names = [*place.get("patternProperties", {}).values(), place.get("additionalProperties")]
+    return place.get("properties", {}).get(step) or names[0] or {}
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
@@ -322,7 +319,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         word = "most" if found.kind == "too_long" else "least"
         message = f"expected at {word} {_entries(wanted)}, got {len(found.node.data)}"
     elif bound is not None:
-        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{_unit(found.field)}"
+        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{found.unit}"
     elif found.kind == "finite_number":
         message = f"{value} is not a finite number"
     elif found.kind == "literal_error":
@@ -355,7 +352,7 @@ def _hint(found: _Found) -> str:
     measure = MEASURE.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
     if measure is None:
         return ""
-    written, unit = measure[2].replace("^", ""), _unit(found.field).strip(" []")
+    written, unit = measure[2].replace("^", ""), found.unit.strip(" []")
     of, factor = UNITS.get(written, (written, 1.0))
     if of not in ("", unit or "1"):
         return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
@@ -363,27 +360,18 @@ def _hint(found: _Found) -> str:
     return f"; did you mean {number:.12g}?" if found.kind == "float_type" or number.is_integer() else ""
 
 
-def _fits(wanted: str, annotation: Any) -> bool:
-    """Whether a member of a union is of the shape that an error says was expected."""
-    shapes = {"a mapping": (dict,), "a list": (list, tuple)}.get(SHAPES.get(wanted, ""), ())
-    return get_origin(annotation) in shapes or (dict in shapes and _is_model(annotation))
-
-
-def _form(types: list[Any]) -> str:
+def _form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
     """What a value looks like: a mapping with the keys that it must have, else its first ones; a list with an entry."""
-    annotation = next(iter(types), None)
-    origin, arguments = get_origin(annotation), get_args(annotation)
-    if _is_model(annotation):
-        fields = annotation.model_fields  # type: ignore[union-attr]
-        names = [name for name, field in fields.items() if field.is_required()] or [*fields][:EXAMPLES]
+    if "properties" in place:
+        names = place.get("required") or [*place["properties"]][:EXAMPLES]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"
-    if origin is dict:
-        return f"{{NAME: {_form(_members(arguments[1])) or '...'}}}"
-    if origin is list or (origin is tuple and ... in arguments):
-        return f"[{_form(_members(arguments[0])) or '...'}, ...]"
-    if origin is tuple:
-        return f"[{', '.join('...' for _ in arguments)}]"
-    return ""
+    if "prefixItems" in place:
+        return f"[{', '.join('...' for _ in place['prefixItems'])}]"
+    if place.get("type") not in ("array", "object"):
+        return ""
+    inside = next(opened(_below(place, 0 if place["type"] == "array" else ""), definitions))
+    entry = _form(inside, definitions) or "..."
+    return f"[{entry}, ...]" if place["type"] == "array" else f"{{NAME: {entry}}}"
 
 
 def _entries(count: int) -> str:
@@ -392,8 +380,3 @@ def _entries(count: int) -> str:
 
 def _number(bound: Any) -> str:
     return f"{bound:g}" if isinstance(bound, float) else str(bound)
-
-
-def _unit(field: FieldInfo | None) -> str:
-    extra = field.json_schema_extra if field is not None else None
-    return in_brackets(str(extra.get("unit", "")) if isinstance(extra, dict) else "")

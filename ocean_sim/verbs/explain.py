@@ -7,7 +7,7 @@ from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import chosen, kind_named, known
-from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys, schema_slots
+from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
@@ -66,13 +66,8 @@ def meant(word: str) -> str:
     """The end of a refusal: what the word most likely means, else where there is more."""
     whole = {key.path for key in keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-    end, _ = choice_sentence(word, sorted(whole | shorter))
-    return (
-        among(word)
-        or elsewhere(word.rpartition(".")[2])
-        or end
-        or "; `ocean-sim list` shows all there is to choose from"
-    )
+    end = elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
+    return among(word) or end or "; `ocean-sim list` shows all there is to choose from"
 
 
 def among(word: str) -> str:
@@ -99,7 +94,7 @@ def lines(key: Key, paths: list[str]) -> list[str]:
     """A key at length."""
     bounds = f", {key.range}" if key.range else ""
     slot = paths[0].partition(".")[0]
-    owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in schema_slots() else []
+    owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in SLOTS else []
     return [
         ", ".join(paths),
         f"  {key.meaning}",
@@ -116,13 +111,5 @@ def row(key: Key, paths: list[str]) -> list[str]:
 
 
 def answer(key: Key, paths: list[str]) -> dict[str, Any]:
-    return {
-        "key": paths[0],
-        "keys": paths,
-        "meaning": key.meaning,
-        "takes": key.takes,
-        "unit": key.unit,
-        "default": key.default,
-        "range": key.range,
-        "example": key.example,
-    }
+    shown = ("meaning", "takes", "unit", "default", "range", "example")
+    return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

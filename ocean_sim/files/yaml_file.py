@@ -1,5 +1,6 @@
 """YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
 
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ CORE = re.compile(  # plain scalars that are not text, by the core schema of YAM
     r"|(?P<float>[-+]?(?:[0-9][0-9_]*\.[0-9_]*(?:[eE][-+]?[0-9]+)?|[0-9][0-9_]*[eE][-+]?[0-9]+"
     r"|\.[0-9_]+(?:[eE][-+][0-9]+)?|\.(?:inf|Inf|INF))|\.(?:nan|NaN|NAN))"
 )
+WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no quotes, but for words of CORE
 
 
 class Location(NamedTuple):
@@ -148,7 +150,7 @@ def read(path: Path, name: str | None = None) -> Node:
     try:
         return mapping(text(path, MAX_TEXT_BYTES), name)
     except Unreadable as error:
-        raise SceneError([Problem(name, None, None, "", error.reason)]) from None
+        raise SceneError([problem(Location(name), "", error.reason)]) from None
 
 
 def mapping(content: str, name: str) -> Node:
@@ -264,6 +266,16 @@ def described(value: Any) -> str:
     except ValueError:  # Python refuses to print integers of more than 4300 digits
         return "a number too long to print"
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def in_yaml(value: Any) -> str:
+    """A plain value in a line of YAML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(in_yaml, value)) + "]"
+    quoted = isinstance(value, str) and (not WORD.fullmatch(value) or CORE.fullmatch(value))
+    return json.dumps(value, ensure_ascii=False) if quoted or value is None or isinstance(value, bool) else str(value)
 
 
 class _Reader:

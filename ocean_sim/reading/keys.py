@@ -4,13 +4,11 @@ Paths are written as in `--set`, with the kind of a part after its slot: `basin.
 `motion.every`; `[]` stands for the entries of a list and `NAME` for a name that the user gives.
 """
 
-import json
-import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from ocean_sim.files.yaml_file import CORE
+from ocean_sim.files.yaml_file import in_yaml
 from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
 from ocean_sim.reading.sentences import opening
@@ -28,8 +26,6 @@ WORDS = {
 }
 PLAIN = ("number", "integer", "boolean", "string")
 BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
-NO_DEFAULT = object()
-WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that stands in YAML without quotes
 EXAMPLES = {  # of keys by their names, where no default is one; of any other text the name itself
     "particles": "6000",
     "waves": "{height: 1.0, period: 6.0}",
@@ -156,7 +152,7 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
 
 
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
-    default = "required" if required else in_yaml(node.get("default", NO_DEFAULT))
+    default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
     meaning = " ".join(plain(node).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
     bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
@@ -203,18 +199,6 @@ def words_of(node: dict[str, Any]) -> list[str]:
     """The words that a value may be."""
     given = [node["const"]] if "const" in node else node.get("enum", [])
     return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
-
-
-def in_yaml(value: Any) -> str:
-    """A plain value as it stands in a line of YAML."""
-    if value is NO_DEFAULT:
-        return ""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(in_yaml, value)) + "]"
-    is_word = isinstance(value, str) and WORD.fullmatch(value) and not CORE.fullmatch(value)
-    return value if is_word else json.dumps(value, ensure_ascii=False)
 
 
 def example_path(path: str) -> str:

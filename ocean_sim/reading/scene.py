@@ -1,6 +1,6 @@
 """A scene: what a user wrote, composed, checked and frozen."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from itertools import combinations
 from math import inf
@@ -13,7 +13,19 @@ from pydantic import PrivateAttr
 from ocean_sim import basin
 from ocean_sim.conventions import Refused, Unsuited
 from ocean_sim.files.input_file import digest, input_names
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
+from ocean_sim.files.yaml_file import (
+    Location,
+    Node,
+    Problem,
+    SceneError,
+    cut,
+    in_yaml,
+    mapping,
+    node_of,
+    problem,
+    read,
+    shown,
+)
 from ocean_sim.model import Model
 from ocean_sim.parts import (
     ALONE,
@@ -46,8 +58,10 @@ from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence,
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
 
-ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
-OVERRIDE = "--set"
+ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # observers, unless null
+ON_WITH = {"motion": ALONE, "platform_log": "platform"}  # observers, unless null, where the scene has this part
+DRAWN_FROM = {"render": "frames", "platform_log": "motion"}  # the observer without which one is not on by itself
+OVERRIDE, MAX_VALUE_BYTES = "--set", 40  # how a message names what `--set` gives
 WORD = {"f32": 4, "f64": 8}  # bytes of a number
 
 
@@ -56,8 +70,8 @@ class SceneConfig(Heading):
 
     basin: basin.Config
     sea: SeaConfig | None = None
-    fluid: FluidConfig
     wind: WindConfig
+    fluid: FluidConfig
     surface: SurfaceConfig | None = None
     ships: dict[str, ShipConfig] = {}
     """By name; one that is alone and has none is `ship`."""
@@ -133,23 +147,13 @@ class SceneConfig(Heading):
     def resolved(self) -> dict[str, Any]:
         """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the
         resolution."""
-        data: dict[str, Any] = {"title": self.title, "seed": self.seed, "duration": self.duration, "resolution": 1.0}
-        for slot in ("basin", *SLOTS, "runtime"):
-            if slot == ALONE:
-                data |= self._resolved_ships()
-            else:
-                part = getattr(self, slot)
-                data[slot] = part.model_dump(mode="json", by_alias=True) if part is not None else None
-        off = {name: None for name in always_on() if name not in self.observers}
-        return (
-            data
-            | off
-            | {name: config.model_dump(mode="json", by_alias=True) for name, config in self.observers.items()}
-        )
-
-    def _resolved_ships(self) -> dict[str, Any]:
-        ships = {name: ship.model_dump(mode="json", by_alias=True) for name, ship in self.ships.items()}
-        return {ALONE: ships.get(ALONE)} if not ships or ALONE in ships else {SEVERAL: ships}
+        data = self.model_dump(mode="json", by_alias=True, serialize_as_any=True, exclude={"notes"})
+        ships, observers = data[SEVERAL], data.pop("observers")
+        written = (ALONE, ships.get(ALONE)) if not ships or ALONE in ships else (SEVERAL, ships)
+        data = dict(written if key == SEVERAL else (key, value) for key, value in data.items())
+        slots = {slot_of(place) for place in self.parts()}
+        off = {name: None for name in on_unless_null(slots) if name not in observers}
+        return data | {"resolution": 1.0} | off | observers
 
 
 def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
@@ -162,9 +166,9 @@ def observer_names() -> tuple[str, ...]:
     return kinds("observers")
 
 
-def always_on() -> tuple[str, ...]:
-    """The observers that are on unless a scene sets them to null."""
-    return tuple(name for name in ALWAYS_ON if name in kinds("observers"))
+def on_unless_null(slots: Iterable[str]) -> list[str]:
+    """The observers that are on unless a scene sets them to null, by the slots that it fills."""
+    return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
 def load(
@@ -184,7 +188,7 @@ def load(
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
         return _loaded(scene, folder, overrides, profile)
     except RecursionError:
-        raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
+        raise SceneError([problem(Location("scene"), "", "nested too deeply")]) from None
 
 
 def load_text(
@@ -213,7 +217,7 @@ def scene_path(source: str | Path) -> Path:
         return packaged
     if not path.exists():
         end, suggestion = choice_sentence(str(source), packaged_scenes())
-        raise SceneError([Problem(shown(path), None, None, "", f"there is no such file or scene{end}", suggestion)])
+        raise SceneError([problem(Location(shown(path)), "", f"there is no such file or scene{end}", suggestion)])
     return path
 
 
@@ -246,13 +250,9 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 
 def _override(key: str, value: Any) -> Node:
-    return value if isinstance(value, Node) else node_of(value, Location(f"{OVERRIDE} {key}={_short(value)}"))
-
-
-def _short(value: Any) -> str:
-    text = {None: "null", True: "true", False: "false"}.get(value) if value is None or isinstance(value, bool) else None
-    text = text or str(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
+    """A node of what `--set`, or Python, gives for a key."""
+    shown = "" if isinstance(value, Node) else cut(in_yaml(value), MAX_VALUE_BYTES)
+    return node_of(value, Location(f"{OVERRIDE} {key}={shown}"))
 
 
 def _checked(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
@@ -426,11 +426,9 @@ def _observers(
 ) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
     observers: dict[str, ObserverConfig] = {}
-    aboard = ALONE in data or SEVERAL in data
-    unless_null = (*always_on(), *(("motion",) if aboard else ()))
+    default = on_unless_null({ALONE if key == SEVERAL else key for key in data})
     for name in observer_names():
-        on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
-        on &= name != "render" or "frames" in observers  # it draws them
+        on = name in default and DRAWN_FROM.get(name, name) in (name, *observers)
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":

@@ -3,11 +3,11 @@
 import shlex
 from typing import Any
 
-from ocean_sim.files.yaml_file import Location, node_of
+from ocean_sim.files.yaml_file import Location, in_yaml, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import chosen, kind_named, known
-from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys
+from ocean_sim.reading.keys import Key, elsewhere, found, keys
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices

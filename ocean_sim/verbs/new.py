@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import Node, read
+from ocean_sim.files.yaml_file import Node, in_yaml, read
 from ocean_sim.machine import cache_directory
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import kind_named, known
-from ocean_sim.reading.keys import in_yaml, keys
+from ocean_sim.reading.keys import keys
 from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence

@@ -1,4 +1,4 @@
-"""What a user may write, as frozen and strict models of data: numbers with units, no unknown keys."""
+"""Frozen and strict models of what a user may write: numbers with units, no unknown keys."""
 
 from typing import Annotated, Any
 

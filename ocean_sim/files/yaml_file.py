@@ -32,7 +32,7 @@ WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no quotes, but
 
 
 class Location(NamedTuple):
-    """Where something was written; line and column count from 1, and are absent for what came from no file."""
+    """The place of a text; line and column count from 1, and are absent for what came from no file."""
 
     file: str
     line: int | None = None
@@ -63,7 +63,7 @@ class SceneError(Refused):
         super().__init__("\n".join(self.lines()))
 
     def lines(self) -> Iterator[str]:
-        """As many of them as a person reads, and how many there are more."""
+        """A line for each problem, as many as a person reads, and the number of the others."""
         left = MAX_MESSAGE_BYTES
         for k, each in enumerate(self.problems):
             line = cut(str(each), MAX_LINE_BYTES)
@@ -101,7 +101,7 @@ class Node:
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
-        """What is written under a key, or at an index of a list."""
+        """The node under a key, or at an index of a list; None where there is none."""
         if isinstance(self.data, dict):
             return self.data.get(step)
         if isinstance(self.data, list) and isinstance(step, int) and 0 <= step < len(self.data):
@@ -279,7 +279,7 @@ def in_yaml(value: Any) -> str:
 
 
 class _Reader:
-    """From PyYAML's tree to nodes; YAML 1.2 has no merge keys."""
+    """Reader of PyYAML's tree into nodes; YAML 1.2 has no merge keys."""
 
     def __init__(self, start: Location) -> None:
         self.start = start

@@ -51,8 +51,8 @@ from ocean_sim.parts import (
     slot_of,
     water_schemes,
 )
+from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
-from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.idle import idle_keys
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
@@ -74,13 +74,13 @@ class SceneConfig(Heading):
     fluid: FluidConfig
     surface: SurfaceConfig | None = None
     ships: dict[str, ShipConfig] = {}
-    """By name; one that is alone and has none is `ship`."""
+    """Ships by name; one that is alone and has none is `ship`."""
     platform: PlatformConfig | None = None
     time_step: TimeStepConfig
     runtime: RuntimeConfig
     observers: dict[str, ObserverConfig] = {}
     notes: list[str] = []
-    """What composing the scene dropped or changed: sentences for `run` and `check`."""
+    """Sentences for `run` and `check` on what composing the scene dropped or changed."""
 
     _preflight: Preflight | None = PrivateAttr(None)
     _inputs: dict[str, str] = PrivateAttr({})
@@ -96,7 +96,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """What is known of the scene before anything is built; made once, and again for a copy with other parts."""
+        """The facts of the scene before anything is built; made once, and again for a copy with other parts."""
         known, word, arch = self._preflight, WORD[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -105,7 +105,7 @@ class SceneConfig(Heading):
         return known
 
     def ledger(self) -> list[LedgerRow]:
-        """What the scene will allocate and compile, and why; nothing is allocated to find out."""
+        """A row for each thing that the scene will allocate or compile, and why; nothing is allocated to find out."""
         preflight = self.preflight
         rows = [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
         if self.surface is not None and self.surface.when_read:
@@ -306,13 +306,13 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
 
 
 def _places(data: dict[str, Node]) -> list[str]:
-    """Where a part may stand, in the order of the slots."""
+    """The places where a part may stand, in the order of the slots."""
     ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
     return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
 
 
 def _node(data: dict[str, Node], place: str) -> Node | None:
-    """What is written in a place, or of an observer."""
+    """The node in a place, or of an observer; None where there is none."""
     slot, _, name = place.partition(".")
     node = data.get(slot)
     return node.child(name) if node is not None and name else node

@@ -16,8 +16,8 @@ from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
+from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import chosen, known
-from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.sentences import opening, sentence
 from ocean_sim.runtime import RuntimeConfig
 

@@ -15,11 +15,11 @@ from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
 from ocean_sim.model import in_brackets
 
-LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
-NAMES = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
-MANY = 200  # errors of one part beyond which the rest is of the same kind
-EXAMPLES = 2  # keys of a mapping that a sentence shows where none is required
-FEW = 24  # choices that still fit in a sentence
+MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+NAME_RULE = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
+MAX_ERRORS = 200  # errors of one part beyond which the rest is of the same kind
+SHOWN_KEYS = 2  # keys of a mapping that a sentence shows where none is required
+MAX_CHOICES = 24  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
     "float_type": "a number",
@@ -52,10 +52,10 @@ UNITS = {  # what people write, in units of scenes
     "%": ("1", 1e-2),
 }
 
-SHORTEST = 3  # letters of the beginning of a word by which it is known
-SLIP, ALMOST = 0.9, 0.6  # parts of the letters that two words share: one mistyped, one like the other
+MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
+SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
 
-# What other programs call it, and what it may be called here; the first that there is counts.
+# Names in other programs, and what each may be called here; the first that there is counts.
 SYNONYMS = {
     word: tuple(meant.split())
     for words, meant in {
@@ -112,7 +112,7 @@ def validated(
 ) -> Model | None:
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
-    beyond = list(islice(absurd(node, path), MANY))
+    beyond = list(islice(absurd(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
         found = model.model_validate(node.plain(), context={FOLDER: folder})
@@ -129,8 +129,8 @@ def absurd(node: Node, path: Path) -> Iterator[Problem]:
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from absurd(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
-        if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
-            message = f"{described(node.data)} is out of range: 0, or between {LEAST:g} and {MOST:g}"
+        if not MIN_NUMBER <= abs(node.data) <= MAX_NUMBER and abs(node.data) < inf:
+            message = f"{described(node.data)} is out of range: 0, or between {MIN_NUMBER:g} and {MAX_NUMBER:g}"
             yield problem(node.location, dotted(path), message)
 
 
@@ -148,28 +148,28 @@ def likeliest(word: str, choices: Any) -> str | None:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
     others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
-    longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
-    slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP, ALMOST))
+    longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
+    slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
 
 
 def lowered(word: str) -> str:
-    """A word as those are compared that mean the same."""
+    """A word in the form in which words are compared."""
     return word.lower().replace("-", "_").replace(" ", "_")
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """'; did you mean ...' or '; there are ...', and the suggestion alone."""
+    """The end of a refusal, '; did you mean ...' or '; there are ...', and the suggestion alone."""
     choices = [str(choice) for choice in choices]
     suggestion = likeliest(word, choices)
     if suggestion is not None:
         return f"; did you mean {suggestion!r}?", suggestion
-    return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= FEW else ""), None
+    return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= MAX_CHOICES else ""), None
 
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """The same of an unknown key: one with dots, as `--set` takes it, is a mapping in a scene."""
+    """The end of a refusal of an unknown key, and the suggestion; one with dots, as `--set` takes it, is a mapping."""
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
@@ -178,7 +178,7 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
     """Every problem in a validation error; of each union only those of its likeliest member."""
-    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MANY]]
+    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
         problems += _of_union([f for f in found if f.union == union], prefix)
@@ -305,7 +305,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
         key, location = dotted(prefix + found.path[:-1]), found.node.key_location
-        message = f"{found.path[-1]!r} is not a name: {NAMES}"
+        message = f"{found.path[-1]!r} is not a name: {NAME_RULE}"
     elif found.kind == "extra_forbidden":
         message, suggestion = key_sentence(str(found.path[-1]), found.keys)
         message, location = f"unknown key{message}", found.node.key_location
@@ -361,9 +361,9 @@ def _hint(found: _Found) -> str:
 
 
 def _form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
-    """What a value looks like: a mapping with the keys that it must have, else its first ones; a list with an entry."""
+    """The form of a value: a mapping with the keys that it must have, else its first ones; a list with an entry."""
     if "properties" in place:
-        names = place.get("required") or [*place["properties"]][:EXAMPLES]
+        names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"
     if "prefixItems" in place:
         return f"[{', '.join('...' for _ in place['prefixItems'])}]"

@@ -13,7 +13,7 @@ from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
 
-MOST = 12  # keys that are explained at length; of more only their meanings are listed
+MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
 
 
 def explain(word: str, as_json: bool) -> None:
@@ -33,7 +33,7 @@ def explain(word: str, as_json: bool) -> None:
         return
     if part is not None:
         console.say(f"{'.'.join(part)}: {sentence(*part)}\n")
-    if len(same) <= MOST:
+    if len(same) <= MAX_AT_LENGTH:
         for key, paths in same:
             console.say("\n".join(lines(key, paths)) + "\n")
     else:

@@ -219,13 +219,13 @@ def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
     return str(match.lastgroup) if match is not None else "str"
 
 
-def composed_tree(text: str, start: Location, loaders: Sequence[Any]) -> Any:
+def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
     """PyYAML's tree of a text by the first loader, or by the next, which has better words, where the first finds a
     mistake. Raises SceneError where the text is longer or deeper than what is read."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 
-    first, *others = loaders
+    first, *others = candidates
     depth = 0
     try:
         for count, event in enumerate(yaml.parse(text, first)):
@@ -251,12 +251,20 @@ def unprintable(text: str, error: Any, start: Location) -> Problem:
     return problem(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 
+def in_yaml(value: Any) -> str:
+    """A plain value in a line of YAML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(in_yaml, value)) + "]"
+    quoted = isinstance(value, str) and (not WORD.fullmatch(value) or CORE.fullmatch(value))
+    return json.dumps(value, ensure_ascii=False) if quoted or value is None or isinstance(value, bool) else str(value)
+
+
 def described(value: Any) -> str:
     """A value in the words of YAML, cut short: for messages."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
+    if value is None or isinstance(value, bool):
+        return in_yaml(value)
     if isinstance(value, dict):
         return "a mapping" if value else "an empty mapping"
     if isinstance(value, list):
@@ -266,16 +274,6 @@ def described(value: Any) -> str:
     except ValueError:  # Python refuses to print integers of more than 4300 digits
         return "a number too long to print"
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def in_yaml(value: Any) -> str:
-    """A plain value in a line of YAML."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(in_yaml, value)) + "]"
-    quoted = isinstance(value, str) and (not WORD.fullmatch(value) or CORE.fullmatch(value))
-    return json.dumps(value, ensure_ascii=False) if quoted or value is None or isinstance(value, bool) else str(value)
 
 
 class _Reader:

@@ -73,19 +73,18 @@ class Composition:
             self.problems.append(problem(node.location, SEVERAL, message))
             return
         for name, ship in node.data.items():
+            key, meant = key_for_name(name, ship), None
             if NAME.fullmatch(str(name)) is None:
                 message = f"{name!r} is not a name: {NAME_RULE}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
-            elif (key := key_for_name(name, ship)) is not None:
+            elif key is not None:
                 meant = f"{ALONE}.{key}"
                 message = f"expected the name of a ship; did you mean {meant!r}, or {f'{SEVERAL}.NAME.{key}'!r}?"
-                self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
-                continue
             else:
                 yield key_of(name), ship
                 continue
-            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message))
+            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
         """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""

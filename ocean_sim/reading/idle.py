@@ -30,12 +30,7 @@ SEEDED = "the scene draws nothing at random but its spectra, and each of these h
 # Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
 RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
-    (
-        "scene",
-        "seed",
-        lambda h, k, p, *_: not (found := seeds(p)) or h.seed in found or k.wind.is_random,
-        SEEDED,
-    ),
+    ("scene", "seed", lambda h, k, p, *_: not (found := seeds(p)) or h.seed in found or k.wind.is_random, SEEDED),
     ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS_BACKENDS, "a graphics processor does the work"),
     ("basin.walls", "z z_min z_max", lambda h, k, *_: k.tank.dimension == 3, "a slice has no sides across z"),
     ("basin.walls", "x", lambda h, *_: None in (h.x_min, h.x_max), "x_min and x_max stand in its place"),

@@ -277,32 +277,32 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     observers = _observers(data, root, problems, folder)
     problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data, tank is not None and tank.dimension == 2)
-    if tank_config is not None and tank is not None and runtime is not None and heading is not None:
-        sea = there.get("sea")
-        patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-        preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
-        problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
-        for name, part in (there | observers).items():
-            problems += _located(name, part.problems(preflight), _node(data, name) or root)
-        afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
-        others = {name: part for name, part in (there | observers).items() if name not in afloat}
-        for asked in (afloat, others):  # the others count the particles around what floats
-            if not problems and not wrong:
-                for name, part in asked.items():
-                    problems += _located(name, part.mismatches(preflight), _node(data, name) or root)
-        if not problems and not wrong:
-            problems += _overlapping(preflight, data)
-        if not problems and not wrong:
-            values = {key: getattr(heading, key) for key in headings}
-            values |= {slot: parts[slot] for slot in SLOTS if slot != ALONE}
-            notes += preflight.fluid.notes(preflight)
-            config = SceneConfig(
-                **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
-            )
-            config._preflight = preflight
-            config._inputs = config.inputs()
-            return config
-    return None
+    if tank_config is None or tank is None or runtime is None or heading is None:
+        return None
+    sea = there.get("sea")
+    patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
+    preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
+    problems += _located("basin", tank_config.problems(tank, heading.duration), root)
+    for name, part in (there | observers).items():
+        problems += _located(name, part.problems(preflight), root)
+    afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
+    others = {name: part for name, part in (there | observers).items() if name not in afloat}
+    for asked in (afloat, others):  # the others count the particles around what floats
+        if not problems:
+            for name, part in asked.items():
+                problems += _located(name, part.mismatches(preflight), root)
+    if not problems:
+        problems += _overlapping(preflight, root)
+    if problems:
+        return None
+    values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
+    notes += preflight.fluid.notes(preflight)
+    config = SceneConfig(
+        **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
+    )
+    config._preflight = preflight
+    config._inputs = config.inputs()
+    return config
 
 
 def _places(data: dict[str, Node]) -> list[str]:
@@ -318,7 +318,7 @@ def _node(data: dict[str, Node], place: str) -> Node | None:
     return node.child(name) if node is not None and name else node
 
 
-def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
+def _overlapping(preflight: Preflight, root: Node) -> list[Problem]:
     """Ships that begin in one another."""
     if len(preflight.ships) < 2:
         return []
@@ -330,8 +330,7 @@ def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
             depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
         if depth > 0.0:
             sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
-            place = key_of(second)
-            problems += _located(place, [(("position",), f"{sentence}; move one")], _node(data, place) or data[SEVERAL])
+            problems += _located(key_of(second), [(("position",), f"{sentence}; move one")], root)
     return problems
 
 
@@ -464,11 +463,11 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _located(name: str, found: Problems, node: Node) -> list[Problem]:
+def _located(name: str, found: Problems, root: Node) -> list[Problem]:
     """The problems that a part reports, each at its location in the file."""
     problems = []
     for path, sentence in found:
-        inner = node
+        inner = _node(root.data, name) or root
         for step in path:
             inner = inner.child(step) or inner
         problems.append(problem(inner.location, dotted((name, *path)), sentence))

@@ -168,6 +168,11 @@ def test_a_key_of_another_kind_names_that_kind(capsys):
     assert "did you mean 'targets'" in (said := capsys.readouterr().err) and "it is a key" not in said
 
 
+def test_a_value_of_another_form_is_refused_with_the_keys_that_a_scene_writes(capsys):
+    assert answered(["check", "gallery/yacht_in_waves", "--set", "ship.moorings=3"]) == 2
+    assert "expected a list, got 3, as in [{from: ..., to: ..., stiffness: ...}, ...]" in capsys.readouterr().err
+
+
 def test_no_sentence_of_a_list_is_cut_where_its_line_ends():
     assert opening("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.") == "A flume: a slice and a wall. More."
     assert opening("") == "" and opening("A title, for `bench`") == "A title, for `bench`"

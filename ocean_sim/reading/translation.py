@@ -264,8 +264,9 @@ def _below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
-    names = [*place.get("patternProperties", {}).values(), place.get("additionalProperties")]
-    return place.get("properties", {}).get(step) or names[0] or {}
+    named = [*place.get("patternProperties", {}).values(), place.get("additionalProperties")]
+    found = place.get("properties", {}).get(step, named[0])
+    return found if isinstance(found, dict) else {}  # true: anything; false, or none: nothing
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:

@@ -16,7 +16,7 @@ from ocean_sim import conventions
 from ocean_sim.files.input_file import Checked
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, named
 from ocean_sim.reading.keys import Key, keys
-from ocean_sim.reading.scene import always_on, observer_names
+from ocean_sim.reading.scene import observer_names, on_unless_null
 from ocean_sim.reading.sentences import of_module, sentence
 
 DOCS = Path(__file__).parent
@@ -183,7 +183,7 @@ A top-level key that is the name of an observer configures it; `null` switches i
 
 
 def on(name: str) -> bool:
-    return name in (*always_on(), "motion", "platform_log")
+    return name in on_unless_null(SLOTS)
 
 
 def module_sentence(slot: str) -> str:

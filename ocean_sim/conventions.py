@@ -99,7 +99,7 @@ def figures(value: float, count: int = 4) -> str:
 
 
 class Failed(Exception):
-    """What was tried did not work. Every exception that is meant for people derives from this one or the two below; its
+    """A failure of what was tried. Every exception that is meant for people derives from this one or the two below; its
     message is one sentence."""
 
     exit_code: ClassVar[int] = 1  # of the command line

@@ -1,4 +1,4 @@
-"""What a user may write, as frozen and strict models of data: numbers with units, no unknown keys."""
+"""Frozen and strict models of what a user may write: numbers with units, no unknown keys."""
 
 from typing import Annotated, Any
 
@@ -14,6 +14,11 @@ class Model(BaseModel):
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
     """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
+
+
+def in_brackets(unit: str | None) -> str:
+    """A unit after what has it: ` [m/s]`; nothing where there is none."""
+    return f" [{unit}]" if unit not in (None, "", "1") else ""
 
 
 Vector2 = Annotated[tuple[float, float], Field(strict=False)]

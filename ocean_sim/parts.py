@@ -36,7 +36,7 @@ SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
 SEVERAL = "ships"  # the key of a mapping of named ships
 BESIDE = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
-OTHER = 0.1  # [m/s2] by which gravity may differ from that under a platform
+GRAVITY_TOLERANCE = 0.1  # [m/s2] by which gravity may differ from that under a platform
 MEANT = {"sea": "linear_waves"}  # the kind of a part that names none
 PACKAGE = Path(str(files("ocean_sim")))
 
@@ -46,7 +46,7 @@ Problems = list[tuple[Key, str]]  # where below the part's own key, and a senten
 
 @cache
 def library(folder: str) -> Path:
-    """Where `scenes`, `configs` or `figures` lie: in the package when installed, next to it in a checkout."""
+    """The folder of `scenes`, `configs` or `figures`: in the package when installed, next to it in a checkout."""
     inside = PACKAGE / folder
     return inside if inside.is_dir() else PACKAGE.parent / folder
 
@@ -64,12 +64,12 @@ def named(slot: str) -> tuple[str, ...]:
 
 
 def key_of(ship: str) -> str:
-    """Where in a scene a ship is written."""
+    """The place of a ship in a scene."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
 
 
 def slot_of(place: str) -> str:
-    """Whose kinds may stand in a place: a slot, or where one of several ships is written."""
+    """The slot whose kinds may stand in a place: a slot itself, or the place of one of several ships."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
@@ -90,7 +90,7 @@ class LedgerRow(NamedTuple):
     every: float = 0.0
     """Simulated time between updates [s]; 0: each step has one."""
     several: bool = False
-    """Whether one step may have several updates."""
+    """True if one step may have several updates."""
     of_step: float = 0.0
     """Processor time of a step [s] in addition to its updates."""
 
@@ -101,27 +101,27 @@ class LedgerRow(NamedTuple):
 
 
 class PartConfig(Model):
-    """What a user may write for one part, and what a scene asks of it before it is built.
+    """Keys that a user may write for one part, and the questions that a scene asks of it before it is built.
 
     Every question comes with the one `Preflight` of the scene. `ledger` and, in each slot's own base class below,
     `build` have no default: a kind without them cannot be instantiated.
     """
 
     def problems(self, preflight: Preflight) -> Problems:
-        """What is wrong with these keys in this basin, whatever the other parts are: they may be wrong themselves."""
+        """Faults of these keys in this basin, whatever the other parts are: they may be wrong themselves."""
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """What is wrong with these keys next to the other parts; asked where no part has a problem of its own."""
+        """Faults of these keys next to the other parts; asked where no part has a problem of its own."""
         return []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """What a reader of the results should know."""
+        """Sentences that a reader of the results should know."""
         return []
 
     @abstractmethod
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """What it will allocate or compile, and take of a step."""
+        """A row for each thing that it will allocate or compile, with its share of a step."""
 
 
 class KindConfig(PartConfig):
@@ -130,7 +130,7 @@ class KindConfig(PartConfig):
     example: ClassVar[dict[str, Any]] = {}
     """The keys that have no default, with values that suit any basin a few metres in size."""
     compared: ClassVar[bool] = False
-    """Whether studies compare it with others of its slot."""
+    """True if studies compare it with others of its slot."""
     fineness: ClassVar[int] = 0
     """Its rank where the kinds of its slot are ordered from the coarsest to the finest."""
     unheeded: ClassVar[tuple[str, ...]] = ()
@@ -154,7 +154,7 @@ class SeaConfig(KindConfig):
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """How it is nonlinear; None: it is the sum of its plane waves."""
+        """Settings of its nonlinearity; None: it is the sum of its plane waves."""
         return None
 
     @abstractmethod
@@ -188,21 +188,21 @@ class WindConfig(KindConfig):
     @property
     @abstractmethod
     def stylised(self) -> bool:
-        """Whether it is a stylised force field, not a physical stress."""
+        """True if it is a stylised force field, not a physical stress."""
 
     @property
     def needs_area(self) -> bool:
-        """Whether the water has to find the exposed area of its particles."""
+        """True if the water has to find the exposed area of its particles."""
         return False
 
     @property
     def needs_bend(self) -> bool:
-        """Whether the water has to find how its surface bends, too."""
+        """True if the water has to find the curvature of its surface, too."""
         return False
 
     @property
     def still(self) -> bool:
-        """Whether there is no wind."""
+        """True if there is no wind."""
         return False
 
     @property
@@ -225,22 +225,22 @@ class FluidConfig(KindConfig):
     rest_density: float
 
     made_of_particles: ClassVar[bool] = False
-    """Whether it is made of particles, which start on a `lattice`; else it is a closed form."""
+    """True if it is made of particles, which start on a `lattice`; else it is a closed form."""
     counts_in_doubles: ClassVar[bool] = True
-    """Whether its steps add up in float64, which not every graphics card has."""
+    """True if its steps add up in float64, which not every graphics card has."""
     conserves_momentum: ClassVar[bool] = False
-    """Whether what its particles exchange keeps momentum and angular momentum to rounding."""
+    """True if what its particles exchange keeps momentum and angular momentum to rounding."""
     bears_shear: ClassVar[float] = 0.0
     """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
     the validation case wind_setup."""
     joins_a_sea: ClassVar[bool] = False
-    """Whether its particles may be a patch of open sea."""
+    """True if its particles may be a patch of open sea."""
     bears: ClassVar[bool] = True
-    """Whether it has a pressure, which bears what floats on it."""
+    """True if it has a pressure, which bears what floats on it."""
     misread: ClassVar[str] = ""
-    """What is wrong with the pressures that gauges read in it; nothing where they are to be relied on."""
+    """The fault of pressures that gauges read in it; empty where they are to be relied on."""
     carries_bodies: ClassVar[bool] = False
-    """Whether it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
+    """True if it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 
     def lattice(self, basin: Basin) -> Lattice | None:
         """The lattice that its particles start on; None for water in closed form."""
@@ -274,7 +274,7 @@ class FluidConfig(KindConfig):
         return 0.0
 
     def settling(self, preflight: Preflight) -> float:
-        """How far its surface settles before the first step, under the weight of the water [m]."""
+        """Distance that its surface settles before the first step, under the weight of the water [m]."""
         return 0.0
 
     def speed(self, basin: Basin) -> float:
@@ -288,7 +288,7 @@ class FluidConfig(KindConfig):
 
     @property
     def driven(self) -> bool:
-        """Whether new water or a force of its own may give it energy."""
+        """True if new water or a force of its own may give it energy."""
         return False
 
     def viscosity_added(
@@ -299,11 +299,11 @@ class FluidConfig(KindConfig):
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
-        """What the water does that a reader of its results should know."""
+        """Sentences on the water that a reader of its results should know."""
         return []
 
     def notes(self, preflight: Preflight) -> list[str]:
-        """What its model leaves out in this scene, which nothing need be done about."""
+        """Sentences on what its model leaves out in this scene, which nothing need be done about."""
         return []
 
     def point_spacing(self, preflight: Preflight) -> float:
@@ -324,7 +324,7 @@ class FluidConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """`accounts`: whether it sums the impulse and work of each term; `wind`: as the water feels it."""
+        """Build the water. `accounts`: it sums the impulse and work of each term; `wind`: as the water feels it."""
 
     def sums_impulses(self, read: bool) -> bool:
         """True if it sums impulse and work of each term; `read`: whether `accuracy` reads them."""
@@ -335,7 +335,7 @@ class SurfaceConfig(KindConfig):
     """Keys of any surface. It follows particles."""
 
     when_read: ClassVar[bool] = False
-    """Whether it is built only when something reads it, not in each step."""
+    """True if it is built only when something reads it, not in each step."""
 
     def completed(self, preflight: Preflight) -> Self:
         """A copy in which what the user left open follows from the water."""
@@ -343,29 +343,29 @@ class SurfaceConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
-        """Of a completed config."""
+        """Build the surface of a completed config."""
 
 
 class ShipConfig(KindConfig):
     """Keys of any ship."""
 
     needs_surface: ClassVar[bool] = True
-    """Whether, over particles, it asks a surface how high the water stands."""
+    """True if, over particles, it asks a surface for the height of the water."""
     carried_as_body: ClassVar[bool] = False
-    """Whether only water that `carries_bodies` carries it."""
+    """True if only water that `carries_bodies` carries it."""
 
     points: dict[str, tuple[float, float, float]] = {}
 
     def solid(self, preflight: Preflight) -> Solid | None:
-        """What the water is built around; None where it passes through her."""
+        """The solid that the water is built around; None where it passes through her."""
         return None
 
     def look(self, preflight: Preflight) -> Look | None:
-        """What a picture needs besides its triangles; None where it has no shape."""
+        """The data that a picture needs besides her triangles; None where she has no shape."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """How she floats in still water; None where no hull says it."""
+        """Her displacement, draught and stability in still water; None where no hull states them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
@@ -389,14 +389,14 @@ class PlatformConfig(KindConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found = [] if self.ship is None else preflight.unknown_ship(self.ship)
         x, y, z = preflight.tank.gravity
-        if hypot(x, y + GRAVITY, z) > OTHER:
+        if hypot(x, y + GRAVITY, z) > GRAVITY_TOLERANCE:
             there = f"a platform stands on Earth, and gravity of this scene is [{x:g}, {y:g}, {z:g}] m/s2"
             found.append(((), f"{there}: it would take the difference for a motion; leave the platform out"))
         return found
 
     @abstractmethod
     def build(self, every: float) -> Platform:
-        """`every`: time between the rows of motion that it will follow [s]."""
+        """Build the platform. `every`: time between the rows of motion that it will follow [s]."""
 
 
 class TimeStepConfig(KindConfig):
@@ -404,7 +404,7 @@ class TimeStepConfig(KindConfig):
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
-        """What to try after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
+        """Advice after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
@@ -415,7 +415,7 @@ class TimeStepConfig(KindConfig):
 
 @dataclass(frozen=True)
 class Preflight:
-    """What is known of a scene before anything is built, derived once and handed to every part that is asked.
+    """The facts of a scene before anything is built, derived once and handed to every part that is asked.
 
     A part that could not be read is missing from it; asking for it raises KeyError.
     """
@@ -446,12 +446,12 @@ class Preflight:
 
     @cached_property
     def ships(self) -> dict[str, ShipConfig]:
-        """By name."""
+        """Ships by name."""
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
     def unknown_ship(self, name: str) -> Problems:
-        """What is wrong with the name of a ship under the key `ship` of another part."""
+        """Faults of the name of a ship under the key `ship` of another part."""
         if name in self.ships:
             return []
         there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
@@ -473,7 +473,7 @@ class Preflight:
 
     @cached_property
     def particles(self) -> int:
-        """How many particles there are at most."""
+        """The greatest number of particles that there will be."""
         return self.lattice.n if self.lattice is not None else 0
 
     @cached_property
@@ -488,17 +488,17 @@ class Preflight:
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """After which lengths along each axis the water repeats itself [m]; 0: not at all."""
+        """Periods of the water along each axis [m]; 0 where it does not repeat itself."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property
     def support(self) -> float:
-        """How far around a point particles count [m]; 0 without particles."""
+        """Support radius, within which particles count around a point [m]; 0 without particles."""
         return float(self.fluid.ratio(self.tank) * self.spacing) if self.spacing is not None else 0.0
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """What floats in the water and makes room for itself, by the name of the ship."""
+        """Solids that float in the water and make room for themselves, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -511,34 +511,22 @@ class Preflight:
 class Scene(Protocol):
     """A checked scene, as the parts built from it and their observers know it."""
 
-    @property
-    def title(self) -> str: ...
-    @property
-    def seed(self) -> int: ...
-    @property
-    def duration(self) -> float: ...
-    @property
-    def basin(self) -> basin_module.Config: ...
-    @property
-    def sea(self) -> SeaConfig | None: ...
-    @property
-    def fluid(self) -> FluidConfig: ...
-    @property
-    def wind(self) -> WindConfig: ...
-    @property
-    def surface(self) -> SurfaceConfig | None: ...
-    @property
-    def ships(self) -> Mapping[str, ShipConfig]: ...
-    @property
-    def platform(self) -> PlatformConfig | None: ...
-    @property
-    def time_step(self) -> TimeStepConfig: ...
-    @property
-    def runtime(self) -> RuntimeConfig: ...
+    title: str
+    seed: int
+    duration: float
+    basin: basin_module.Config
+    sea: SeaConfig | None
+    fluid: FluidConfig
+    wind: WindConfig
+    surface: SurfaceConfig | None
+    ships: dict[str, ShipConfig]
+    platform: PlatformConfig | None
+    time_step: TimeStepConfig
+    runtime: RuntimeConfig
+    notes: list[str]
+
     @property
     def observers(self) -> Mapping[str, PartConfig]: ...
-    @property
-    def notes(self) -> list[str]: ...
     @property
     def preflight(self) -> Preflight: ...
     def warnings(self) -> list[str]: ...

@@ -6,10 +6,9 @@ import shlex
 from pathlib import Path
 
 import pytest
-from ruamel.yaml import YAML
 
 from ocean_sim.__main__ import answered
-from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.files.yaml_file import SceneError, setting
 from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading import schema
 from ocean_sim.reading.keys import found, keys
@@ -80,7 +79,7 @@ def test_every_example_is_a_value_that_its_key_takes():
     """But for one key of two that go together, and for files that are not there."""
     in_pairs = {"height", "period", "particles", "spectrum"}
     for key in keys():
-        value = YAML(typ="safe").load(key.example.partition("=")[2])
+        value = setting(key.example)[1].plain()
         assert "..." not in key.example and value != [], key.example
         words = key.path.split(".")
         if len(words) == 3 and words[0] in SLOTS and words[2] not in in_pairs:
@@ -167,6 +166,11 @@ def test_a_key_of_another_kind_names_that_kind(capsys):
     assert said.rstrip().endswith("it is a key of kind stress")
     assert answered(["check", "showcase", "--set", "wind.tragets=[ship]"]) == 2
     assert "did you mean 'targets'" in (said := capsys.readouterr().err) and "it is a key" not in said
+
+
+def test_a_value_of_another_form_is_refused_with_the_keys_that_a_scene_writes(capsys):
+    assert answered(["check", "gallery/yacht_in_waves", "--set", "ship.moorings=3"]) == 2
+    assert "expected a list, got 3, as in [{from: ..., to: ..., stiffness: ...}, ...]" in capsys.readouterr().err
 
 
 def test_no_sentence_of_a_list_is_cut_where_its_line_ends():

@@ -11,7 +11,7 @@ from ocean_sim import parts
 from ocean_sim.files.yaml_file import SceneError, setting
 from ocean_sim.reading import composition, schema
 from ocean_sim.reading import scene as scene_module
-from ocean_sim.reading.scene import always_on, load, observer_names
+from ocean_sim.reading.scene import ALWAYS_ON, load, observer_names
 
 BASIN = {"length": 40.0, "width": 40.0, "depth": 7.5}
 PLAIN = {"basin": BASIN, "fluid": {"kind": "mueller", "spacing": 1.25}}
@@ -420,12 +420,20 @@ def test_a_resolved_scene_loads_to_itself(library):
     assert (again.fluid, again.seed, list(again.observers)) == (config.fluid, 7, list(config.observers))
 
 
+def test_what_a_scene_switches_off_is_off_after_its_dump_is_read():
+    sea = {"kind": "linear_waves", "height": 0.5, "period": 3.0}
+    tank = {"length": 60.0, "width": 60.0, "depth": 20.0, "walls": "none"}
+    config = load({"basin": tank, "fluid": sea, "ship": "yacht", "platform": "hexapod_a", "motion": None})
+    assert "motion" not in config.observers
+    assert load(config.resolved()).resolved() == config.resolved()
+
+
 def test_observers_are_on_unless_null_and_watch_in_their_order():
     config = load(PLAIN | {"gauges": {"elevation": {"centre": [0.0, 0.0]}}})
     names = list(config.observers)
     turns = [config.observers[name].turn for name in names]
     assert turns == sorted(turns) and turns[0] < 0 < turns[-1]
-    assert set(always_on()) | {"gauges"} == set(names)
+    assert set(ALWAYS_ON) | {"gauges"} == set(names)
     # What it says of the end is written when all data lie there, and before pictures, which may take long.
     assert names.index("frames") < names.index("manifest") < names.index("report")
 

@@ -30,25 +30,47 @@ def test_every_value_and_key_knows_its_place():
     "text, value",
     [
         ("1e-3", 1e-3),
+        ("1e3", 1000.0),
+        ("1.e3", 1000.0),
+        ("12e03", 12000.0),
+        ("1.", 1.0),
+        ("1.0.0", "1.0.0"),
+        ("1.5m", "1.5m"),
+        ("1,000", "1,000"),
+        ("+12", 12),
         ("1_000", 1000),
         ("010", 10),
+        ("08", 8),
+        ("0o8", "0o8"),
         ("0x1F", 31),
+        ("0b101", 5),
         ("-0o17", -15),
         (".5", 0.5),
         ("-.inf", float("-inf")),
+        ("inf", "inf"),
         ("yes", "yes"),
+        ("No", "No"),
         ("on", "on"),
+        ("OFF", "OFF"),
+        ("y", "y"),
         ("1:30", "1:30"),
+        ("1:30:00.5", "1:30:00.5"),
         ("2001-01-01", "2001-01-01"),
         ("<<", "<<"),
         ("TRUE", True),
+        ("tRue", "tRue"),
         ("~", None),
+        ("Null", None),
         ("'1'", "1"),
+        ("!!str 12", "12"),
+        ("!!float 1", 1.0),
+        ('"\\ud83d\\ude00"', "\U0001f600"),
     ],
 )
 def test_scalars_are_those_of_yaml_1_2(text, value):
     plain = parsed(f"a: {text}", HERE).plain()["a"]
     assert plain == value and type(plain) is type(value)
+    assert parsed(f"%YAML 1.1\n---\na: {text}", HERE).plain()["a"] == value
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,10 @@
 """YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
 
-from collections.abc import Iterator
+import json
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
@@ -10,18 +13,26 @@ import numpy as np
 from ocean_sim.conventions import Refused
 from ocean_sim.files.input_file import Unreadable, shown, text
 
-TEXTS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
-MOST_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
-MOST_WRITTEN = 60_000  # values that stand in a text
-MOST_TOLD, LONGEST_LINE = 1900, 600  # bytes of a message about a scene, and of one sentence in it
-LONG = 20_000  # characters of a text that libyaml reads
-DEEP = 100  # levels of it
-LONGEST_KEY = 100  # characters
-MOST_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
+TEXT_TAGS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
+MAX_TEXT_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
+MAX_WRITTEN = 60_000  # values that stand in a text
+MAX_EVENTS = 3 * MAX_WRITTEN  # a value has at most a key, a beginning and an end
+MAX_VALUES = 200_000  # aliases of aliases can name more values than a machine can hold
+MAX_DEPTH = 100  # levels of mappings and lists
+MAX_KEY_LENGTH = 100  # characters
+MAX_MESSAGE_BYTES, MAX_LINE_BYTES = 1900, 600  # of a message about a scene, and of one sentence in it
+CORE = re.compile(  # plain scalars that are not text, by the core schema of YAML 1.2
+    r"(?P<null>~|null|Null|NULL|)"
+    r"|(?P<bool>true|True|TRUE|false|False|FALSE)"
+    r"|(?P<int>[-+]?(?:0b[01_]+|0x[0-9a-fA-F_]+|0o[0-7_]+|[0-9][0-9_]*))"
+    r"|(?P<float>[-+]?(?:[0-9][0-9_]*\.[0-9_]*(?:[eE][-+]?[0-9]+)?|[0-9][0-9_]*[eE][-+]?[0-9]+"
+    r"|\.[0-9_]+(?:[eE][-+][0-9]+)?|\.(?:inf|Inf|INF))|\.(?:nan|NaN|NAN))"
+)
+WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no quotes, but for words of CORE
 
 
 class Location(NamedTuple):
-    """Where something was written; line and column count from 1, and are absent for what came from no file."""
+    """The place of a text; line and column count from 1, and are absent for what came from no file."""
 
     file: str
     line: int | None = None
@@ -52,10 +63,10 @@ class SceneError(Refused):
         super().__init__("\n".join(self.lines()))
 
     def lines(self) -> Iterator[str]:
-        """As many of them as a person reads, and how many there are more."""
-        left = MOST_TOLD
+        """A line for each problem, as many as a person reads, and the number of the others."""
+        left = MAX_MESSAGE_BYTES
         for k, each in enumerate(self.problems):
-            line = cut(str(each), LONGEST_LINE)
+            line = cut(str(each), MAX_LINE_BYTES)
             left -= len(line.encode(errors="backslashreplace"))
             if left < 0:
                 yield f"... and {len(self.problems) - k} more"
@@ -90,7 +101,7 @@ class Node:
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
-        """What is written under a key, or at an index of a list."""
+        """The node under a key, or at an index of a list; None where there is none."""
         if isinstance(self.data, dict):
             return self.data.get(step)
         if isinstance(self.data, list) and isinstance(step, int) and 0 <= step < len(self.data):
@@ -137,9 +148,9 @@ def read(path: Path, name: str | None = None) -> Node:
     """The mapping in a file; raises SceneError naming the file as `name`."""
     name = name or shown(path)
     try:
-        return mapping(text(path, MOST_BYTES), name)
+        return mapping(text(path, MAX_TEXT_BYTES), name)
     except Unreadable as error:
-        raise SceneError([Problem(name, None, None, "", error.reason)]) from None
+        raise SceneError([problem(Location(name), "", error.reason)]) from None
 
 
 def mapping(content: str, name: str) -> Node:
@@ -166,73 +177,68 @@ def setting(text: str) -> tuple[str, Node]:
 
 
 def parsed(text: str, start: Location) -> Node:
-    """YAML text as nodes; locations are kept where `start` has a line."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
-    from ruamel.yaml.reader import ReaderError
+    """YAML text as nodes; locations are kept where `start` has a line. Raises SceneError."""
+    import yaml
 
     try:
-        tree = quickly(text, start) if len(text) > LONG else None
-        tree = tree or YAML(typ="safe", pure=True).compose(text)
-        if tree is None:
-            return Node(None, start, start)
-        reader = _Reader(start)
-        node = reader.node(tree)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        location = start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
+        tree = composed_tree(text, start, loaders())
+    except yaml.MarkedYAMLError as error:
         sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
+        location = marked(start, error.problem_mark or error.context_mark)
         raise SceneError([problem(location, "", f"not valid YAML: {sentence}")]) from None
-    except ReaderError as error:
+    except yaml.reader.ReaderError as error:
         raise SceneError([unprintable(text, error, start)]) from None
-    except YAMLError as error:
-        reason = str(error).strip().splitlines()[0]
-        raise SceneError([problem(start, "", f"not valid YAML: {reason}")]) from None
-    except RecursionError:
-        raise SceneError([problem(start, "", "nested too deeply")]) from None
-    except (ValueError, OverflowError) as error:
+    except (ValueError, OverflowError) as error:  # an escape of a number that no character has
         raise SceneError([problem(start, "", f"not valid YAML: {error}")]) from None
+    if tree is None:
+        return Node(None, start, start)
+    reader = _Reader(start)
+    node = reader.node(tree)
     if reader.problems:
         raise SceneError(reader.problems)
     return node
 
 
-def quickly(text: str, start: Location) -> Any:
-    """The tree of a long text by libyaml, which takes a tenth of the time; None where it finds a mistake, for which
-    ruamel.yaml has words, where the text asks for another YAML, and where it nests so deeply that C might not return.
-    Raises SceneError where there are more values than are read."""
-    try:
-        from ruamel.yaml.resolver import implicit_resolvers
-        from yaml import YAMLError
-        from yaml.cyaml import CParser
-        from yaml.events import CollectionEndEvent, CollectionStartEvent
-        from yaml.resolver import BaseResolver
-    except ImportError:  # PyYAML was built without it
-        return None
+def marked(start: Location, mark: Any) -> Location:
+    """The location of a mark of PyYAML, which counts from 0, in a text that starts there."""
+    return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
-    class Core(CParser, BaseResolver):  # type: ignore[misc]
-        def __init__(self) -> None:
-            CParser.__init__(self, text)
-            BaseResolver.__init__(self)
 
-    for versions, tag, regexp, first in implicit_resolvers:
-        if (1, 2) in versions:
-            Core.add_implicit_resolver(tag, regexp, first)
-    if "%YAML" in text:
-        return None
+@cache
+def loaders() -> tuple[Any, ...]:
+    """PyYAML's own loader, after that of libyaml where there is one: it takes a tenth of the time."""
+    import yaml
+
+    bases = (yaml.CBaseLoader, yaml.BaseLoader) if yaml.__with_libyaml__ else (yaml.BaseLoader,)
+    return tuple(type(base.__name__, (base,), {"resolve": core_tag}) for base in bases)
+
+
+def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
+    """The tag of a value that is written without one, by the core schema of YAML 1.2."""
+    match = CORE.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
+    return str(match.lastgroup) if match is not None else "str"
+
+
+def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
+    """PyYAML's tree of a text by the first loader, or by the next, which has better words, where the first finds a
+    mistake. Raises SceneError where the text is longer or deeper than what is read."""
+    import yaml
+    from yaml.events import CollectionEndEvent, CollectionStartEvent
+
+    first, *others = candidates
+    depth = 0
     try:
-        parser, depth, count = Core(), 0, 0
-        while parser.check_event():
-            event = parser.get_event()
+        for count, event in enumerate(yaml.parse(text, first)):
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-            count += 1
-            if depth > DEEP:
-                return None
-            if count > 3 * MOST_WRITTEN:  # a value has at most a key, a beginning and an end
-                raise SceneError([problem(start, "", f"more than {MOST_WRITTEN} values; a CSV file holds a table")])
-        return Core().get_single_node()
-    except YAMLError:
-        return None
+            if depth > MAX_DEPTH:
+                raise SceneError([problem(start, "", "nested too deeply")])
+            if count > MAX_EVENTS:
+                raise SceneError([problem(start, "", f"more than {MAX_WRITTEN} values; a CSV file holds a table")])
+        return yaml.compose(text, first)
+    except (yaml.YAMLError, UnicodeError):
+        if not others:
+            raise
+        return composed_tree(text, start, others)
 
 
 def unprintable(text: str, error: Any, start: Location) -> Problem:
@@ -245,12 +251,20 @@ def unprintable(text: str, error: Any, start: Location) -> Problem:
     return problem(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 
+def in_yaml(value: Any) -> str:
+    """A plain value in a line of YAML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(in_yaml, value)) + "]"
+    quoted = isinstance(value, str) and (not WORD.fullmatch(value) or CORE.fullmatch(value))
+    return json.dumps(value, ensure_ascii=False) if quoted or value is None or isinstance(value, bool) else str(value)
+
+
 def described(value: Any) -> str:
     """A value in the words of YAML, cut short: for messages."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
+    if value is None or isinstance(value, bool):
+        return in_yaml(value)
     if isinstance(value, dict):
         return "a mapping" if value else "an empty mapping"
     if isinstance(value, list):
@@ -263,7 +277,7 @@ def described(value: Any) -> str:
 
 
 class _Reader:
-    """From ruamel's tree to nodes: scalars by the core schema of YAML 1.2, which has no dates and no merge keys."""
+    """Reader of PyYAML's tree into nodes; YAML 1.2 has no merge keys."""
 
     def __init__(self, start: Location) -> None:
         self.start = start
@@ -272,9 +286,7 @@ class _Reader:
         self.open: set[int] = set()
 
     def location(self, tree: Any) -> Location:
-        if self.start.line is None:
-            return self.start
-        return Location(self.start.file, tree.start_mark.line + 1, tree.start_mark.column + 1)
+        return marked(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
         self.problems.append(problem(self.location(tree), key, message))
@@ -286,8 +298,8 @@ class _Reader:
         if key is not None and tree.id == "scalar" and tree.value == "":
             location = key_location  # a value that is not written stands where its key does
         self.count += 1
-        if self.count > MOST_VALUES:
-            raise SceneError([*self.problems, problem(location, path, f"more than {MOST_VALUES} values")])
+        if self.count > MAX_VALUES:
+            raise SceneError([*self.problems, problem(location, path, f"more than {MAX_VALUES} values")])
         if id(tree) in self.open:
             return self.refuse(tree, path, "this alias is inside what it names")
         self.open.add(id(tree))
@@ -304,7 +316,7 @@ class _Reader:
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
         data: dict[str, Node] = {}
         for key, value in tree.value:
-            if key.id != "scalar" or not key.value.isprintable() or len(key.value) > LONGEST_KEY:
+            if key.id != "scalar" or not key.value.isprintable() or len(key.value) > MAX_KEY_LENGTH:
                 self.refuse(key, path, "a key must be a word")
                 continue
             if key.value == "<<":
@@ -336,7 +348,7 @@ class _Reader:
                 text = text.encode("utf-16", "surrogatepass").decode("utf-16")
             except UnicodeDecodeError:
                 return self.refuse(tree, path, "an escape that stands for half of a character").data
-        if kind not in TEXTS:
+        if kind not in TEXT_TAGS:
             return self.refuse(tree, path, f"tags such as {tree.tag} are not read here").data
         return text
 

@@ -14,7 +14,7 @@ from ocean_sim.files.whole_file import write_facts
 from ocean_sim.machine import installed, program
 from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
 
-PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "ruamel.yaml", "h5py", "pyvista", "vtk")
+PACKAGES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
 
 
 class Config(ObserverConfig):

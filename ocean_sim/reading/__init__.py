@@ -1,1 +1,16 @@
-"""From a user's text to a checked scene."""
+"""The way from a user's text to a checked scene; here the keys of a scene that belong to no part of it."""
+
+from ocean_sim.model import Model, quantity
+
+
+class Heading(Model):
+    """Statements of a scene about itself."""
+
+    title: str = ""
+    """The experiment in one line."""
+    seed: int = quantity("1", 0, ge=0, lt=2**31)
+    """Seed of every random number of the run."""
+    duration: float = quantity("s", 10.0, gt=0.0)
+    """Simulated time."""
+    resolution: float = quantity("1", 1.0, gt=0.0)
+    """A factor on every spacing: 2 is twice as coarse."""

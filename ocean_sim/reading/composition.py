@@ -1,4 +1,4 @@
-"""From what a user wrote to one tree: a part, under the scene, under the profile, under `--set`.
+"""Composition of what a user wrote into one tree: a part, under the scene, under the profile, under `--set`.
 
 A place is where a part stands: a slot, as `wind`, or one of several ships, as `ships.tug`.
 """
@@ -10,7 +10,7 @@ from typing import Any
 
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, described, merged, node_of, problem, read
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
-from ocean_sim.reading.translation import NAMES, choice_sentence, dotted, likeliest
+from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
 DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -18,7 +18,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """What stands in a slot: a kind or a preset, and what was written over it."""
+    """The content of a slot: a kind or a preset, and what was written over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -73,19 +73,18 @@ class Composition:
             self.problems.append(problem(node.location, SEVERAL, message))
             return
         for name, ship in node.data.items():
+            key, meant = key_for_name(name, ship), None
             if NAME.fullmatch(str(name)) is None:
-                message = f"{name!r} is not a name: {NAMES}"
+                message = f"{name!r} is not a name: {NAME_RULE}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
-            elif (key := key_for_name(name, ship)) is not None:
+            elif key is not None:
                 meant = f"{ALONE}.{key}"
                 message = f"expected the name of a ship; did you mean {meant!r}, or {f'{SEVERAL}.NAME.{key}'!r}?"
-                self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
-                continue
             else:
                 yield key_of(name), ship
                 continue
-            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message))
+            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
         """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""
@@ -233,35 +232,19 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
 
 
 def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """What a name or a mapping with `kind` stands for; raises SceneError."""
+    """The choice that a name or a mapping with `kind` stands for; raises SceneError."""
     slot = slot_of(place)
-    if not kinds(slot):
-        raise SceneError([problem(node.key_location, place, f"there is no kind of {slot} yet")])
     if isinstance(node.data, str):
-        name = node
-        part_first = True
-        own = node.with_data({})
+        name, own = node, node.with_data({})
     elif node.is_mapping and "kind" in node.data:
-        name = node.data["kind"]
-        part_first = False
-        own = node.with_data({key: value for key, value in node.data.items() if key != "kind"})
+        name, own = node.data["kind"], node.with_data({key: value for key, value in node.data.items() if key != "kind"})
     elif node.is_mapping and slot in MEANT:
-        name, part_first, own = node.with_data(MEANT[slot]), False, node
+        name, own = node.with_data(MEANT[slot]), node
     else:
-        end = f"there are {', '.join(known(slot))}"
-        if node.is_mapping:
-            mistyped = next((key for key in node.data if likeliest(str(key), keys_of(slot)) == "kind"), None)
-            if mistyped is not None:
-                message = f"unknown key; did you mean 'kind'? {end}"
-                raise SceneError([problem(node.data[mistyped].key_location, f"{place}.{mistyped}", message, "kind")])
-            meant = kind_of_keys(slot, node)
-            wrong = "missing key;" if meant is None else f"missing key; with these keys, did you mean {meant!r}?"
-            raise SceneError([problem(node.location, f"{place}.kind", f"{wrong} {end}", meant)])
-        wrong = f"expected a name or a mapping with `kind`, got {described(node.data)}"
-        raise SceneError([problem(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")])
+        raise SceneError([without_kind(place, node)])
     if not isinstance(name.data, str):
         raise SceneError([problem(name.location, f"{place}.kind", f"expected a name, got {described(name.data)}")])
-    if name.data in named(slot) and name.data not in within and (part_first or name.data not in kinds(slot)):
+    if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
         part = read(library("configs") / slot / f"{name.data}.yaml")
         base = chosen(place, part, (*within, name.data)).whole()
         kind = name.with_data(base.data["kind"].data)
@@ -269,6 +252,22 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     if name.data in kinds(slot):
         return Choice(node.with_data({"kind": name}), own)
     raise SceneError([unknown_name(slot, name, f"{place}.kind" if node.is_mapping else place)])
+
+
+def without_kind(place: str, node: Node) -> Problem:
+    """The problem of a part that names no kind."""
+    slot = slot_of(place)
+    end = f"there are {', '.join(known(slot))}"
+    if not node.is_mapping:
+        wrong = f"expected a name or a mapping with `kind`, got {described(node.data)}"
+        return problem(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")
+    mistyped = next((key for key in node.data if likeliest(str(key), keys_of(slot)) == "kind"), None)
+    if mistyped is not None:
+        message = f"unknown key; did you mean 'kind'? {end}"
+        return problem(node.data[mistyped].key_location, f"{place}.{mistyped}", message, "kind")
+    meant = kind_of_keys(slot, node)
+    wrong = "missing key;" if meant is None else f"missing key; with these keys, did you mean {meant!r}?"
+    return problem(node.location, f"{place}.kind", f"{wrong} {end}", meant)
 
 
 def keys_of(slot: str) -> list[str]:

@@ -12,7 +12,7 @@ from ocean_sim.model import Model
 from ocean_sim.parts import FluidConfig, Preflight, slot_of
 from ocean_sim.waves import Spectrum
 
-GRAPHICS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
+GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
 
 
 def particles(mapping: Any, known: Preflight, *_: Any) -> bool:
@@ -31,7 +31,7 @@ SEEDED = "the scene draws nothing at random but its spectra, and each of these h
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
 RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
     ("scene", "seed", lambda h, k, p, *_: not (found := seeds(p)) or h.seed in found or k.wind.is_random, SEEDED),
-    ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS, "a graphics processor does the work"),
+    ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS_BACKENDS, "a graphics processor does the work"),
     ("basin.walls", "z z_min z_max", lambda h, k, *_: k.tank.dimension == 3, "a slice has no sides across z"),
     ("basin.walls", "x", lambda h, *_: None in (h.x_min, h.x_max), "x_min and x_max stand in its place"),
     ("basin.walls", "z", lambda h, *_: None in (h.z_min, h.z_max), "z_min and z_max stand in its place"),

@@ -8,12 +8,14 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from ocean_sim.parts import BESIDE, SEVERAL, KindConfig, config_of, kinds, slot_of
+from ocean_sim.files.yaml_file import in_yaml
+from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import schema
 from ocean_sim.reading.sentences import opening
+from ocean_sim.reading.translation import members
 
 NAMED, ITEM = "NAME", "[]"
-WORDS = {
+TYPE_WORDS = {
     "number": "number",
     "integer": "whole number",
     "boolean": "true or false",
@@ -22,10 +24,9 @@ WORDS = {
     "object": "mapping",
     "array": "list",
 }
-PLAIN = ("number", "integer", "boolean", "string")
-BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
-NO_DEFAULT = object()
-EXAMPLES = {  # of keys by their names, where no default is one; of any other text the name itself
+PLAIN_TYPES = ("number", "integer", "boolean", "string")
+BOUND_SIGNS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+EXAMPLE_VALUES = {  # of keys by their names, where no default is one; of any other text the name itself
     "particles": "6000",
     "waves": "{height: 1.0, period: 6.0}",
     "wavemaker": "{height: 0.1, period: 2.0}",
@@ -44,8 +45,8 @@ EXAMPLES = {  # of keys by their names, where no default is one; of any other te
     "period": "2.0",
     "peak_period": "6.0",
 }
-ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0"}  # numbers of a list, by the name of its key
-SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
+EXAMPLE_ENTRIES = {"min": "-1.0", "max": "1.0", "half_size": "1.0"}  # numbers of a list, by the name of its key
+EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an example of a number, by its unit
 
 
 class Key(NamedTuple):
@@ -53,26 +54,26 @@ class Key(NamedTuple):
 
     path: str
     takes: str
-    """What may be written, in words."""
+    """A description of what may be written."""
     unit: str
-    """As in `m/s`; empty for what is no quantity, `1` for a number without one."""
+    """Unit as in `m/s`; empty for what is no quantity, `1` for a number without one."""
     default: str
-    """As YAML; `required` where there is none."""
+    """Default as YAML; `required` where there is none."""
     range: str
-    """As in `> 0`."""
+    """Bounds as in `> 0`."""
     meaning: str
     example: str
-    """As `--set` takes it, without the kind."""
+    """A setting as `--set` takes it, without the kind."""
     choices: tuple[str, ...]
     """The words that may be written, where there are only so many."""
     is_plain: bool
-    """Whether a number, a word or a switch may be written."""
+    """True if a number, a word or a switch may be written."""
 
     @property
     def section(self) -> str:
         """The table in which the reference lists it: `basin`, `wind.stress`, `motion`."""
         words = self.path.split(".")
-        kind = len(words) > 1 and words[0] in schema_slots() and words[1] in kinds(words[0])
+        kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])
 
 
@@ -83,17 +84,11 @@ def whole() -> dict[str, Any]:
 
 
 @cache
-def schema_slots() -> tuple[str, ...]:
-    """The slots, as the schema has them."""
-    return tuple(key for key, node in whole()["properties"].items() if "enum" in node.get("anyOf", [{}])[0])
-
-
-@cache
 def keys() -> tuple[Key, ...]:
-    """All of them, in the order of the models."""
+    """All keys, in the order of the models."""
     found: dict[str, Key] = {}
     for name, node in whole()["properties"].items():
-        if name in schema_slots():
+        if name in SLOTS:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
@@ -138,7 +133,7 @@ def inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator
 
 
 def of_names(node: dict[str, Any]) -> dict[str, Any]:
-    """What stands under each name of a mapping whose names the user gives."""
+    """The schema of each value in a mapping whose names the user gives."""
     return next(iter(node["patternProperties"].values()))
 
 
@@ -156,25 +151,16 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
     yield Key(f"{path}.kind", takes, "", "required", "", meaning, needed, words, is_plain=True)
 
 
-def members(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The members of a union, or the node itself."""
-    for union in ("anyOf", "oneOf"):
-        if union in node:
-            for member in node[union]:
-                yield from members(member)
-            return
-    yield node
-
-
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
-    default = "required" if required else in_yaml(node.get("default", NO_DEFAULT))
+    default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
     meaning = " ".join(plain(node).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
     bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
     choices = tuple(dict.fromkeys(word for member in members(node) for word in words_of(member)))
+    example = f"{example_path(path)}={value_of(path, node)}"
     return Key(
-        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example(path, node), choices),
-        is_plain=bool(choices) or any(member.get("type") in PLAIN for member in members(node)),
+        *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example, choices),
+        is_plain=bool(choices) or any(member.get("type") in PLAIN_TYPES for member in members(node)),
     )
 
 
@@ -185,14 +171,13 @@ def plain(node: dict[str, Any]) -> str:
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
-    yield from (f"{sign} {node[name]:g}" for name, sign in BOUNDS.items() if name in node)
-    for member in (node.get("items") if isinstance(node.get("items"), dict) else None,):
-        if member:
-            yield from bounds_of(member)
+    yield from (f"{sign} {node[name]:g}" for name, sign in BOUND_SIGNS.items() if name in node)
+    if isinstance(node.get("items"), dict):
+        yield from bounds_of(node["items"])
 
 
 def kind_of(node: dict[str, Any]) -> str:
-    """What a value is, in words."""
+    """The type of a value, in words."""
     if "$ref" in node:
         target = definition(node["$ref"])
         return "mapping" if "properties" in target else kind_of(next(members(target)))
@@ -207,7 +192,7 @@ def kind_of(node: dict[str, Any]) -> str:
         return f"list of {inner}"
     if "patternProperties" in node:
         return "mapping of names"
-    return WORDS.get(str(node.get("type", "")), "anything")
+    return TYPE_WORDS.get(str(node.get("type", "")), "anything")
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
@@ -216,28 +201,10 @@ def words_of(node: dict[str, Any]) -> list[str]:
     return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
 
 
-def in_yaml(value: Any) -> str:
-    """A plain value as it stands in YAML."""
-    if value is NO_DEFAULT:
-        return ""
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(in_yaml, value)) + "]"
-    return str(value) or '""'
-
-
-def example(path: str, node: dict[str, Any]) -> str:
-    """A key and a value, as `--set` takes them."""
-    return f"{example_path(path)}={value_of(path, node)}"
-
-
 def example_path(path: str) -> str:
     """A path as `--set` takes it: without the kind, the first entry of a list."""
     words = path.split(".")
-    if words[0] in schema_slots():
+    if words[0] in SLOTS:
         words = [words[0], *words[2:]]
     return ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
 
@@ -245,7 +212,7 @@ def example_path(path: str) -> str:
 def value_of(path: str, node: dict[str, Any]) -> str:
     """A value that suits a key: the kind's own example, its default, or one of its size."""
     words = path.split(".")
-    if len(words) == 3 and words[0] in schema_slots():
+    if len(words) == 3 and words[0] in SLOTS:
         given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
         if words[2] in given.example:
             return in_yaml(given.example[words[2]])
@@ -257,19 +224,19 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
-    if name in EXAMPLES:
-        return EXAMPLES[name]
+    if name in EXAMPLE_VALUES:
+        return EXAMPLE_VALUES[name]
     member = next((m for m in members(node) if m.get("type") != "null" and m.get("$ref") not in within), node)
     if "$ref" in member:
         return value_within(definition(member["$ref"]), name, (*within, member["$ref"]))
     if "const" in member or "enum" in member:
         return in_yaml(member["const"] if "const" in member else member["enum"][0])
     if "prefixItems" in member:
-        return f"[{', '.join([ENTRIES.get(name, '0.0')] * len(member['prefixItems']))}]"
+        return f"[{', '.join([EXAMPLE_ENTRIES.get(name, '0.0')] * len(member['prefixItems']))}]"
     if member.get("type") in ("number", "integer"):
         return number(node, member)
     if member.get("type") == "array":
-        entry = ENTRIES.get(name) or value_within(member["items"], name, within)
+        entry = EXAMPLE_ENTRIES.get(name) or value_within(member["items"], name, within)
         return f"[{', '.join([entry] * max(1, member.get('minItems', 1)))}]"
     if "properties" in member:
         return mapping(member, within)
@@ -293,7 +260,7 @@ def number(node: dict[str, Any], member: dict[str, Any]) -> str:
     low, high = limit(node, "minimum", "exclusiveMinimum"), limit(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
-    usual = SIZES.get(node.get("unit", ""), "1.0")
+    usual = EXAMPLE_SIZES.get(node.get("unit", ""), "1.0")
     if low is not None and float(usual) <= low:
         return f"{low + 1.0 if high is None else 0.5 * (low + high):g}"
     return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
@@ -306,7 +273,7 @@ def limit(node: dict[str, Any], *names: str) -> float | None:
 
 @cache
 def by_path() -> dict[str, Key]:
-    """All of them, by their paths."""
+    """All keys by their paths."""
     return {key.path: key for key in keys()}
 
 
@@ -317,7 +284,7 @@ def found(word: str) -> list[Key]:
     exact, below = [], []
     for key in keys():
         path = key.path.replace(ITEM, "").split(".")
-        forms = [path] + ([[path[0], *path[2:]]] if path[0] in schema_slots() else [])
+        forms = [path] + ([[path[0], *path[2:]]] if path[0] in SLOTS else [])
         if path[0] == "ship":
             forms += [[SEVERAL, NAMED, *form[1:]] for form in forms]
         forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]

@@ -1,6 +1,6 @@
 """A scene: what a user wrote, composed, checked and frozen."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from itertools import combinations
 from math import inf
@@ -13,7 +13,19 @@ from pydantic import PrivateAttr
 from ocean_sim import basin
 from ocean_sim.conventions import Refused, Unsuited
 from ocean_sim.files.input_file import digest, input_names
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, mapping, node_of, problem, read, shown
+from ocean_sim.files.yaml_file import (
+    Location,
+    Node,
+    Problem,
+    SceneError,
+    cut,
+    in_yaml,
+    mapping,
+    node_of,
+    problem,
+    read,
+    shown,
+)
 from ocean_sim.model import Model
 from ocean_sim.parts import (
     ALONE,
@@ -39,15 +51,17 @@ from ocean_sim.parts import (
     slot_of,
     water_schemes,
 )
+from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
-from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.idle import idle_keys
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
 
-ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # unless null
-OVERRIDE = "--set"
+ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # observers, unless null
+ON_WITH = {"motion": ALONE, "platform_log": "platform"}  # observers, unless null, where the scene has this part
+DRAWN_FROM = {"render": "frames", "platform_log": "motion"}  # the observer without which one is not on by itself
+OVERRIDE, MAX_VALUE_BYTES = "--set", 40  # how a message names what `--set` gives
 WORD = {"f32": 4, "f64": 8}  # bytes of a number
 
 
@@ -56,17 +70,17 @@ class SceneConfig(Heading):
 
     basin: basin.Config
     sea: SeaConfig | None = None
-    fluid: FluidConfig
     wind: WindConfig
+    fluid: FluidConfig
     surface: SurfaceConfig | None = None
     ships: dict[str, ShipConfig] = {}
-    """By name; one that is alone and has none is `ship`."""
+    """Ships by name; one that is alone and has none is `ship`."""
     platform: PlatformConfig | None = None
     time_step: TimeStepConfig
     runtime: RuntimeConfig
     observers: dict[str, ObserverConfig] = {}
     notes: list[str] = []
-    """What composing the scene dropped or changed: sentences for `run` and `check`."""
+    """Sentences for `run` and `check` on what composing the scene dropped or changed."""
 
     _preflight: Preflight | None = PrivateAttr(None)
     _inputs: dict[str, str] = PrivateAttr({})
@@ -82,7 +96,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """What is known of the scene before anything is built; made once, and again for a copy with other parts."""
+        """The facts of the scene before anything is built; made once, and again for a copy with other parts."""
         known, word, arch = self._preflight, WORD[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -91,7 +105,7 @@ class SceneConfig(Heading):
         return known
 
     def ledger(self) -> list[LedgerRow]:
-        """What the scene will allocate and compile, and why; nothing is allocated to find out."""
+        """A row for each thing that the scene will allocate or compile, and why; nothing is allocated to find out."""
         preflight = self.preflight
         rows = [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
         if self.surface is not None and self.surface.when_read:
@@ -133,23 +147,13 @@ class SceneConfig(Heading):
     def resolved(self) -> dict[str, Any]:
         """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the
         resolution."""
-        data: dict[str, Any] = {"title": self.title, "seed": self.seed, "duration": self.duration, "resolution": 1.0}
-        for slot in ("basin", *SLOTS, "runtime"):
-            if slot == ALONE:
-                data |= self._resolved_ships()
-            else:
-                part = getattr(self, slot)
-                data[slot] = part.model_dump(mode="json", by_alias=True) if part is not None else None
-        off = {name: None for name in always_on() if name not in self.observers}
-        return (
-            data
-            | off
-            | {name: config.model_dump(mode="json", by_alias=True) for name, config in self.observers.items()}
-        )
-
-    def _resolved_ships(self) -> dict[str, Any]:
-        ships = {name: ship.model_dump(mode="json", by_alias=True) for name, ship in self.ships.items()}
-        return {ALONE: ships.get(ALONE)} if not ships or ALONE in ships else {SEVERAL: ships}
+        data = self.model_dump(mode="json", by_alias=True, serialize_as_any=True, exclude={"notes"})
+        ships, observers = data[SEVERAL], data.pop("observers")
+        written = (ALONE, ships.get(ALONE)) if not ships or ALONE in ships else (SEVERAL, ships)
+        data = dict(written if key == SEVERAL else (key, value) for key, value in data.items())
+        slots = {slot_of(place) for place in self.parts()}
+        off = {name: None for name in on_unless_null(slots) if name not in observers}
+        return data | {"resolution": 1.0} | off | observers
 
 
 def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
@@ -162,9 +166,9 @@ def observer_names() -> tuple[str, ...]:
     return kinds("observers")
 
 
-def always_on() -> tuple[str, ...]:
-    """The observers that are on unless a scene sets them to null."""
-    return tuple(name for name in ALWAYS_ON if name in kinds("observers"))
+def on_unless_null(slots: Iterable[str]) -> list[str]:
+    """The observers that are on unless a scene sets them to null, by the slots that it fills."""
+    return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
 def load(
@@ -184,17 +188,14 @@ def load(
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
         return _loaded(scene, folder, overrides, profile)
     except RecursionError:
-        raise SceneError([Problem("scene", None, None, "", "nested too deeply")]) from None
+        raise SceneError([problem(Location("scene"), "", "nested too deeply")]) from None
 
 
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The same of a text, as if it stood in a file of this name in a folder, from which its names of files start."""
-    try:
-        return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
-    except RecursionError:
-        raise SceneError([Problem(name, None, None, "", "nested too deeply")]) from None
+    """The scene in a text, as if it stood in a file of this name in a folder, from which its names of files start."""
+    return _loaded(mapping(text, name), folder.absolute(), overrides, profile)
 
 
 def _loaded(scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None) -> SceneConfig:
@@ -216,7 +217,7 @@ def scene_path(source: str | Path) -> Path:
         return packaged
     if not path.exists():
         end, suggestion = choice_sentence(str(source), packaged_scenes())
-        raise SceneError([Problem(shown(path), None, None, "", f"there is no such file or scene{end}", suggestion)])
+        raise SceneError([problem(Location(shown(path)), "", f"there is no such file or scene{end}", suggestion)])
     return path
 
 
@@ -249,13 +250,9 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 
 def _override(key: str, value: Any) -> Node:
-    return value if isinstance(value, Node) else node_of(value, Location(f"{OVERRIDE} {key}={_short(value)}"))
-
-
-def _short(value: Any) -> str:
-    text = {None: "null", True: "true", False: "false"}.get(value) if value is None or isinstance(value, bool) else None
-    text = text or str(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
+    """A node of what `--set`, or Python, gives for a key."""
+    shown = "" if isinstance(value, Node) else cut(in_yaml(value), MAX_VALUE_BYTES)
+    return node_of(value, Location(f"{OVERRIDE} {key}={shown}"))
 
 
 def _checked(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
@@ -280,48 +277,48 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     observers = _observers(data, root, problems, folder)
     problems += _lacking(observers, there, wrong, data, root)
     problems += _unsuited(there, data, tank is not None and tank.dimension == 2)
-    if tank_config is not None and tank is not None and runtime is not None and heading is not None:
-        sea = there.get("sea")
-        patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-        preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
-        problems += _located("basin", tank_config.problems(tank, heading.duration), data["basin"])
-        for name, part in (there | observers).items():
-            problems += _located(name, part.problems(preflight), _node(data, name) or root)
-        afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
-        others = {name: part for name, part in (there | observers).items() if name not in afloat}
-        for asked in (afloat, others):  # the others count the particles around what floats
-            if not problems and not wrong:
-                for name, part in asked.items():
-                    problems += _located(name, part.mismatches(preflight), _node(data, name) or root)
-        if not problems and not wrong:
-            problems += _overlapping(preflight, data)
-        if not problems and not wrong:
-            values = {key: getattr(heading, key) for key in headings}
-            values |= {slot: parts[slot] for slot in SLOTS if slot != ALONE}
-            notes += preflight.fluid.notes(preflight)
-            config = SceneConfig(
-                **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
-            )
-            config._preflight = preflight
-            config._inputs = config.inputs()
-            return config
-    return None
+    if tank_config is None or tank is None or runtime is None or heading is None:
+        return None
+    sea = there.get("sea")
+    patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
+    preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
+    problems += _located("basin", tank_config.problems(tank, heading.duration), root)
+    for name, part in (there | observers).items():
+        problems += _located(name, part.problems(preflight), root)
+    afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
+    others = {name: part for name, part in (there | observers).items() if name not in afloat}
+    for asked in (afloat, others):  # the others count the particles around what floats
+        if not problems:
+            for name, part in asked.items():
+                problems += _located(name, part.mismatches(preflight), root)
+    if not problems:
+        problems += _overlapping(preflight, root)
+    if problems:
+        return None
+    values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
+    notes += preflight.fluid.notes(preflight)
+    config = SceneConfig(
+        **values, ships=preflight.ships, basin=tank_config, runtime=runtime, observers=observers, notes=notes
+    )
+    config._preflight = preflight
+    config._inputs = config.inputs()
+    return config
 
 
 def _places(data: dict[str, Node]) -> list[str]:
-    """Where a part may stand, in the order of the slots."""
+    """The places where a part may stand, in the order of the slots."""
     ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
     return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
 
 
 def _node(data: dict[str, Node], place: str) -> Node | None:
-    """What is written in a place, or of an observer."""
+    """The node in a place, or of an observer; None where there is none."""
     slot, _, name = place.partition(".")
     node = data.get(slot)
     return node.child(name) if node is not None and name else node
 
 
-def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
+def _overlapping(preflight: Preflight, root: Node) -> list[Problem]:
     """Ships that begin in one another."""
     if len(preflight.ships) < 2:
         return []
@@ -333,8 +330,7 @@ def _overlapping(preflight: Preflight, data: dict[str, Node]) -> list[Problem]:
             depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
         if depth > 0.0:
             sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
-            place = key_of(second)
-            problems += _located(place, [(("position",), f"{sentence}; move one")], _node(data, place) or data[SEVERAL])
+            problems += _located(key_of(second), [(("position",), f"{sentence}; move one")], root)
     return problems
 
 
@@ -351,13 +347,11 @@ def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
 
 def _below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     """The end of a refusal of a key that is one of a part, and the suggestion: first what the chosen kinds have."""
-    from ocean_sim.reading.keys import elsewhere, example_path, named_so, schema_slots  # they read scenes
+    from ocean_sim.reading.keys import elsewhere, example_path, named_so  # they read scenes
 
     def here(path: str) -> bool:
         slot, kind, *_ = path.split(".")
-        return slot not in schema_slots() or (
-            slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind
-        )
+        return slot not in SLOTS or (slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind)
 
     paths = sorted(
         (example_path(path) for path in named_so(key) if "." in path and here(path)), key=lambda p: p.count(".")
@@ -431,11 +425,9 @@ def _observers(
 ) -> dict[str, ObserverConfig]:
     """The observers that a scene names or does not switch off, in the order in which they take turns."""
     observers: dict[str, ObserverConfig] = {}
-    aboard = ALONE in data or SEVERAL in data
-    unless_null = (*always_on(), *(("motion",) if aboard else ()))
+    default = on_unless_null({ALONE if key == SEVERAL else key for key in data})
     for name in observer_names():
-        on = name in unless_null or (name == "platform_log" and "platform" in data and "motion" in observers)
-        on &= name != "render" or "frames" in observers  # it draws them
+        on = name in default and DRAWN_FROM.get(name, name) in (name, *observers)
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
@@ -471,11 +463,11 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _located(name: str, found: Problems, node: Node) -> list[Problem]:
+def _located(name: str, found: Problems, root: Node) -> list[Problem]:
     """The problems that a part reports, each at its location in the file."""
     problems = []
     for path, sentence in found:
-        inner = node
+        inner = _node(root.data, name) or root
         for step in path:
             inner = inner.child(step) or inner
         problems.append(problem(inner.location, dotted((name, *path)), sentence))

@@ -10,35 +10,39 @@ from itertools import pairwise
 from typing import Any
 
 from pydantic import BaseModel
-from pydantic.json_schema import GenerateJsonSchema
+from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
+from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
+from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import chosen, known
-from ocean_sim.reading.heading import Heading
 from ocean_sim.reading.sentences import opening, sentence
 from ocean_sim.runtime import RuntimeConfig
 
 
 def schema() -> dict[str, Any]:
     """JSON Schema, draft 2020-12; descriptions as editors show them, with unit and default."""
-    definitions: dict[str, Any] = {}
-    properties = dict(_properties(Heading, definitions))
-    properties["basin"] = _model(basin.Config, definitions)
+    observers = {name: import_module(f"ocean_sim.observers.{name}") for name in kinds("observers")}
+    models = [Heading, basin.Config, RuntimeConfig, *(module.Config for module in observers.values())]
+    models += [config_of(slot, kind) for slot in SLOTS for kind in kinds(slot)]
+    references, whole = models_json_schema([(model, "validation") for model in models], schema_generator=_Generator)
+    definitions = whole["$defs"]
+    properties = definitions.pop(Heading.__name__)["properties"]
+    properties["basin"] = references[basin.Config, "validation"]
     properties |= {slot: _slot(slot, definitions) for slot in SLOTS}
     properties[SEVERAL] = {
         "description": "Several ships by name, in place of `ship`.",
         "anyOf": [{"type": "object", "additionalProperties": properties[ALONE]}, {"type": "null"}],
     }
     for key, slot in BESIDE.items():
-        inner = definitions[_name(config_of(slot, MEANT[slot]))]["properties"][key]
+        inner = definitions[f"{slot}.{MEANT[slot]}"]["properties"][key]
         properties[key] = {"description": f"As `{slot}.{key}`.", "anyOf": [{"$ref": inner["$ref"]}, {"type": "null"}]}
-    properties["runtime"] = _model(RuntimeConfig, definitions)
-    for name in kinds("observers"):
-        module = import_module(f"ocean_sim.observers.{name}")
-        described = {"description": opening(module.__doc__ or "")}
-        properties[name] = described | {"anyOf": [_model(module.Config, definitions), {"type": "null"}]}
+    properties["runtime"] = references[RuntimeConfig, "validation"]
+    for name, module in observers.items():
+        choices = [references[module.Config, "validation"], {"type": "null"}]
+        properties[name] = {"description": opening(module.__doc__ or ""), "anyOf": choices}
     found = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Ocean Sim scene",
@@ -65,9 +69,12 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     module = import_module(f"ocean_sim.{slot}")
     words = known(slot)
     told = [sentence(slot, word) for word in words]
-    choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}] if words else []
+    choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}]
     for kind in kinds(slot):
-        choices.append(_model(config_of(slot, kind), definitions, None if MEANT.get(slot) == kind else kind))
+        choices.append({"$ref": f"#/$defs/{slot}.{kind}"})
+        if MEANT.get(slot) != kind:
+            definition = definitions[f"{slot}.{kind}"]
+            definition["required"] = ["kind", *definition.get("required", [])]
     presets = sorted(set(named(slot)) - set(kinds(slot)))
     choices += [_preset(slot, name, definitions) for name in presets]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
@@ -76,8 +83,9 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 def _preset(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """A preset with some keys of its own: those of its kind, none of them required."""
     kind = chosen(slot, node_of(name, Location(name))).kind
-    own = definitions[_name(config_of(slot, kind))]
-    properties = own["properties"] | {"kind": {"const": name, "description": sentence(slot, name)}}
+    properties = definitions[f"{slot}.{kind}"]["properties"] | {
+        "kind": {"const": name, "description": sentence(slot, name)}
+    }
     return {
         "type": "object",
         "description": sentence(slot, name),
@@ -97,75 +105,52 @@ def _explain(node: dict[str, Any], definitions: dict[str, Any]) -> None:
     meaning = node.get("description") or of_model
     if not meaning:
         return
-    unit, default = node.get("unit", ""), node.get("default")
-    more = f" [{unit}]" if unit not in ("", "1") else ""
+    default = node.get("default")
+    more = in_brackets(node.get("unit"))
     more += f" Default: {json.dumps(default)}." if default not in (None, [], {}, "") else ""
     node |= {"meaning": meaning, "description": f"{meaning}{more}"}
 
 
-def _properties(model: type[BaseModel], definitions: dict[str, Any]) -> dict[str, Any]:
-    return _generated(model, definitions)["properties"]
-
-
-def _model(model: type[BaseModel], definitions: dict[str, Any], kind: str | None = None) -> dict[str, Any]:
-    """A reference to a model's own definition; of a slot's kinds `kind` must be written."""
-    generated = _generated(model, definitions)
-    if kind is not None:
-        generated["required"] = ["kind", *generated.get("required", [])]
-    name = _name(model)
-    definitions[name] = generated
-    return {"$ref": f"#/$defs/{name}"}
-
-
-def _generated(model: type[BaseModel], definitions: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a model; the models inside it become definitions that carry its name too, so that none collide."""
-    generated = model.model_json_schema(schema_generator=_Generator, ref_template=f"#/$defs/{_name(model)}.{{model}}")
-    for inner, definition in generated.pop("$defs", {}).items():
-        definitions[f"{_name(model)}.{inner}"] = definition
-    generated.pop("title", None)
-    return generated
-
-
-def _name(model: type[BaseModel]) -> str:
-    return f"{model.__module__.removeprefix('ocean_sim.')}.{model.__qualname__}".removesuffix(".Config")
-
-
 class _Generator(GenerateJsonSchema):
-    """Without the titles that pydantic makes of names, and with the docstrings of keys. A model does not read them as
-    it is made, as pydantic would: that took a tenth of the time to a first step."""
+    """Schema without the titles that pydantic makes of names, with the docstrings of keys. A model does not read them
+    as it is made, as pydantic would: that took a tenth of the time to a first step."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
 
+    def normalize_name(self, name: str) -> str:
+        """The name of a definition: `wind.stress` of a kind; of another model that of its class, where it is the only
+        one."""
+        return name.removeprefix("ocean_sim.").removesuffix(".Config")
+
     def model_schema(self, schema: Any) -> dict[str, Any]:
         made, model = super().model_schema(schema), schema["cls"]
+        if model.__name__.endswith("Config"):
+            del made["title"]
         docstrings = _docstrings(model)
         for key, field in model.model_fields.items():
-            if key in docstrings:
+            if docstrings.get(key):
                 made["properties"][field.alias or key]["description"] = docstrings[key]
         return made
 
 
 def _docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """What stands under each key of a model, or of the one that it has the key from."""
+    """The text under each key of a model, in its own class or the last above it that declares the key."""
     found: dict[str, str] = {}
-    for kind in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
-        under = _under(kind)
-        found = {key: text for key, text in found.items() if key not in vars(kind).get("__annotations__", {})} | under
+    for above in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
+        for node, after in pairwise([*_body(above), None]):
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                text = after.value if isinstance(after, ast.Expr) else None
+                found[node.target.id] = cleandoc(str(text.value)) if isinstance(text, ast.Constant) else ""
     return found
 
 
-def _under(kind: type) -> dict[str, str]:
-    """The docstring under each annotated name in the body of a class."""
-    body: list[ast.stmt] = _module(kind.__module__).body
-    for name in kind.__qualname__.split("."):
+def _body(model: type) -> list[ast.stmt]:
+    """The statements of a class."""
+    body: list[ast.stmt] = _module(model.__module__).body
+    for name in model.__qualname__.split("."):
         body = next(node.body for node in body if isinstance(node, ast.ClassDef) and node.name == name)
-    found = {}
-    for node, after in pairwise(body):
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and isinstance(after, ast.Expr):
-            if isinstance(after.value, ast.Constant) and isinstance(after.value.value, str):
-                found[node.target.id] = cleandoc(after.value.value)
-    return found
+    return body
 
 
 @lru_cache

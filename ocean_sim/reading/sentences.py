@@ -1,4 +1,4 @@
-"""What each thing that a scene may name is, in one sentence; no kind is imported for it."""
+"""One sentence on each thing that a scene may name; no kind is imported for it."""
 
 import ast
 from functools import cache
@@ -11,19 +11,19 @@ from ocean_sim.parts import PACKAGE, kinds, library, named
 
 @cache
 def sentence(slot: str, name: str) -> str:
-    """Of a kind, or of a preset."""
+    """The sentence of a kind, or of a preset."""
     if name in named(slot) and name not in kinds(slot):
         return of_file(library("configs") / slot / f"{name}.yaml")
     return of_module(PACKAGE / slot / f"{name}.py")
 
 
 def of_module(path: Path) -> str:
-    """What the docstring of a module begins with."""
+    """The sentence that the docstring of a module begins with."""
     return opening(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "")
 
 
 def opening(docstring: str) -> str:
-    """Its lines up to the first that ends a sentence, as one."""
+    """The lines of a docstring up to the first that ends a sentence, as one."""
     lines = docstring.split("\n\n")[0].splitlines()
     last = next((k for k, line in enumerate(lines) if line.endswith(".")), len(lines) - 1)
     return " ".join(line.strip() for line in lines[: last + 1])

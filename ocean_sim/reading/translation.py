@@ -3,23 +3,23 @@
 import re
 from collections.abc import Iterator
 from difflib import get_close_matches
+from functools import cache
 from itertools import islice
 from math import inf
 from pathlib import Path as Folder
-from types import UnionType
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
 from ocean_sim.files.input_file import FOLDER
 from ocean_sim.files.yaml_file import Node, Problem, described, problem
+from ocean_sim.model import in_brackets
 
-LEAST, MOST = 1e-60, 1e15  # size of a number in SI units that a scene may hold
-NAMES = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
-MANY = 200  # errors of one part beyond which the rest is of the same kind
-EXAMPLES = 2  # keys of a mapping that a sentence shows where none is required
-FEW = 24  # choices that still fit in a sentence
+MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
+NAME_RULE = "letters, digits and _, a letter first"  # what a name that a scene gives is made of
+MAX_ERRORS = 200  # errors of one part beyond which the rest is of the same kind
+SHOWN_KEYS = 2  # keys of a mapping that a sentence shows where none is required
+MAX_CHOICES = 24  # choices that still fit in a sentence
 BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 SHAPES = {
     "float_type": "a number",
@@ -35,6 +35,7 @@ SHAPES = {
     "tuple_type": "a list",
     "none_required": "null",
 }
+TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
 
 MEASURE = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")  # a number and its unit
 UNITS = {  # what people write, in units of scenes
@@ -51,10 +52,10 @@ UNITS = {  # what people write, in units of scenes
     "%": ("1", 1e-2),
 }
 
-SHORTEST = 3  # letters of the beginning of a word by which it is known
-SLIP, ALMOST = 0.9, 0.6  # parts of the letters that two words share: one mistyped, one like the other
+MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
+SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
 
-# What other programs call it, and what it may be called here; the first that there is counts.
+# Names in other programs, and what each may be called here; the first that there is counts.
 SYNONYMS = {
     word: tuple(meant.split())
     for words, meant in {
@@ -111,7 +112,7 @@ def validated(
 ) -> Model | None:
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
-    beyond = list(islice(absurd(node, path), MANY))
+    beyond = list(islice(absurd(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
         found = model.model_validate(node.plain(), context={FOLDER: folder})
@@ -128,8 +129,8 @@ def absurd(node: Node, path: Path) -> Iterator[Problem]:
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from absurd(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
-        if not LEAST <= abs(node.data) <= MOST and abs(node.data) < inf:
-            message = f"{described(node.data)} is out of range: 0, or between {LEAST:g} and {MOST:g}"
+        if not MIN_NUMBER <= abs(node.data) <= MAX_NUMBER and abs(node.data) < inf:
+            message = f"{described(node.data)} is out of range: 0, or between {MIN_NUMBER:g} and {MAX_NUMBER:g}"
             yield problem(node.location, dotted(path), message)
 
 
@@ -147,28 +148,28 @@ def likeliest(word: str, choices: Any) -> str | None:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
     others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
-    longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= SHORTEST]
-    slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP, ALMOST))
+    longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
+    slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
 
 
 def lowered(word: str) -> str:
-    """A word as those are compared that mean the same."""
+    """A word in the form in which words are compared."""
     return word.lower().replace("-", "_").replace(" ", "_")
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """'; did you mean ...' or '; there are ...', and the suggestion alone."""
+    """The end of a refusal, '; did you mean ...' or '; there are ...', and the suggestion alone."""
     choices = [str(choice) for choice in choices]
     suggestion = likeliest(word, choices)
     if suggestion is not None:
         return f"; did you mean {suggestion!r}?", suggestion
-    return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= FEW else ""), None
+    return (f"; there are {', '.join(choices)}" if 0 < len(choices) <= MAX_CHOICES else ""), None
 
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """The same of an unknown key: one with dots, as `--set` takes it, is a mapping in a scene."""
+    """The end of a refusal of an unknown key, and the suggestion; one with dots, as `--set` takes it, is a mapping."""
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
@@ -177,7 +178,7 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
     """Every problem in a validation error; of each union only those of its likeliest member."""
-    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MANY]]
+    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
         problems += _of_union([f for f in found if f.union == union], prefix)
@@ -185,14 +186,14 @@ def translated(error: ValidationError, model: type[BaseModel], root: Node, prefi
 
 
 class _Found(NamedTuple):
-    """One pydantic error: where in the data it is, and the parts of the models that it concerns."""
+    """One pydantic error: where in the data it is, and what the schema of the model allows there."""
 
     kind: str
     message: str
     context: dict[str, Any]
     path: Path  # keys and indices that exist in the data, then the missing key if one is missing
     node: Node  # the deepest node on that path
-    field: FieldInfo | None  # the last field passed on the way
+    unit: str  # in brackets
     keys: tuple[str, ...]  # what could be written instead of an unknown key
     form: str  # what a value of its kind looks like, where that is a mapping or a list
     union: Path | None  # the path of the first union on the way, and
@@ -200,12 +201,17 @@ class _Found(NamedTuple):
     shape: bool  # the value has another shape than the member expects
 
 
+@cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
+
+
 def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
-    node, types = root, [model]
+    definitions = _schema(model).get("$defs", {})
+    node, places, keys = root, [*opened(_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
     union: Path | None = None
-    field: FieldInfo | None = None
-    member, keys = "", tuple[str, ...]()
+    member, unit = "", ""
     steps = error["loc"]
     for k, step in enumerate(steps):
         inner = node.child(step)
@@ -213,61 +219,54 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
         if inner is None and not (last and error["type"] in ("missing", "extra_forbidden")):
             if union is None:
                 union, member = path, str(step)
-            types = _narrowed(types, str(step))
+            places = [place for place in places if _is_meant(place, str(step))] or places
             continue
-        keys = tuple(dict.fromkeys(name for t in types if _is_model(t) for name in t.model_fields))
+        keys = tuple(dict.fromkeys(name for place in places for name in place.get("properties", ())))
         path = (*path, step)
-        types, field = _inside(types, step, field)
+        below = [_below(place, step) for place in places]
+        if step in keys:
+            unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
+        places = [member for schema in below for member in opened(schema, definitions)]
         node = inner if inner is not None else node
     shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
-    context = error.get("ctx", {})
-    form = _form([t for t in types if _fits(error["type"], t)])
-    return _Found(error["type"], error["msg"], context, path, node, field, keys, form, union, member, shape)
+    fitting = [place for place in places if place.get("type") == TYPES.get(SHAPES.get(error["type"], ""))]
+    form = _form(fitting[0], definitions) if fitting else ""
+    return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
 
-def _members(annotation: Any) -> list[Any]:
-    """An annotation without `Annotated`, a union as its members."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return _members(get_args(annotation)[0])
-    if origin in (Union, UnionType):
-        return [member for argument in get_args(annotation) for member in _members(argument)]
-    return [annotation]
+def members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The members of a union of JSON Schema, or the schema itself."""
+    union = schema.get("anyOf", schema.get("oneOf"))
+    if union is None:
+        yield schema
+    for member in union or ():
+        yield from members(member)
 
 
-def _is_model(annotation: Any) -> bool:
-    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+def opened(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The members of a union, each as its definition."""
+    for member in members(schema):
+        if "$ref" in member:
+            yield from opened(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
+        else:
+            yield member
 
 
-def _narrowed(types: list[Any], tag: str) -> list[Any]:
-    """The members of a union that pydantic means by a tag: a class by name, or by the word of its discriminator."""
-
-    def meant(model: Any) -> bool:
-        words = [
-            w
-            for f in model.model_fields.values()
-            if get_origin(f.annotation) is Literal
-            for w in get_args(f.annotation)
-        ]
-        return model.__name__ == tag or tag in words
-
-    return [t for t in types if _is_model(t) and meant(t)] or types
+def _is_meant(place: dict[str, Any], tag: str) -> bool:
+    """True if pydantic means a member of a union by a tag: its name, or a word of its discriminator."""
+    keys = place.get("properties", {}).values()
+    return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
-def _inside(types: list[Any], step: str | int, field: FieldInfo | None) -> tuple[list[Any], FieldInfo | None]:
-    """The annotations one step further in, and the last model field passed."""
-    inner: list[Any] = []
-    for t in types:
-        arguments = get_args(t)
-        if _is_model(t) and step in t.model_fields:
-            field = t.model_fields[step]
-            inner += _members(field.annotation)
-        elif get_origin(t) is dict and arguments:
-            inner += _members(arguments[1])
-        elif get_origin(t) in (list, tuple) and isinstance(step, int) and arguments:
-            inner += _members(arguments[min(step, len(arguments) - 1)] if arguments[-1] is not ... else arguments[0])
-    return inner, field
+def _below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
+    """The schema of what stands under a key or an index."""
+    if isinstance(step, int):
+        entries = place.get("prefixItems", [])
+        return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
+    named = [*place.get("patternProperties", {}).values(), place.get("additionalProperties")]
+    found = place.get("properties", {}).get(step, named[0])
+    return found if isinstance(found, dict) else {}  # true: anything; false, or none: nothing
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
@@ -307,7 +306,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     bound = next((name for name in BOUNDS if name in context), None)
     if found.member == "[key]":
         key, location = dotted(prefix + found.path[:-1]), found.node.key_location
-        message = f"{found.path[-1]!r} is not a name: {NAMES}"
+        message = f"{found.path[-1]!r} is not a name: {NAME_RULE}"
     elif found.kind == "extra_forbidden":
         message, suggestion = key_sentence(str(found.path[-1]), found.keys)
         message, location = f"unknown key{message}", found.node.key_location
@@ -321,7 +320,7 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         word = "most" if found.kind == "too_long" else "least"
         message = f"expected at {word} {_entries(wanted)}, got {len(found.node.data)}"
     elif bound is not None:
-        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{_unit(found.field)}"
+        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{found.unit}"
     elif found.kind == "finite_number":
         message = f"{value} is not a finite number"
     elif found.kind == "literal_error":
@@ -354,7 +353,7 @@ def _hint(found: _Found) -> str:
     measure = MEASURE.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
     if measure is None:
         return ""
-    written, unit = measure[2].replace("^", ""), _unit(found.field).strip(" []")
+    written, unit = measure[2].replace("^", ""), found.unit.strip(" []")
     of, factor = UNITS.get(written, (written, 1.0))
     if of not in ("", unit or "1"):
         return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
@@ -362,27 +361,18 @@ def _hint(found: _Found) -> str:
     return f"; did you mean {number:.12g}?" if found.kind == "float_type" or number.is_integer() else ""
 
 
-def _fits(wanted: str, annotation: Any) -> bool:
-    """Whether a member of a union is of the shape that an error says was expected."""
-    shapes = {"a mapping": (dict,), "a list": (list, tuple)}.get(SHAPES.get(wanted, ""), ())
-    return get_origin(annotation) in shapes or (dict in shapes and _is_model(annotation))
-
-
-def _form(types: list[Any]) -> str:
-    """What a value looks like: a mapping with the keys that it must have, else its first ones; a list with an entry."""
-    annotation = next(iter(types), None)
-    origin, arguments = get_origin(annotation), get_args(annotation)
-    if _is_model(annotation):
-        fields = annotation.model_fields  # type: ignore[union-attr]
-        names = [name for name, field in fields.items() if field.is_required()] or [*fields][:EXAMPLES]
+def _form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
+    """The form of a value: a mapping with the keys that it must have, else its first ones; a list with an entry."""
+    if "properties" in place:
+        names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"
-    if origin is dict:
-        return f"{{NAME: {_form(_members(arguments[1])) or '...'}}}"
-    if origin is list or (origin is tuple and ... in arguments):
-        return f"[{_form(_members(arguments[0])) or '...'}, ...]"
-    if origin is tuple:
-        return f"[{', '.join('...' for _ in arguments)}]"
-    return ""
+    if "prefixItems" in place:
+        return f"[{', '.join('...' for _ in place['prefixItems'])}]"
+    if place.get("type") not in ("array", "object"):
+        return ""
+    inside = next(opened(_below(place, 0 if place["type"] == "array" else ""), definitions))
+    entry = _form(inside, definitions) or "..."
+    return f"[{entry}, ...]" if place["type"] == "array" else f"{{NAME: {entry}}}"
 
 
 def _entries(count: int) -> str:
@@ -391,9 +381,3 @@ def _entries(count: int) -> str:
 
 def _number(bound: Any) -> str:
     return f"{bound:g}" if isinstance(bound, float) else str(bound)
-
-
-def _unit(field: FieldInfo | None) -> str:
-    extra = field.json_schema_extra if field is not None else None
-    unit = extra.get("unit") if isinstance(extra, dict) else None
-    return f" [{unit}]" if unit and unit != "1" else ""

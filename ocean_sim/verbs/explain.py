@@ -3,16 +3,17 @@
 import shlex
 from typing import Any
 
-from ocean_sim.files.yaml_file import Location, node_of
+from ocean_sim.files.yaml_file import Location, in_yaml, node_of
+from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
 from ocean_sim.reading.composition import chosen, kind_named, known
-from ocean_sim.reading.keys import Key, elsewhere, found, in_yaml, keys, schema_slots
+from ocean_sim.reading.keys import Key, elsewhere, found, keys
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
 
-MOST = 12  # keys that are explained at length; of more only their meanings are listed
+MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
 
 
 def explain(word: str, as_json: bool) -> None:
@@ -32,7 +33,7 @@ def explain(word: str, as_json: bool) -> None:
         return
     if part is not None:
         console.say(f"{'.'.join(part)}: {sentence(*part)}\n")
-    if len(same) <= MOST:
+    if len(same) <= MAX_AT_LENGTH:
         for key, paths in same:
             console.say("\n".join(lines(key, paths)) + "\n")
     else:
@@ -65,13 +66,8 @@ def meant(word: str) -> str:
     """The end of a refusal: what the word most likely means, else where there is more."""
     whole = {key.path for key in keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-    end, _ = choice_sentence(word, sorted(whole | shorter))
-    return (
-        among(word)
-        or elsewhere(word.rpartition(".")[2])
-        or end
-        or "; `ocean-sim list` shows all there is to choose from"
-    )
+    end = elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
+    return among(word) or end or "; `ocean-sim list` shows all there is to choose from"
 
 
 def among(word: str) -> str:
@@ -94,19 +90,15 @@ def grouped(found: list[Key]) -> list[tuple[Key, list[str]]]:
     return list(same.values())
 
 
-def unit_of(key: Key) -> str:
-    return f" [{key.unit}]" if key.unit not in ("", "1") else ""
-
-
 def lines(key: Key, paths: list[str]) -> list[str]:
     """A key at length."""
     bounds = f", {key.range}" if key.range else ""
     slot = paths[0].partition(".")[0]
-    owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in schema_slots() else []
+    owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in SLOTS else []
     return [
         ", ".join(paths),
         f"  {key.meaning}",
-        f"  takes    {key.takes}{unit_of(key)}{bounds}",
+        f"  takes    {key.takes}{in_brackets(key.unit)}{bounds}",
         f"  default  {key.default or 'none'}",
         f"  example  --set {shlex.quote(key.example)}",
         *([f"  where    {slot}.kind is {' or '.join(owners)}"] if owners else []),
@@ -115,17 +107,9 @@ def lines(key: Key, paths: list[str]) -> list[str]:
 
 def row(key: Key, paths: list[str]) -> list[str]:
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
-    return [paths[0] + more, key.default, f"{key.meaning}{unit_of(key)}"]
+    return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
 
 
 def answer(key: Key, paths: list[str]) -> dict[str, Any]:
-    return {
-        "key": paths[0],
-        "keys": paths,
-        "meaning": key.meaning,
-        "takes": key.takes,
-        "unit": key.unit,
-        "default": key.default,
-        "range": key.range,
-        "example": key.example,
-    }
+    shown = ("meaning", "takes", "unit", "default", "range", "example")
+    return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

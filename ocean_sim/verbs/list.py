@@ -11,7 +11,7 @@ SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profi
 
 
 def list_choices(section: str | None, as_json: bool) -> None:
-    """Every section, or one of them."""
+    """Print every section, or one of them."""
     if section is not None and section not in SECTIONS:
         raise console.Refused(f"there is nothing called {section!r} to list{choice_sentence(section, SECTIONS)[0]}")
     rows = [row for name in ([section] if section else SECTIONS) for row in entries(name)]

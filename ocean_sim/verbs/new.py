@@ -1,27 +1,23 @@
 """`ocean-sim new`: a scene of one's own to start from, every key with a comment."""
 
-import json
 import os
-import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import Node, read
+from ocean_sim.files.yaml_file import Node, in_yaml, read
 from ocean_sim.machine import cache_directory
+from ocean_sim.model import in_brackets
 from ocean_sim.parts import PACKAGE, SLOTS
 from ocean_sim.reading.composition import kind_named, known
-from ocean_sim.reading.keys import in_yaml, keys
+from ocean_sim.reading.keys import keys
 from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.verbs.shared import console
 
-WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*( [A-Za-z0-9_'.-]+)*")
-NOT_TEXT = ("null", "true", "false")
-MARGIN = 44  # column at which comments begin
-FEW = 6  # names of what else a slot may hold
+COMMENT_COLUMN = 44  # at which comments begin
+MAX_NAMES = 6  # names of what else a slot may hold
 
 
 def new(file: Path, source: str, as_json: bool) -> None:
@@ -49,8 +45,8 @@ def lines(scene: Node, file: Path) -> Iterator[str]:
     near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
     yield "# SI units and radians unless a key says otherwise; `ocean-sim explain KEY` says more of each."
-    meanings = {key.path: f"{key.meaning.split('; ')[0].split('. ')[0].rstrip('.')}{unit(key.unit)}" for key in keys()}
-    yield from block(scene.data, (), meanings, "")
+    first = {key: key.meaning.split("; ")[0].split(". ")[0].rstrip(".") for key in keys()}
+    yield from block(scene.data, {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()})
     absent = [slot for slot in SLOTS if slot not in scene.data and slot != "time_step"]
     if "ships" in scene.data:
         absent.remove("ship")
@@ -58,8 +54,8 @@ def lines(scene: Node, file: Path) -> Iterator[str]:
         yield "\n# It may also have:"
     for slot in absent:
         names = known(slot)
-        more = ", ..." if len(names) > FEW else ""
-        yield f"# {slot}: one of {', '.join(names[:FEW])}{more}  (`ocean-sim list {slot}`)"
+        more = ", ..." if len(names) > MAX_NAMES else ""
+        yield f"# {slot}: one of {', '.join(names[:MAX_NAMES])}{more}  (`ocean-sim list {slot}`)"
 
 
 def schema_file() -> Path:
@@ -76,45 +72,20 @@ def schema_file() -> Path:
     return kept
 
 
-def unit(of: str) -> str:
-    return f" [{of}]" if of not in ("", "1") else ""
-
-
-def block(data: dict[str, Node], path: tuple[str, ...], meanings: dict[str, str], kind: str) -> Iterator[str]:
-    """The lines of a mapping: short ones within a line, others below their key."""
-    indent = "  " * len(path)
+def block(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
+    """The lines of a scene, each key of a part on one of its own."""
     for key, node in data.items():
-        inner = (*path, key)
-        words = (inner[0], kind, *inner[1:]) if kind else inner
-        comment = meanings.get(".".join(words), "")
-        if len(path) == 0 and key in SLOTS and isinstance(node.data, str):
-            comment = sentence(key, node.data)
-        if isinstance(node.data, dict) and node.data and not path:
-            yield commented(f"{indent}{key}:", comment)
-            own = node.data.get("kind")
-            yield from block(node.data, inner, meanings, kind_of(inner, own.data if own is not None else ""))
-        else:
-            yield commented(f"{indent}{key}: {flow(node.plain())}", comment)
-
-
-def kind_of(path: tuple[str, ...], name: str) -> str:
-    """The kind whose keys are written below a slot; empty elsewhere."""
-    if path[0] not in SLOTS or not name:
-        return ""
-    return kind_named(path[0], name)
+        name = isinstance(node.data, str) and key in SLOTS
+        comment = sentence(key, node.data) if name else meanings.get(key, "")
+        if not node.is_mapping or not node.data:
+            yield commented(f"{key}: {in_yaml(node.plain())}", comment)
+            continue
+        yield commented(f"{key}:", comment)
+        kind = node.data.get("kind")
+        place = key if kind is None or key not in SLOTS else f"{key}.{kind_named(key, kind.data)}"
+        for inner, value in node.data.items():
+            yield commented(f"  {inner}: {in_yaml(value.plain())}", meanings.get(f"{place}.{inner}", ""))
 
 
 def commented(text: str, comment: str) -> str:
-    return f"{text:<{MARGIN}}  # {comment}" if comment else text
-
-
-def flow(value: Any) -> str:
-    """A value within a line."""
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {flow(inner)}" for key, inner in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(flow, value)) + "]"
-    if isinstance(value, str):
-        plain = WORD.fullmatch(value) and value not in NOT_TEXT
-        return value if plain else json.dumps(value, ensure_ascii=False)
-    return in_yaml(value)
+    return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text

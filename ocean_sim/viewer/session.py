@@ -13,7 +13,7 @@ from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file, run_files
 from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import MOST_BYTES, Node, SceneError, mapping, setting
+from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.panel import Panel, sliders_of
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
@@ -58,7 +58,7 @@ class Source(NamedTuple):
     @classmethod
     def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
         path = scene_path(scene)
-        return cls(input_file.text(path, MOST_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
+        return cls(input_file.text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 
     def load(self) -> SceneConfig:
         """The scene; raises SceneError with every problem, located in the text."""

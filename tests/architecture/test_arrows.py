@@ -220,7 +220,6 @@ def test_classes_of_kernels_are_marked_by_our_own_decorator():
 @pytest.mark.parametrize(
     "package, allowed",
     [
-        ("ruamel", {"ocean_sim.files.yaml_file"}),
         ("yaml", {"ocean_sim.files.yaml_file"}),
         ("random", set()),
         ("aiohttp", {"ocean_sim.viewer.server"}),

@@ -80,7 +80,7 @@ CHOICES: dict[str, st.SearchStrategy] = {
     ),
 }
 # What reads files, or draws: broken and tried elsewhere.
-ELSEWHERE = ("MeshFile", "FromFile", "Track", ".File", "Recorded")
+ELSEWHERE = ("MeshFile", "FromFile", "Track", "/File", "Recorded")
 
 
 @cache

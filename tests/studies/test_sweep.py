@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.files.yaml_file import SceneError
+from ocean_sim.files.yaml_file import SceneError, mapping
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.sweep import planned
@@ -111,7 +111,6 @@ NAMED = {  # by what names a file: the scene around its name, and two contents o
 def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
     """One that has another content is another run; the same content, copied elsewhere in time, is not."""
     import trimesh
-    from ruamel.yaml import YAML
 
     written, text = NAMED[key]
     flat = key in ("motion", "gate", "initial")
@@ -123,7 +122,7 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
     if not flat:
         base["basin"]["walls"] = "periodic" if key == "components" else "none"
         base["fluid"] |= {} if key == "components" else {"height": 0.1, "period": 4.0}
-    for name, part in YAML(typ="safe").load(written).items():
+    for name, part in mapping(written, key).plain().items():
         base[name] = base.get(name, {}) | part
     Path("one.yaml").write_text(json.dumps(base))
     Path("plan.yaml").write_text("scene: one.yaml\nseeds: [1]\n")

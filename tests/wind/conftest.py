@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
+from ocean_sim.files.yaml_file import read
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of, library
 from tests.fluid.conftest import water
@@ -61,9 +62,8 @@ def build(taichi_cpu, thesis_basin):
 @pytest.fixture(scope="session")
 def preset_data():
     """The content of a file in configs/."""
-    from ruamel.yaml import YAML
 
     def content(folder, name):
-        return YAML(typ="safe").load(library("configs") / folder / f"{name}.yaml")
+        return read(library("configs") / folder / f"{name}.yaml").plain()
 
     return content

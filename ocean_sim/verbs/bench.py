@@ -7,14 +7,17 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from statistics import median
 from time import monotonic, perf_counter, process_time
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ocean_sim.files.yaml_file import Problem, SceneError
+from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 
@@ -38,12 +41,14 @@ def bench(
     as_json: bool,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
-    from ocean_sim.verbs.shared import history, peers
+    from ocean_sim.verbs.shared import history
 
     console.settings(sets)
-    peers.must_have_one(peer_pythons)
+    peers = peer_programs() if with_peers else None
+    if peers is not None:
+        peers.must_have_one(peer_pythons)
     rows = []
-    for scene in scenes or (() if with_peers else DEFAULT):
+    for scene in scenes or (() if peers else DEFAULT):
         order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
         row = measured(order, cold)
         times = history.compared(order, row)
@@ -53,7 +58,7 @@ def bench(
             console.say(sentence(row))
         if slower is not None:
             console.complain(slower)
-    if with_peers:
+    if peers is not None:
         for row in peers.peers(peer_pythons, threads):
             rows.append(row)
             if not as_json:
@@ -62,6 +67,17 @@ def bench(
         console.answer(rows)
     if any(row.get("failed") for row in rows):
         raise typer.Exit(console.Lacking.exit_code)
+
+
+def peer_programs() -> ModuleType:
+    """The module `benchmarks.peers` beside the package; raises Refused where there is no checkout."""
+    checkout = PACKAGE.parent
+    if not (checkout / "benchmarks" / "peers.py").is_file():
+        raise console.Refused(
+            "--peers: the programs that run others are in a checkout of the project, in benchmarks/; use that"
+        )
+    sys.path.insert(0, str(checkout))
+    return import_module("benchmarks.peers")
 
 
 def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 from ocean_sim import kernel_library, machine, runtime
-from ocean_sim.__main__ import answered, meaning
+from ocean_sim.__main__ import HIDDEN_VERBS, VERBS, answered, meaning
 from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
+from ocean_sim.verbs import render as render_verb
 from ocean_sim.verbs.run import remarks, run_folder, written
-from ocean_sim.verbs.shared import after, console
+from ocean_sim.verbs.shared import console
 
 SMALL = """title: A small tank
 duration: 0.05
@@ -175,9 +176,17 @@ def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tm
 
 
 def test_every_verb_has_help(ask):
-    for verb in ("run", "check", "list", "schema", "doctor", "bench", "validate", "render", "export"):
+    for verb in VERBS:
         code, out, _ = ask(verb, "--help")
-        assert code == 0 and "Usage: ocean-sim" in out
+        assert code == 0 and f"Usage: ocean-sim {verb}" in out
+
+
+def test_a_list_of_verbs_imports_none_of_them():
+    script = "import sys; from ocean_sim.__main__ import answered; answered(['--help']); print(*sys.modules)"
+    child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    listed, imported = child.stdout.split("\n  run ")[1], child.stdout.splitlines()[-1].split()
+    assert all(f"\n  {verb} " in listed for verb in set(VERBS) - {"run", *HIDDEN_VERBS})
+    assert not {"taichi", "ocean_sim.reading.scene", "ocean_sim.verbs.run"} & set(imported)
 
 
 @pytest.mark.parametrize(
@@ -364,7 +373,7 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
     monkeypatch.setattr(render, "render_run", missing)
     monkeypatch.setattr(render, "impossible", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
-    monkeypatch.setattr(after, "finished", lambda folder: None)
+    monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     code, _, err = ask("render", "bare")
     assert code == 3 and "install" in err
 
@@ -377,7 +386,7 @@ def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
     monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
     monkeypatch.setattr(render, "impossible", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
-    monkeypatch.setattr(after, "finished", lambda folder: None)
+    monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")
 
 

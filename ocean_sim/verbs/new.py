@@ -5,7 +5,9 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Node, read
@@ -17,6 +19,7 @@ from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, complete_scene
 
 WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*( [A-Za-z0-9_'.-]+)*")
 NOT_TEXT = ("null", "true", "false")
@@ -24,7 +27,13 @@ MARGIN = 44  # column at which comments begin
 FEW = 6  # names of what else a slot may hold
 
 
-def new(file: Path, source: str, as_json: bool) -> None:
+def new(
+    file: Annotated[Path, typer.Argument(help="The scene file to write.")],
+    source: Annotated[
+        str, typer.Option("--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene)
+    ] = "showcase",
+    as_json: Json = False,
+) -> None:
     """Write a scene like another one; never over a file that is there."""
     if file.suffix not in (".yaml", ".yml"):
         raise console.Refused(f"{file}: a scene is a YAML file; name one that ends in .yaml")

@@ -243,11 +243,8 @@ def page(title: str, name: str, rows: Sequence[Key]) -> str:
 
 def commands() -> str:
     """Every verb with its arguments and options."""
-    import typer
+    from ocean_sim.__main__ import HIDDEN_VERBS, VERBS, command_of
 
-    from ocean_sim.__main__ import app
-
-    group: Any = typer.main.get_command(app)
     text = [
         "# Commands\n",
         "`./sandbox VERB` in a checkout and `ocean-sim VERB` are the same. Every verb has `--help`, and `--json` where "
@@ -257,9 +254,8 @@ def commands() -> str:
         "`--debug` on any verb shows the traceback of an error. `ocean-sim --install-completion` teaches your shell to "
         "complete verbs, scenes, profiles and keys; `ocean-sim --version` prints the version.\n",
     ]
-    for name, verb in sorted(group.commands.items()):
-        if verb.hidden:
-            continue
+    for name in sorted(set(VERBS) - set(HIDDEN_VERBS)):
+        verb = command_of(name)
         arguments = [p for p in verb.params if p.param_type_name == "argument"]
         options = [p for p in verb.params if p.param_type_name == "option" and p.name != "help"]
         usage = " ".join(argument(p) for p in arguments)

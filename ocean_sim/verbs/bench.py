@@ -7,16 +7,20 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from statistics import median
 from time import monotonic, perf_counter, process_time
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ocean_sim.files.yaml_file import Problem, SceneError
+from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -27,24 +31,41 @@ BLOCK = 0.5  # wall time of a block of steps, at least [s]
 
 
 def bench(
-    scenes: list[str],
-    profile: str | None,
-    sets: list[str],
-    threads: int | None,
-    repeats: int,
-    cold: bool,
-    with_peers: bool,
-    peer_pythons: list[Path],
-    as_json: bool,
+    scenes: Annotated[
+        list[str] | None, typer.Argument(help="By default bench/dam_break_6k and bench/dam_break_50k.")
+    ] = None,
+    profile: Profile = None,
+    sets: Sets = None,
+    threads: Annotated[int | None, typer.Option(min=1, help="Worker threads; by default all cores.")] = None,
+    repeats: Annotated[
+        int, typer.Option(min=1, help="Number of blocks, each of at least half a second; the median counts.")
+    ] = 5,
+    cold: Annotated[bool, typer.Option(help="Start with an empty kernel cache, as on a first run.")] = False,
+    peers: Annotated[
+        bool, typer.Option("--peers", help="Also time pysplashsurf and Capytaine on the same tasks, where installed.")
+    ] = False,
+    peer_python: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="With --peers: the Python of an environment that has pysplishsplash, pysph or both, for dam breaks; "
+            "may be given several times."
+        ),
+    ] = None,
+    as_json: Json = False,
 ) -> None:
     """Measure scenes one after the other and report; with peers those alone, unless scenes are named."""
-    from ocean_sim.verbs.shared import history, peers
+    from ocean_sim.verbs.shared import history
 
+    if peer_python and not peers:
+        raise typer.BadParameter("--peer-python goes with --peers")
+    pythons = peer_python or []
     console.settings(sets)
-    peers.must_have_one(peer_pythons)
+    others = peer_programs() if peers else None
+    if others is not None:
+        others.must_have_one(pythons)
     rows = []
-    for scene in scenes or (() if with_peers else DEFAULT):
-        order = {"scene": scene, "profile": profile, "sets": sets, "threads": threads, "repeats": repeats}
+    for scene in scenes or (() if others else DEFAULT):
+        order = {"scene": scene, "profile": profile, "sets": sets or [], "threads": threads, "repeats": repeats}
         row = measured(order, cold)
         times = history.compared(order, row)
         rows.append(row | {"times_before": times})
@@ -53,15 +74,26 @@ def bench(
             console.say(sentence(row))
         if slower is not None:
             console.complain(slower)
-    if with_peers:
-        for row in peers.peers(peer_pythons, threads):
+    if others is not None:
+        for row in others.peers(pythons, threads):
             rows.append(row)
             if not as_json:
-                console.say(peers.sentence(row))
+                console.say(others.sentence(row))
     if as_json:
         console.answer(rows)
     if any(row.get("failed") for row in rows):
         raise typer.Exit(console.Lacking.exit_code)
+
+
+def peer_programs() -> ModuleType:
+    """The module `benchmarks.peers` beside the package; raises Refused where there is no checkout."""
+    checkout = PACKAGE.parent
+    if not (checkout / "benchmarks" / "peers.py").is_file():
+        raise console.Refused(
+            "--peers: the programs that run others are in a checkout of the project, in benchmarks/; use that"
+        )
+    sys.path.insert(0, str(checkout))
+    return import_module("benchmarks.peers")
 
 
 def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
@@ -83,35 +115,36 @@ def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
     raise kind(f"{order['scene']}: {failure['error']}")
 
 
-def bench_one(order: dict[str, Any]) -> None:
-    """Measures one scene in this process and answers in JSON."""
+def bench_one(order: str, as_json: Json = False) -> None:
+    """Measure one scene in this process, and answer in JSON."""
     from ocean_sim import kernel_library
     from ocean_sim.observers.timings import Timings
     from ocean_sim.reading.scene import load, observer_names
     from ocean_sim.simulation import Simulation
 
+    asked = json.loads(order)
     quiet: dict[str, Any] = {name: None for name in observer_names() if name not in ("manifest", "timings")}
     machine: dict[str, Any] = {"runtime.pin": True} | (
-        {"runtime.threads": order["threads"]} if order["threads"] else {}
+        {"runtime.threads": asked["threads"]} if asked["threads"] else {}
     )
-    config = load(order["scene"], {**quiet, **machine, **console.settings(order["sets"])}, order["profile"])
+    config = load(asked["scene"], {**quiet, **machine, **console.settings(asked["sets"])}, asked["profile"])
     must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:
         simulation.step()
-        first_step = monotonic() - order["spawned"]
+        first_step = monotonic() - asked["spawned"]
         clock = next(observer for observer in simulation.observers if isinstance(observer, Timings))
         for _ in range(WARM_UP):
             simulation.step()
         clock.sync()
         before = clock.mark(perf_counter())
-        blocks = [block(simulation, clock.sync) for _ in range(order["repeats"])]
+        blocks = [block(simulation, clock.sync) for _ in range(asked["repeats"])]
         stages = clock.means(before, clock.mark(perf_counter()))[1]
         particles = simulation.fluid.count
         threads = simulation.backend.threads
     per_step = [1e3 * wall / steps for steps, wall, _, _ in blocks]
     console.answer(
         {
-            "scene": order["scene"],
+            "scene": asked["scene"],
             "library": kernel_library.NAME,
             "particles": particles,
             "threads": threads,

@@ -3,6 +3,8 @@
 from math import isinf
 from typing import Any
 
+import typer
+
 from ocean_sim import machine
 from ocean_sim.conventions import figures
 from ocean_sim.files.yaml_file import SceneError
@@ -11,6 +13,7 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 
 NOTHING = dict.fromkeys(
     (
@@ -25,10 +28,8 @@ ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all 
 START, START_OF_PARTICLES = 2.2, 0.8  # [s] imports and kernels out of their cache, and what particles add; measured
 
 
-def check(scene: str, profile: str | None, sets: list[str], as_json: bool) -> None:
+def check(scene: Scene, profile: Profile = None, sets: Sets = None, as_json: Json = False) -> None:
     """Report what a scene would take, and what is wrong with it."""
-    import typer
-
     try:
         config = load(scene, console.settings(sets), profile)
     except SceneError as error:

@@ -10,6 +10,7 @@ from typing import Any
 
 from ocean_sim import machine
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json
 
 PACKAGES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKENDS = ("cpu", "cuda", "vulkan", "metal")
@@ -34,7 +35,7 @@ USUAL = 8  # numbers at once that will do: many processors are no faster with mo
 PATIENCE = 90.0  # [s] for one probe
 
 
-def doctor(as_json: bool) -> None:
+def doctor(as_json: Json = False) -> None:
     """Report what the machine can do; what is missing is not an error."""
     found = examined()
     if as_json:

@@ -1,7 +1,9 @@
 """`ocean-sim explain`: one key of a scene: what it means, its unit, default and range, and how to set it."""
 
 import shlex
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.files.yaml_file import Location, in_yaml, node_of
 from ocean_sim.model import in_brackets
@@ -12,32 +14,46 @@ from ocean_sim.reading.sentences import sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json
 
 MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
 
 
-def explain(word: str, as_json: bool) -> None:
+def complete_key(begun: str) -> list[str]:
+    """Paths of keys that begin so."""
+    return [key.path for key in keys() if key.path.startswith(begun)]
+
+
+def explain(
+    key: Annotated[
+        str,
+        typer.Argument(
+            help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=complete_key
+        ),
+    ],
+    as_json: Json = False,
+) -> None:
     """Explain a key, or the keys of a preset or a kind; what is none of them is refused with the likeliest key."""
-    asked = word.partition("=")[0].strip().lower()
+    asked = key.partition("=")[0].strip().lower()
     if asked in (*SLOTS, SEVERAL):
         list_choices(ALONE if asked == SEVERAL else asked, as_json)
         return
-    same = grouped(found(by_kind(asked)) or [key for key in keys() if key.path.split(".")[-1] == asked])
+    same = grouped(found(by_kind(asked)) or [each for each in keys() if each.path.split(".")[-1] == asked])
     part = None if same and "." not in asked else choice(asked)
     if part is not None:
-        same = [(over(key, *part), paths) for key, paths in grouped(found(f"{part[0]}.{kind_named(*part)}"))]
+        same = [(over(each, *part), paths) for each, paths in grouped(found(f"{part[0]}.{kind_named(*part)}"))]
     if not same and part is None:
-        raise console.Refused(f"there is no key {word!r}{meant(asked)}")
+        raise console.Refused(f"there is no key {key!r}{meant(asked)}")
     if as_json:
-        console.answer([answer(key, paths) for key, paths in same])
+        console.answer([answer(each, paths) for each, paths in same])
         return
     if part is not None:
         console.say(f"{'.'.join(part)}: {sentence(*part)}\n")
     if len(same) <= MAX_AT_LENGTH:
-        for key, paths in same:
-            console.say("\n".join(lines(key, paths)) + "\n")
+        for each, paths in same:
+            console.say("\n".join(lines(each, paths)) + "\n")
     else:
-        console.table("", ["key", "default", "meaning"], [row(key, paths) for key, paths in same])
+        console.table("", ["key", "default", "meaning"], [row(each, paths) for each, paths in same])
 
 
 def choice(word: str) -> tuple[str, str] | None:

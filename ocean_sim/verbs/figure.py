@@ -9,13 +9,16 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
+
+import typer
 
 from ocean_sim.machine import extra_missing
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
+from ocean_sim.verbs.shared.options import Json
 
 SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names
@@ -52,33 +55,49 @@ def sentence(path: Path) -> str:
     return " ".join(text.split("\n\n")[0].split())
 
 
-def figure(names: list[str], fast: bool, out: Path, as_json: bool) -> int:
+def complete_figure(begun: str) -> list[str]:
+    """Figures that begin so."""
+    return [name for name in (*scripts(), ALL) if name.startswith(begun)]
+
+
+def figure(
+    names: Annotated[
+        list[str],
+        typer.Argument(
+            help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).", autocompletion=complete_figure
+        ),
+    ],
+    fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,
+    out: Annotated[Path, typer.Option(help="Where data (CSV) and pictures (PNG) go.")] = Path("runs/figures"),
+    as_json: Json = False,
+) -> int:
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
-    known = scripts()
-    if missing := extra_missing("pictures"):
-        raise console.Lacking(f"figures are pictures: {missing}")
-    for name in names:
-        if name not in known and name != ALL:
-            raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
-    theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL in names else []
-    wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL)]))
-    bar = Bar(len(wanted), as_json)
-    done: list[Outcome] = []
-    try:
-        for name in wanted:
-            if not as_json:
-                console.say(f"[{len(done) + 1}/{len(wanted)}] {sentence(known[name])}")
-            done.append(drawn(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text)))
-            if not as_json:
-                console.say(report(done[-1]))
-    finally:
-        bar.close()
-    failed = [outcome.figure for outcome in done if not outcome.ok]
-    if as_json:
-        console.answer([outcome._asdict() for outcome in done])
-    elif failed:
-        console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
-    return 1 if failed else 0
+    with console.claim(out):
+        known = scripts()
+        if missing := extra_missing("pictures"):
+            raise console.Lacking(f"figures are pictures: {missing}")
+        for name in names:
+            if name not in known and name != ALL:
+                raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
+        theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL in names else []
+        wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL)]))
+        bar = Bar(len(wanted), as_json)
+        done: list[Outcome] = []
+        try:
+            for name in wanted:
+                if not as_json:
+                    console.say(f"[{len(done) + 1}/{len(wanted)}] {sentence(known[name])}")
+                done.append(drawn(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text)))
+                if not as_json:
+                    console.say(report(done[-1]))
+        finally:
+            bar.close()
+        failed = [outcome.figure for outcome in done if not outcome.ok]
+        if as_json:
+            console.answer([outcome._asdict() for outcome in done])
+        elif failed:
+            console.complain(f"{len(failed)} of {len(done)} figures failed: {', '.join(failed)}")
+        return 1 if failed else 0
 
 
 def report(outcome: Outcome) -> str:

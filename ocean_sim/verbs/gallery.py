@@ -11,6 +11,9 @@ import sys
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
 
 from ocean_sim import pictures
 from ocean_sim.conventions import Failed
@@ -21,6 +24,7 @@ from ocean_sim.parts import PACKAGE, KindConfig, library, slot_of
 from ocean_sim.reading.scene import load
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json
 
 LIST, STAMPS = "gallery.yaml", "stamps.json"
 SIZE, QUALITY = "1280x720", 88  # of a picture, and as a JPEG
@@ -98,9 +102,20 @@ def stale(folder: Path) -> list[Entry]:
     ]
 
 
-def gallery(names: list[str], check: bool, every: bool, out: Path | None, as_json: bool) -> int:
+def gallery(
+    names: Annotated[list[str] | None, typer.Argument(help="Pictures; by default those that are out of date.")] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only list those that are out of date, with their commands.")
+    ] = False,
+    every: Annotated[bool, typer.Option("--all", help="Make all of them.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write; by default figures/gallery of this checkout.")
+    ] = None,
+    as_json: Json = False,
+) -> int:
     """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""
     folder = out or library("figures") / "gallery"
+    names = names or []
     known = {entry.picture.split(".")[0]: entry for entry in entries()}
     for name in names:
         if name not in known:

@@ -3,13 +3,15 @@
 from dataclasses import replace
 from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
+import typer
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
 from ocean_sim.files.whole_file import whole
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, number_list
 
 if TYPE_CHECKING:
     from ocean_sim.ship.shared.hull import Hull
@@ -53,18 +55,71 @@ class Asked(NamedTuple):
                 raise console.Refused(f"{' and '.join(given)} each say {what}; give one of them")
 
 
-def hull(name: str, asked: Asked, loading: Path | None, ship: str | None, out: Path | None, as_json: bool) -> int:
+def hull(
+    name: Annotated[
+        str, typer.Argument(help="The name of a hull, a ship or a scene; a scene file; or an STL, OBJ or PLY file.")
+    ],
+    mass: Annotated[
+        float | None, typer.Option(min=0.001, help="Mass of the whole ship [kg]; by default that of the hull.")
+    ] = None,
+    draught: Annotated[float | None, typer.Option(min=0.0001, help="Draught [m], upright, instead of a mass.")] = None,
+    kg: Annotated[float | None, typer.Option(help="Height of the centre of mass above the keel [m].")] = None,
+    cg: Annotated[
+        str | None, typer.Option(help="Centre of mass X,Y,Z [m] from the keel amidships: to port, up, forward.")
+    ] = None,
+    loading: Annotated[
+        Path | None,
+        typer.Option(
+            help="A loading condition (YAML): light: {mass: 250000, at: [0, 2.5, 0]}; weights, tanks, openings by name."
+        ),
+    ] = None,
+    density: Annotated[
+        float | None, typer.Option(min=1.0, help="Density of the water [kg/m3]; by default 1000.")
+    ] = None,
+    ship: Annotated[str | None, typer.Option(help="Which ship, where a scene has several.")] = None,
+    cross: Annotated[bool, typer.Option("--cross", help="Also print cross curves of stability.")] = False,
+    bilge_keels: Annotated[
+        str | None, typer.Option(help="LENGTH,BREADTH of each bilge keel [m]: also print the damping of roll.")
+    ] = None,
+    depth: Annotated[
+        float | None, typer.Option(min=0.001, help="Depth of the water [m]: also print squat over speed.")
+    ] = None,
+    cells: Annotated[float, typer.Option(min=1.0, max=64.0, help="Number of cubes over the draught.")] = 16.0,
+    up: Annotated[
+        AxisName | None, typer.Option(help="Axis of a mesh file that points up, -z where z points down; else guessed.")
+    ] = None,
+    bow: Annotated[
+        AxisName | None, typer.Option(help="Axis of a mesh file that points to the bow; by default the longest.")
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(min=1e-9, help="Metres per unit of a mesh file: 0.001 for millimetres; else guessed."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The picture; by default runs/hull/<name>.png, with --json none.")
+    ] = None,
+    as_json: Json = False,
+) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
     from ocean_sim.ship.shared.hull import explained
     from ocean_sim.ship.shared.mesh import BadMesh
 
+    at = number_list("--cg", cg)
+    if at is not None and len(at) != 3:
+        raise console.Refused(f"--cg: {cg!r} is not like 0,1.2,-0.3")
+    keels = number_list("--bilge-keels", bilge_keels)
+    if keels is not None and (len(keels) != 2 or min(keels) <= 0.0):
+        raise console.Refused(f"--bilge-keels: {bilge_keels!r} is not like 12,0.3")
+    centre = None if at is None else (at[0], at[1], at[2])
+    plates = None if keels is None else (keels[0], keels[1])
+    asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth, up, bow, scale)
     asked.agree(loading)
     if out is not None and out.suffix.lower() not in DRAWN:
         raise console.Refused(f"--out: {out} is no picture's name: end it in {', '.join(DRAWN[:-1])} or {DRAWN[-1]}")
     condition = None if loading is None else condition_of(loading)
     try:
-        shape, density, keels = found_hull(name, ship, asked)
-        asked = asked._replace(density=asked.density or density, bilge_keels=asked.bilge_keels or keels)
+        shape, of_water, fitted = found_hull(name, ship, asked)
+        asked = asked._replace(density=asked.density or of_water, bilge_keels=asked.bilge_keels or fitted)
         found, notes = report(shape, asked, condition)
     except ValueError as error:
         if isinstance(error, console.Refused):

@@ -1,20 +1,38 @@
 """`ocean-sim list`: what there is to choose from, each with one sentence; no kind is imported for it."""
 
+from typing import Annotated
+
+import typer
+
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
 from ocean_sim.reading.sentences import of_file, of_module
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json
 
 SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
 
 
-def list_choices(section: str | None, as_json: bool) -> None:
-    """Print every section, or one of them."""
-    if section is not None and section not in SECTIONS:
-        raise console.Refused(f"there is nothing called {section!r} to list{choice_sentence(section, SECTIONS)[0]}")
-    rows = [row for name in ([section] if section else SECTIONS) for row in entries(name)]
+def complete_section(begun: str) -> list[str]:
+    """Sections that begin so."""
+    return [name for name in SECTIONS if name.startswith(begun)]
+
+
+def list_choices(
+    slot: Annotated[
+        str | None,
+        typer.Argument(
+            help="scenes, observers, cases, figures, or a slot such as wind.", autocompletion=complete_section
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print every slot, or one of them."""
+    if slot is not None and slot not in SECTIONS:
+        raise console.Refused(f"there is nothing called {slot!r} to list{choice_sentence(slot, SECTIONS)[0]}")
+    rows = [row for name in ([slot] if slot else SECTIONS) for row in entries(name)]
     if as_json:
         console.answer(rows)
         return

@@ -3,6 +3,9 @@
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import Node, in_yaml, read
@@ -15,12 +18,19 @@ from ocean_sim.reading.scene import load, scene_path
 from ocean_sim.reading.schema import text
 from ocean_sim.reading.sentences import sentence
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, complete_scene
 
 COMMENT_COLUMN = 44  # at which comments begin
 MAX_NAMES = 6  # names of what else a slot may hold
 
 
-def new(file: Path, source: str, as_json: bool) -> None:
+def new(
+    file: Annotated[Path, typer.Argument(help="The scene file to write.")],
+    source: Annotated[
+        str, typer.Option("--from", help="The scene to start from: a name or a file.", autocompletion=complete_scene)
+    ] = "showcase",
+    as_json: Json = False,
+) -> None:
     """Write a scene like another one; never over a file that is there."""
     if file.suffix not in (".yaml", ".yml"):
         raise console.Refused(f"{file}: a scene is a YAML file; name one that ends in .yaml")

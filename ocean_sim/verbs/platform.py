@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import typer
 
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.whole_file import whole
@@ -23,55 +24,72 @@ from ocean_sim.platform.shared.motion_log import AXES, MotionLog
 from ocean_sim.reading.translation import choice_sentence, validated
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
+from ocean_sim.verbs.shared.options import Json
 
 WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
 def platform(
-    log: Path,
-    geometry: str,
-    washout: str,
-    sets: list[str],
-    frame: str | None,
-    stream: str | None,
-    packets: str,
-    key: Path | None,
-    film: bool,
-    out: Path,
-    as_json: bool,
+    log: Annotated[Path, typer.Argument(help="A motion log, or a run folder that has one.")],
+    geometry: Annotated[str, typer.Option(help="A name in configs/geometry/, or a file.")] = "hexapod_a",
+    washout: Annotated[str, typer.Option(help="A name in configs/washout/, or a file.")] = "ship",
+    ramp: Annotated[
+        float | None, typer.Option(min=0.0, help="Time [s] from neutral to the motion, and back at the end.")
+    ] = None,
+    sets: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value over platform, washout and geometry: washout.tilt_rate_deg=2."),
+    ] = None,
+    frame: Annotated[
+        str | None, typer.Option(help="ship, ned or flu: the axes written; the motion log is written in them, too.")
+    ] = None,
+    stream: Annotated[
+        str | None, typer.Option(help="Replay in real time to an address such as udp://127.0.0.1:5005.")
+    ] = None,
+    packets: Annotated[str, typer.Option(help="ocean_sim, openmotionsim, floats or text.")] = "ocean_sim",
+    key: Annotated[Path | None, typer.Option(help="A file whose content signs every packet of ocean_sim.")] = None,
+    film: Annotated[
+        bool, typer.Option("--film", help="Also film.gif: the 10 s in which the hexapod moves most.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Where platform.csv, metrics.csv and the pictures go.")] = Path(
+        "runs/platform"
+    ),
+    as_json: Json = False,
 ) -> None:
     """Follow a log and report; everything is computed before anything is written."""
-    for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, wire.FORMATS)):
-        if name not in known:
-            raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
-    config = configured(geometry, washout, sets)
-    sender = opened(stream, packets, key) if stream is not None else None
-    ride = opened_log(log, frame)
-    machine = config.build(ride.every)
-    done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
-    found = metrics(ride.ride, done, machine.hexapod, ride.every)
-    files = written(out, ride, done, found, config, machine, frame, film)
-    warnings = config.cut_short(float(done.time[-1] - done.time[0]))
-    if not as_json:
-        show(done, found, files)
-        for sentence in warnings:
-            console.say(f"warning: {sentence}")
-    jitter = latency = None
-    if sender is not None:
-        jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
-        files += reported(out, sender)
-    if as_json:
-        answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
-        answer["metrics"] = [metric._asdict() for metric in found]
-        answer["warnings"] = warnings
-        answer["stream"] = jitter._asdict() if jitter is not None else None
-        answer["latency"] = latency._asdict() if latency is not None else None
-        console.answer(answer)
-    elif jitter is not None:
-        console.say(f"{stream}: {jitter}")
-        for told in (latency, sender.stopped() if sender is not None else ""):
-            if told:
-                console.say(f"{stream}: {told}")
+    with console.claim(out, "platform.csv", ".platform-*"):
+        for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, wire.FORMATS)):
+            if name not in known:
+                raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
+        laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
+        config = configured(geometry, washout, laid)
+        sender = opened(stream, packets, key) if stream is not None else None
+        ride = opened_log(log, frame)
+        machine = config.build(ride.every)
+        done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
+        found = metrics(ride.ride, done, machine.hexapod, ride.every)
+        files = written(out, ride, done, found, config, machine, frame, film)
+        warnings = config.cut_short(float(done.time[-1] - done.time[0]))
+        if not as_json:
+            show(done, found, files)
+            for sentence in warnings:
+                console.say(f"warning: {sentence}")
+        jitter = latency = None
+        if sender is not None:
+            jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
+            files += reported(out, sender)
+        if as_json:
+            answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
+            answer["metrics"] = [metric._asdict() for metric in found]
+            answer["warnings"] = warnings
+            answer["stream"] = jitter._asdict() if jitter is not None else None
+            answer["latency"] = latency._asdict() if latency is not None else None
+            console.answer(answer)
+        elif jitter is not None:
+            console.say(f"{stream}: {jitter}")
+            for told in (latency, sender.stopped() if sender is not None else ""):
+                if told:
+                    console.say(f"{stream}: {told}")
 
 
 def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:

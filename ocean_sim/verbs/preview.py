@@ -4,7 +4,9 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
@@ -15,9 +17,11 @@ from ocean_sim.pictures.panel import sliders_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
+from ocean_sim.verbs.serve import serve
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.bar import Bar
+from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 from ocean_sim.verbs.shared.rewind import Rewind
 
 OWN = "of the scene"  # a wind that is not a preset
@@ -27,16 +31,27 @@ FASTEST, SLOWEST = 1.0 / 120.0, 1.0  # [s] a picture of a film
 
 
 def preview(
-    scene: str,
-    profile: str | None,
-    sets: list[str],
-    frames: int | None,
-    out: Path | None,
-    camera: str | None,
-    content: str | None,
-    as_json: bool,
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(min=1, help="Number of pictures to write instead of opening a window; needs no screen."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where pictures, snapshots and recordings go; by default runs/<scene>-preview.")
+    ] = None,
+    camera: Annotated[str | None, typer.Option(help="third_person, helm, top or side.")] = None,
+    content: Annotated[str | None, typer.Option(help="surface, particles or both.")] = None,
+    browser: Annotated[bool, typer.Option("--browser", help="Use the browser instead, as `serve` does.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Open a window, or write `frames` pictures into a folder."""
+    if browser:
+        if frames is not None or camera is not None or content is not None:
+            raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
+        serve([scene], profile, sets, out=out, as_json=as_json)
+        return
     overrides: dict[str, Any] = dict(console.settings(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
     config = load(scene, overrides, profile)

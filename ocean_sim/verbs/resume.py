@@ -3,7 +3,9 @@
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from ocean_sim.files import input_file
 from ocean_sim.files.input_file import shown
@@ -18,6 +20,7 @@ from ocean_sim.state import file
 from ocean_sim.verbs.run import kernels, report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.options import Json, Quiet
 from ocean_sim.verbs.shared.progress import Progress
 
 if TYPE_CHECKING:
@@ -26,14 +29,20 @@ if TYPE_CHECKING:
 SHOWN = 3  # differences that are named
 
 
-def resume(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool = False) -> None:
+def resume(
+    run: Annotated[Path, typer.Argument(help="A run folder with checkpoints.")],
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
+    anyway: Annotated[bool, typer.Option("--anyway", help="Go on even if the program has changed since.")] = False,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
     """Go on with a run."""
-    if not (folder / MANIFEST).is_file():
-        if (folder / FIRST).is_file():
-            raise console.Refused(f"{folder}: this run ended before its first step; `run --overwrite` starts it again")
-        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
-    with Claim(folder):
-        resumed(folder, until, anyway, as_json, quiet)
+    if not (run / MANIFEST).is_file():
+        if (run / FIRST).is_file():
+            raise console.Refused(f"{run}: this run ended before its first step; `run --overwrite` starts it again")
+        raise console.Refused(f"{run}: this is not a run folder (there is no {MANIFEST})")
+    with Claim(run):
+        resumed(run, until, anyway, as_json, quiet)
 
 
 def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:

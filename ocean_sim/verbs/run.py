@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.conventions import figures
 from ocean_sim.files.run_files import MANIFEST, Claim, Claimed, foreign
@@ -14,6 +16,7 @@ from ocean_sim.state import file
 from ocean_sim.verbs.check import picture_time, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
@@ -22,17 +25,19 @@ DRIVING = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
 
 def run(
-    scene: str,
-    profile: str | None,
-    sets: list[str],
-    out: Path | None,
-    until: float | None,
-    overwrite: bool,
-    as_json: bool,
-    quiet: bool = False,
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    out: Out = None,
+    until: Annotated[float | None, typer.Option(help="Simulated time [s], instead of the scene's duration.")] = None,
+    overwrite: Annotated[bool, typer.Option(help="Replace a run that is already in --out.")] = False,
+    frame: Annotated[str | None, typer.Option(help="Axes of motion.csv: ship, ned or flu.")] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Simulate a scene and write its run folder."""
-    overrides = console.settings(sets)
+    axes = [] if frame is None else [f"motion.frame={frame}"]
+    overrides = console.settings([*(sets or []), *axes])
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)

@@ -1,32 +1,37 @@
 """`ocean-sim sea`: the waves of a scene as files that other programs read."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import typer
 
 from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
 from ocean_sim.files.whole_file import whole
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, Scene, Sets, number_list
 from ocean_sim.waves import exchange
 
 
 def sea(
-    scene: str,
-    sets: list[str],
-    swd: Path | None,
-    openfast: Path | None,
-    at: list[float],
-    every: float,
-    until: float | None,
-    as_json: bool,
+    scene: Scene,
+    sets: Sets = None,
+    swd: Annotated[Path | None, typer.Option(help="A spectral-wave-data file (.swd) to write.")] = None,
+    openfast: Annotated[
+        Path | None, typer.Option(help="An elevation file of OpenFAST (.Elev, WaveMod 5) to write.")
+    ] = None,
+    at: Annotated[str, typer.Option(help="X,Z [m], the point of that elevation.")] = "0,0",
+    every: Annotated[float, typer.Option(min=0.001, help="Time between its rows [s].")] = 0.1,
+    until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
+    as_json: Json = False,
 ) -> None:
     """Write the files that are asked for, and say what is in them."""
     if swd is None and openfast is None:
         raise Refused("name a file to write: --swd FILE, --openfast FILE")
-    if len(at) != 2:
+    point = number_list("--at", at)
+    if point is None or len(point) != 2:
         raise Refused("--at is not like 0,0: x and z [m]")
     config = load(scene, console.settings(sets))
     field = wave_field(config)
@@ -39,10 +44,10 @@ def sea(
         files.append(swd)
     if openfast is not None:
         time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
-        heights = np.concatenate([field.elevation(np.array([at]), t) for t in time.tolist()])
+        heights = np.concatenate([field.elevation(np.array([point]), t) for t in time.tolist()])
         openfast.parent.mkdir(parents=True, exist_ok=True)
         with whole(openfast) as draft:
-            draft.write_text(exchange.openfast(time, heights, f"{title}, x = {at[0]:g} m, z = {at[1]:g} m"))
+            draft.write_text(exchange.openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
         files.append(openfast)
     answer: dict[str, Any] = {
         "waves": len(waves.amplitude),

@@ -7,28 +7,41 @@ import sys
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import Event
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import entries
+from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.after import finished
 from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 
 
 def serve(
-    targets: list[str],
-    profile: str | None,
-    sets: list[str],
-    host: str,
-    port: int | None,
-    show: bool,
-    out: Path | None,
-    as_json: bool,
+    targets: Annotated[
+        list[str], typer.Argument(metavar="SCENE|RUN...", help="A scene, a finished run, or two of them side by side.")
+    ],
+    profile: Profile = None,
+    sets: Sets = None,
+    host: Annotated[
+        str, typer.Option(help="Where to listen; 0.0.0.0 lets other machines in, by an address with a random token.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="The port; by default 8765, or any free one.")
+    ] = None,
+    show: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in the browser, where there is one.")
+    ] = True,
+    out: Annotated[
+        Path | None, typer.Option(help="Where records and saved scenes go; by default runs/<scene>-browser.")
+    ] = None,
+    as_json: Json = False,
 ) -> None:
     """Serve the page until Ctrl-C."""
     runs = [Path(target) for target in targets if (Path(target) / MANIFEST).exists()]
@@ -45,7 +58,7 @@ def serve(
 def play(
     scene: str,
     profile: str | None,
-    sets: list[str],
+    sets: list[str] | None,
     host: str,
     port: int | None,
     show: bool,
@@ -121,7 +134,11 @@ def screen() -> bool:
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def report(runs: list[Path], out: Path | None, as_json: bool) -> None:
+def report(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN [RUN]", help="A run folder, or two to compare.")],
+    out: Annotated[Path | None, typer.Option(help="The page; by default replay.html in the run folder.")] = None,
+    as_json: Json = False,
+) -> None:
     """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
     from ocean_sim.observers.shared import run_report
     from ocean_sim.viewer.replay import replay_file
@@ -129,7 +146,7 @@ def report(runs: list[Path], out: Path | None, as_json: bool) -> None:
     if len(runs) > 2:
         raise console.Refused("a page holds the replay of one run, or of two")
     for run in runs:
-        finished(run)
+        require_frames(run)
     path = out or runs[0] / "replay.html"
     if path.is_dir():
         path = path / "replay.html"

@@ -1,7 +1,9 @@
 """`ocean-sim stability`: where water becomes unstable, and how the run ends there."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.machine import cores
 from ocean_sim.result import Result
@@ -9,35 +11,43 @@ from ocean_sim.studies.shared import maps, runs
 from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots, summary
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json
 from ocean_sim.verbs.sweep import shown, text
 
 
-def stability(scene: str | None, quick: bool, workers: int | None, out: Path, as_json: bool) -> int:
+def stability(
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, a collapsing column.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer points: minutes instead of hours.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at a time; by default one per core.")] = None,
+    out: Annotated[Path, typer.Option(help="Where tables, pictures and runs go.")] = Path("runs/stability"),
+    as_json: Json = False,
+) -> int:
     """Maps of all settings; leaves stability.csv, limits.csv and a picture a map; 1 where a point has no verdict."""
-    plan = spots(quick, scene)
-    if not plan:
-        raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
-    if not as_json:
-        console.say(f"{len(plan)} runs, each on one thread")
-    rows: dict[int, dict[str, Any]] = {}
-    orders, at_once = [spot.order() for spot in plan], workers or cores()
-    for k, answer in shown(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
-        rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
-        table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
-    table = [rows[k] for k in sorted(rows)]
-    lines = summary(table)
-    table_module.write(out / "limits.csv", lines)
-    for axis in AXES:
-        here = [row for row in table if row["map"] == axis.name]
-        if here:
-            console.drawn(
-                maps.draw, out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here
-            )
-    if as_json:
-        console.answer(table)
-    else:
-        show(lines, table, out)
-    return 1 if any(row["verdict"] == "none" for row in table) else 0
+    with console.claim(out, "stability.csv", "runs"):
+        plan = spots(quick, scene)
+        if not plan:
+            raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
+        if not as_json:
+            console.say(f"{len(plan)} runs, each on one thread")
+        rows: dict[int, dict[str, Any]] = {}
+        orders, at_once = [spot.order() for spot in plan], workers or cores()
+        for k, answer in shown(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
+            rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
+            table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
+        table = [rows[k] for k in sorted(rows)]
+        lines = summary(table)
+        table_module.write(out / "limits.csv", lines)
+        for axis in AXES:
+            here = [row for row in table if row["map"] == axis.name]
+            if here:
+                console.drawn(
+                    maps.draw, out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here
+                )
+        if as_json:
+            console.answer(table)
+        else:
+            show(lines, table, out)
+        return 1 if any(row["verdict"] == "none" for row in table) else 0
 
 
 def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:

@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.machine import cores
 from ocean_sim.studies.shared import runs as runs_module
@@ -11,11 +13,24 @@ from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.sweep import planned
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
+from ocean_sim.verbs.shared.options import Json
 
 SHOWN = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
 
-def sweep(plan: Path, scheduler: str | None, workers: int | None, out: Path | None, as_json: bool) -> None:
+def sweep(
+    plan: Annotated[Path, typer.Argument(help="A YAML file: scene, profile, set, list, grid, seeds.")],
+    scheduler: Annotated[
+        str | None, typer.Option(help="A Dask cluster, as in tcp://127.0.0.1:8786, that sees the same files.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Runs at a time on this machine; by default one per core.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where run folders and results.csv go; by default runs/<plan>.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
     """Run what a plan asks for and has not been run yet; the table is whole after every run."""
     runs = planned(plan)
     folder = Path("runs") / plan.stem if out is None else out

@@ -1,13 +1,16 @@
 """`ocean-sim tradeoff`: the cost of a setting, and the accuracy it gives."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.machine import cores
 from ocean_sim.studies.shared import pareto
 from ocean_sim.studies.shared import table as table_module
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, Profile, Sets
 from ocean_sim.verbs.shared.scene_tradeoff import of_scene
 from ocean_sim.verbs.sweep import shown, text
 
@@ -16,18 +19,25 @@ SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error"
 
 
 def tradeoff(
-    scene: str | None,
-    vary: list[str],
-    budget: str | None,
-    by: str | None,
-    quick: bool,
-    profile: str | None,
-    sets: list[str],
-    workers: int | None,
-    out: Path | None,
-    as_json: bool,
+    scene: Annotated[str | None, typer.Argument(help="A scene; without one, the validation cases.")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(help="KEY=A,B,C; given several times: every combination. By default profile=ci,..."),
+    ] = None,
+    budget: Annotated[
+        str | None,
+        typer.Option(help="16ms: wall time per 1/60 s simulated; realtime; 30s: wall time of the whole run."),
+    ] = None,
+    by: Annotated[str | None, typer.Option(help="The error that decides: a column of the table.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer runs and seeds: minutes instead of hours.")] = False,
+    profile: Profile = None,
+    sets: Sets = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
+    as_json: Json = False,
 ) -> None:
     """The study over the validation cases, or that of a scene."""
+    vary, sets = vary or [], sets or []
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
         with console.claim(folder, *LEFT):

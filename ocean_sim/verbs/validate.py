@@ -8,7 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from fnmatch import filter as matching
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from ocean_sim.files.whole_file import whole
 from ocean_sim.machine import cores, end_after
@@ -18,60 +20,92 @@ from ocean_sim.validation import names, problems
 from ocean_sim.validation.shared.case import KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.options import Json, Sets
 
 TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
 
+def complete_case(begun: str) -> list[str]:
+    """Cases that begin so."""
+    return [name for name in names() if name.startswith(begun)]
+
+
 def validate(
-    cases: list[str],
-    schemes: list[str],
-    slow: bool,
-    coarse: bool,
-    sets: list[str],
-    workers: int | None,
-    out: Path,
-    junit: Path | None,
-    as_json: bool,
+    cases: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
+            autocompletion=complete_case,
+        ),
+    ] = None,
+    schemes: Annotated[
+        list[str] | None,
+        typer.Option("--scheme", help="A kind of fluid or ship; give it twice to compare two. By default delta_sph."),
+    ] = None,
+    slow: Annotated[
+        bool,
+        typer.Option(
+            "--slow", help="Also run the set-ups that take minutes; with --coarse, those too long for a gate."
+        ),
+    ] = False,
+    coarse: Annotated[
+        bool,
+        typer.Option(
+            "--coarse",
+            help="A gate for CI: twice the spacing or more, tolerances of its own, no long cases.",
+        ),
+    ] = False,
+    sets: Sets = None,
+    out: Annotated[Path, typer.Option(help="Where validate.csv and the pictures go.")] = Path("runs/validate"),
+    junit: Annotated[
+        Path | None, typer.Option(help="Also write a report in JUnit's XML, which CI services read.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Cases at a time; by default one per core.")] = None,
+    as_json: Json = False,
 ) -> int:
     """Run cases under schemes and report; the exit code is 1 where a promise was missed."""
-    if junit is not None and junit.is_dir():
-        raise console.Refused(f"--junit {junit}: this is a folder, not a file")
-    wanted = [name for case in cases for name in matching(names(), case) or [case]] or names()
-    known_schemes = [*kinds("fluid"), *kinds("ship")]
-    for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
-        for name in given:
-            if name not in known:
-                raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
-    overrides = console.settings(sets)
-    plan = {case: pairs_of(case, schemes, slow, coarse) for case in wanted}
-    for case in (name for name in cases if name in wanted):  # a pattern takes what there is
-        if not problems(case, slow=slow, coarse=coarse):
-            if not problems(case, slow=True, coarse=coarse):
-                raise console.Refused(f"{case} {NOT_COARSE}: leave --coarse out")
-            cure = f"{TOO_LONG}: add --slow" if coarse else "takes minutes: add --slow (or --coarse)"
-            raise console.Refused(f"{case} {cure}")
-    for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
-        problem.load(scheme, overrides)  # what is wrong is reported before anything runs
-    rows: list[dict[str, Any]] = []
-    orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
-    for found in answers(orders, workers or cores()):
-        rows += found
-        if not as_json:
-            show(found[0]["case"], found)
-    write(out / "validate.csv", rows)
-    if junit is not None:
-        write_junit(junit, rows)
-    missed = [row for row in rows if not row["ok"]]
-    if as_json:
-        console.answer(rows)
-    else:
-        for sentence in left_out(plan, schemes, coarse):
-            console.say(f"\n{sentence}")
-        promised = sum(row["tolerance"] is not None for row in rows)
-        console.say(f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures")
+    with console.claim(out, "validate.csv", "*.png"):
+        cases, schemes, sets = cases or [], schemes or [], sets or []
+        if junit is not None and junit.is_dir():
+            raise console.Refused(f"--junit {junit}: this is a folder, not a file")
+        wanted = [name for case in cases for name in matching(names(), case) or [case]] or names()
+        known_schemes = [*kinds("fluid"), *kinds("ship")]
+        for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
+            for name in given:
+                if name not in known:
+                    raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
+        overrides = console.settings(sets)
+        plan = {case: pairs_of(case, schemes, slow, coarse) for case in wanted}
+        for case in (name for name in cases if name in wanted):  # a pattern takes what there is
+            if not problems(case, slow=slow, coarse=coarse):
+                if not problems(case, slow=True, coarse=coarse):
+                    raise console.Refused(f"{case} {NOT_COARSE}: leave --coarse out")
+                cure = f"{TOO_LONG}: add --slow" if coarse else "takes minutes: add --slow (or --coarse)"
+                raise console.Refused(f"{case} {cure}")
+        for problem, scheme in [pair for pairs in plan.values() for pair in pairs]:
+            problem.load(scheme, overrides)  # what is wrong is reported before anything runs
+        rows: list[dict[str, Any]] = []
+        orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
+        for found in answers(orders, workers or cores()):
+            rows += found
+            if not as_json:
+                show(found[0]["case"], found)
+        write(out / "validate.csv", rows)
         if junit is not None:
-            console.say(str(junit))
-    return 1 if missed else 0
+            write_junit(junit, rows)
+        missed = [row for row in rows if not row["ok"]]
+        if as_json:
+            console.answer(rows)
+        else:
+            for sentence in left_out(plan, schemes, coarse):
+                console.say(f"\n{sentence}")
+            promised = sum(row["tolerance"] is not None for row in rows)
+            console.say(
+                f"\n{promised - len(missed)} of {promised} tolerances kept; {out / 'validate.csv'} and pictures"
+            )
+            if junit is not None:
+                console.say(str(junit))
+        return 1 if missed else 0
 
 
 def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:

@@ -2,15 +2,17 @@
 
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened
 from ocean_sim.pictures.sea_state import scene_of
+from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.after import say_whether_ended
+from ocean_sim.verbs.shared.options import Json
 from ocean_sim.verbs.shared.wave_files import (
     COLUMNS,
     ORBIT,
@@ -41,9 +43,23 @@ from ocean_sim.waves.record import (
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
 
-def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_json: bool) -> None:
-    """Measures every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
+def waves(
+    run: Annotated[Path, typer.Argument(help="A run folder, or its gauges.csv.")],
+    begin: Annotated[float, typer.Option(help="Ignore the record before this time [s].")] = 0.0,
+    detrend: Annotated[
+        bool, typer.Option("--detrend", help="Subtract the straight line fitted to each record.")
+    ] = False,
+    hysteresis: Annotated[
+        float, typer.Option(min=0.0, help="Count a wave only if it goes this far below and above zero [m].")
+    ] = 0.0,
+    out: Annotated[
+        Path | None, typer.Option(help="Where the plot and the spectra go; by default next to the record.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure every elevation gauge; leaves waves.csv, spectra.csv, waves.png, of frames surface.csv, and of tracers
     orbits.csv."""
+    treatment = Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
     path = record(run)
@@ -54,7 +70,7 @@ def waves(run: Path, begin: float, treatment: Treatment, out: Path | None, as_js
         raise console.Refused(f"{path}: {why}") from None
     except ValueError as error:
         raise console.Refused(str(error)) from None
-    say_whether_ended(path.parent)
+    warn_unless_ended(path.parent)
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]

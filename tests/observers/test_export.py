@@ -21,7 +21,7 @@ from ocean_sim.pictures.frame_files import Frame, Log, frame_files
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.picture import Picture
 from ocean_sim.pictures.waterline import CONTACT_WIDTH, RESTING
-from ocean_sim.verbs.shared.after import made
+from ocean_sim.verbs.render import list_files
 
 
 @pytest.fixture
@@ -563,8 +563,8 @@ def test_a_ply_file_holds_what_is_known_of_its_points(folded, manned):
 
 
 def test_many_files_are_not_named_one_by_one(capsys):
-    made([Path(f"surface_{k:05d}.vtp") for k in range(31)], as_json=False)
+    list_files([Path(f"surface_{k:05d}.vtp") for k in range(31)], as_json=False)
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 8 and lines[5:] == ["surface_00005.vtp", "... 24 more ...", "surface_00030.vtp"]
-    made([Path("a.ply"), Path("b.ply")], as_json=False)
+    list_files([Path("a.ply"), Path("b.ply")], as_json=False)
     assert capsys.readouterr().out.splitlines() == ["a.ply", "b.ply"]

@@ -115,12 +115,12 @@ def counted(problems: list[Any]) -> str:
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 
-def settings(sets: list[str]) -> dict[str, Node]:
+def settings(sets: list[str] | None) -> dict[str, Node]:
     """The values of `--set`, by dotted key; raises SceneError with every mistake. Null takes what was set below its key
     before away with it."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
-    for text in sets:
+    for text in sets or ():
         try:
             key, node = setting(text)
             if node.data is None:

@@ -1,4 +1,4 @@
-"""What a program of others takes under the Python of another environment, where nothing of ours is installed.
+"""Time of a program of others under the Python of another environment, where nothing of ours is installed.
 
 This file is also the program that runs there: it hands a peer's `main` the order, and a `Watch` that takes the time.
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any, NoReturn, Protocol
 
-PATIENCE, IMPORTING = 300.0, 60.0  # with a dam break, and with an import [s]
+MAX_RUN_SECONDS, MAX_IMPORT_SECONDS = 300.0, 60.0  # wall time of a dam break, and of an import [s]
 
 
 class Peer(Protocol):
@@ -23,33 +23,33 @@ class Peer(Protocol):
     PEER: str
     """Its name."""
     PACKAGE: str
-    """What is imported."""
+    """Package that is imported."""
     INSTALLED: str
-    """What pip installs for it."""
+    """Requirements that pip installs for it."""
     ENVIRONMENT: dict[str, str]
     """Variables without which it does not run."""
     __file__: str | None
 
 
 def measured(peer: Peer, python: Path, order: dict[str, Any]) -> dict[str, Any]:
-    """`particles`, `walls`, particles of which walls consist, `steps`, `wall`, `cpu` of all threads and `simulated`
-    [s] of a dam break.
+    """Measure a dam break: `particles`, `walls`, particles of which walls consist, `steps`, `wall`,
+    `cpu` of all threads and `simulated` [s].
 
     `order`: `method`; `lattice`, particles along x, y and z; `spacing` [m]; `support` [spacings], for a peer that has
     a choice; `begin`, simulated time from which it counts [s]; `seconds` of wall time and simulated time `end`, to
     which it goes at least [s]; `viscosity` [m2/s]; `threads`; `folder` for its files. Raises OSError or ValueError
     where that Python cannot.
     """
-    return said(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], PATIENCE)
+    return said(peer, python, [str(peer.__file__), json.dumps(order)], order["threads"], MAX_RUN_SECONDS)
 
 
 def version_in(peer: Peer, python: Path) -> str | None:
     """The version that a Python has and can import, None where it has none; raises OSError or ValueError."""
-    return said(peer, python, [peer.PACKAGE], 1, IMPORTING)
+    return said(peer, python, [peer.PACKAGE], 1, MAX_IMPORT_SECONDS)
 
 
 def said(peer: Peer, python: Path, arguments: list[str], threads: int, patience: float) -> Any:
-    """What this file answers under another Python, whose threads are bound to cores, as ours are."""
+    """Answer of this file under another Python, whose threads are bound to cores, as ours are."""
     environment = os.environ | peer.ENVIRONMENT
     environment |= {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "OMP_PROC_BIND": "true"}
     command = [str(python), "-I", __file__, *arguments]
@@ -73,7 +73,7 @@ class Watch:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for programs print as they go
 
     def look(self, time: float, particles: int, walls: int) -> None:
-        """At a simulated time [s]."""
+        """Take the time of a step that ended at a simulated time [s]; ends the process when enough is measured."""
         now = {"wall": perf_counter(), "cpu": process_time(), "simulated": time}
         if not self.began:
             if time >= self.order["begin"]:

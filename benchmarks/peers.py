@@ -1,4 +1,4 @@
-"""`bench --peers`: what other programs take for a task that this one has, too, where they are installed."""
+"""`bench --peers`: time of other programs, where they are installed, for tasks that this one has, too."""
 
 from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, version
@@ -12,13 +12,15 @@ from typing import Any, NamedTuple, Self, TypeAlias, cast
 
 import numpy as np
 
+from benchmarks import another_python, pysph_dam, splishsplash
+from benchmarks.another_python import Peer
+from ocean_sim.conventions import Failed, Refused
 from ocean_sim.machine import cores
-from ocean_sim.verbs.shared import another_python, console, pysph_dam, splishsplash
-from ocean_sim.verbs.shared.another_python import Peer
+from ocean_sim.verbs.shared import console
 
-REPEATS, TURNS = 5, 3
-PATIENCE = 300.0  # with a peer [s]
-PERIOD, WAVES, STEPS = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
+SURFACE_REPEATS, DAM_TURNS = 5, 3
+MAX_PEER_SECONDS = 300.0  # of wall time [s]
+WAVE_PERIOD, WAVE_COUNT, STEPS_PER_WAVE = 6.0, 20, 60  # of the response of a barge: [s], waves that pass, steps in each
 
 
 class Spent(NamedTuple):
@@ -39,7 +41,7 @@ Pairs: TypeAlias = list[tuple[Spent, Spent]]  # theirs and ours, measured by tur
 
 
 class Dam(NamedTuple):
-    """A dam break of the scenes of `bench`, and what computes it there and here."""
+    """A dam break of the scenes of `bench`, and the methods that compute it there and here."""
 
     name: str
     lattice: tuple[int, int, int]
@@ -51,25 +53,25 @@ class Dam(NamedTuple):
 
     @property
     def task(self) -> str:
-        """What is counted: steps, or a simulated second where steps are as long as each can make them."""
+        """Unit of work that is timed: a step, or a simulated second where steps are as long as each can make them."""
         ours = self.kind if self.support is None else f"{self.kind} at {self.support:g} spacings"
         return f"{self.name}, its {self.method.upper()}, our {ours}, a {'simulated second' if self.end else 'step'}"
 
     def each(self, found: dict[str, Any]) -> Spent:
-        """On a step, or on a simulated second."""
+        """Time of one step, or of one simulated second."""
         count = found["simulated" if self.end else "steps"]
         return Spent(found["wall"] / count, found["cpu"] / count)
 
 
 class Others(NamedTuple):
-    """What a program of others computes beside this one."""
+    """A program of others, and the dam breaks that it computes beside this one."""
 
     peer: Peer
     dams: tuple[Dam, ...]
 
 
-SPACING, BEGIN = 0.05, 0.01  # [m]; simulated time that is not measured [s]
-VISCOSITY = 0.01  # of theirs, and of ours where steps are as long as each can make them, which it bounds [m2/s]
+PARTICLE_SPACING, WARM_UP_SECONDS = 0.05, 0.01  # [m]; simulated time that is not measured [s]
+KINEMATIC_VISCOSITY = 0.01  # [m2/s] of theirs, and of ours where it bounds the steps that each makes
 OTHERS = (
     Others(
         splishsplash,
@@ -97,11 +99,11 @@ OTHERS = (
 
 
 def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
-    """One row of each as soon as it is known: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours over
-    theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; `peer_walls`, the
+    """Yield a row of each task as soon as it is known: `peer`, `version`, `task`, `peer_s`, `ours_s`, `ratio` (ours
+    over theirs), and the same of the time of all processors, `peer_cpu_s`, `ours_cpu_s`, `cpu_ratio`; `peer_walls`, the
     particles of which its walls consist, which are not counted as water; no numbers where it is not installed or where
     it `failed`, whose sentence says why. `pythons`: of the environments that have SPlisHSPlasH and PySPH; all then run
-    on so many threads, by default on all cores. What is about to be measured is said on standard error."""
+    on so many threads, by default on all cores. Standard error tells which task is about to be measured."""
     yield row("pysplashsurf", "surface of 6144 particles", surface)
     yield row("capytaine", "response of a barge", response)
     for others in OTHERS:
@@ -109,7 +111,7 @@ def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
 
 
 def must_have_one(pythons: list[Path]) -> None:
-    """Raises Refused where a Python has none of the programs that are looked for there; of one that does not run, rows
+    """Raise Refused where a Python has none of the programs that are looked for there; of one that does not run, rows
     say why."""
     for python in pythons:
         try:
@@ -118,11 +120,11 @@ def must_have_one(pythons: list[Path]) -> None:
             continue
         if not any(found):
             names = " nor ".join(others.peer.PACKAGE for others in OTHERS)
-            raise console.Refused(f"--peer-python {python}: this Python has neither {names}; install one of them there")
+            raise Refused(f"--peer-python {python}: this Python has neither {names}; install one of them there")
 
 
 def dam_breaks(others: Others, pythons: list[Path], threads: int) -> Iterator[dict[str, Any]]:
-    """Under the first of some Pythons that has the peer; one that fails is the last."""
+    """Measure a peer under the first Python that has it; a dam break that fails is the last."""
     peer = others.peer
     try:
         place = found_in(peer, pythons)
@@ -158,7 +160,7 @@ def found_in(peer: Peer, pythons: list[Path]) -> tuple[Path, str] | None:
 
 
 def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
-    """What a peer takes that is installed beside this program."""
+    """Measure a peer that is installed beside this program."""
     try:
         found = version(peer)
     except PackageNotFoundError:
@@ -166,7 +168,7 @@ def row(peer: str, task: str, measured: Callable[[], Pairs]) -> dict[str, Any]:
     announce(peer, task)
     try:
         return numbers(peer, found, task, apart(measured))
-    except console.Failed as error:
+    except Failed as error:
         return numbers(peer, found, task, [], str(error))
 
 
@@ -175,29 +177,29 @@ def announce(peer: str, task: str) -> None:
 
 
 def apart(measured: Callable[[], Pairs]) -> Pairs:
-    """What a process of its own measures, which a peer may take down or keep for ever; raises Failed."""
+    """Measure in a process of its own, which a peer may take down or keep for ever; raises Failed."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
     child = context.Process(target=answer, args=(measured, there))
     child.start()
     there.close()
     try:
-        if not here.poll(PATIENCE):
-            raise console.Failed(f"it was not done after {PATIENCE:g} s")
+        if not here.poll(MAX_PEER_SECONDS):
+            raise Failed(f"it was not done after {MAX_PEER_SECONDS:g} s")
         found = here.recv()
     except EOFError:
         child.join()
-        raise console.Failed(f"its process died ({child.exitcode})") from None
+        raise Failed(f"its process died ({child.exitcode})") from None
     finally:
         child.kill()
         child.join()
     if isinstance(found, str):
-        raise console.Failed(found)
+        raise Failed(found)
     return found
 
 
 def answer(measured: Callable[[], Pairs], there: Connection) -> None:
-    """Send what was measured, or why it could not be."""
+    """Send the times, or a sentence where they could not be taken."""
     try:
         there.send(measured())
     except Exception as error:  # whatever a program of others raises
@@ -207,7 +209,7 @@ def answer(measured: Callable[[], Pairs], there: Connection) -> None:
 def numbers(
     peer: str, found: str | None, task: str, times: Pairs, failed: str | None = None, walls: int = 0
 ) -> dict[str, Any]:
-    """Medians of what was measured by turns; `failed`: why there is nothing."""
+    """A row with the medians of times taken by turns; `failed`: why there are none."""
     row = {"peer": peer, "version": found, "task": task, "peer_walls": walls, "failed": failed}
     for head, what in (("", "wall"), ("cpu_", "cpu")):
         pairs = [(getattr(theirs, what), getattr(ours, what)) for theirs, ours in times]
@@ -217,15 +219,15 @@ def numbers(
 
 
 def dam_break(peer: Peer, dam: Dam, python: Path, version: str, threads: int, folder: str) -> dict[str, Any]:
-    """Both by turns, each time from the beginning. `folder`: for the files of theirs."""
-    order = {"method": dam.method, "lattice": dam.lattice, "spacing": SPACING, "support": dam.support}
-    order |= {"begin": BEGIN, "seconds": dam.seconds, "end": dam.end, "viscosity": VISCOSITY}
+    """Measure both by turns, each time from the beginning. `folder`: for the files of theirs."""
+    order = {"method": dam.method, "lattice": dam.lattice, "spacing": PARTICLE_SPACING, "support": dam.support}
+    order |= {"begin": WARM_UP_SECONDS, "seconds": dam.seconds, "end": dam.end, "viscosity": KINEMATIC_VISCOSITY}
     order |= {"threads": threads, "folder": folder}
     times: Pairs = []
     announce(peer.PEER, dam.task)
     try:
         here(dam, threads)  # which compiles
-        for _ in range(TURNS):
+        for _ in range(DAM_TURNS):
             theirs, ours = another_python.measured(peer, python, order), here(dam, threads)
             if theirs["particles"] != ours["particles"]:
                 raise ValueError(f"{theirs['particles']} particles there, {ours['particles']} here")
@@ -236,14 +238,14 @@ def dam_break(peer: Peer, dam: Dam, python: Path, version: str, threads: int, fo
 
 
 def unobserved() -> dict[str, Any]:
-    """What leaves the observers of a scene out."""
+    """Settings that leave the observers of a scene out."""
     from ocean_sim.reading.scene import observer_names
 
     return {name: None for name in observer_names() if name != "manifest"}
 
 
 def here(dam: Dam, threads: int) -> dict[str, Any]:
-    """What `another_python.measured` gives, of this program, whose walls have no particles."""
+    """Measure this program as `another_python.measured` does the peer; our walls have no particles."""
     from ocean_sim.fluid import with_particles
     from ocean_sim.reading.scene import load
     from ocean_sim.simulation import Simulation
@@ -254,9 +256,9 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
         "fluid.support_ratio": dam.support,
     }
     if dam.end:
-        laid |= {"time_step": "courant", "fluid.kinematic_viscosity": VISCOSITY}
+        laid |= {"time_step": "courant", "fluid.kinematic_viscosity": KINEMATIC_VISCOSITY}
     with Simulation(load(f"bench/{dam.name}", laid)) as simulation:
-        simulation.run(BEGIN)
+        simulation.run(WARM_UP_SECONDS)
         time, steps, began = simulation.time, simulation.steps, Spent.now()
         spent = Spent(0.0, 0.0)
         while spent.wall < dam.seconds or simulation.time < dam.end or simulation.steps == steps:
@@ -271,10 +273,10 @@ def here(dam: Dam, threads: int) -> dict[str, Any]:
 
 
 def interleaved(theirs: Callable[[], object], ours: Callable[[], object], prepare: Callable[[], object]) -> Pairs:
-    """What both took, by turns, so that what else the machine does strikes both alike; the first turn, which
-    compiles, is left out. `prepare`: what comes before ours and is not measured."""
+    """Time of both, by turns, so that other work of the machine strikes both alike; the first turn, which compiles, is
+    left out. `prepare`: work before ours that is not measured."""
     times = []
-    for _ in range(REPEATS + 1):
+    for _ in range(SURFACE_REPEATS + 1):
         begin = Spent.now()
         theirs()
         between = Spent.now()
@@ -318,19 +320,19 @@ def response() -> Pairs:
     mesh = capytaine.mesh_parallelepiped(size=(20.0, 8.0, 4.0), resolution=(20, 8, 4)).immersed_part()
     body = capytaine.FloatingBody(mesh=mesh, dofs=capytaine.rigid_body_dofs(rotation_center=(0.0, 0.0, 0.5)))
     solver = capytaine.BEMSolver()
-    omega = 2.0 * np.pi / PERIOD
+    omega = 2.0 * np.pi / WAVE_PERIOD
     problems = [capytaine.RadiationProblem(body=body, radiating_dof=dof, omega=omega) for dof in ("Heave", "Pitch")]
     problems.append(capytaine.DiffractionProblem(body=body, wave_direction=np.pi, omega=omega))
     scene = {
         "basin": {"length": 800.0, "width": 800.0, "depth": 400.0, "walls": "none"},
-        "fluid": {"kind": "linear_waves", "height": 0.08, "period": PERIOD, "heading_deg": 180.0},
+        "fluid": {"kind": "linear_waves", "height": 0.08, "period": WAVE_PERIOD, "heading_deg": 180.0},
         "ship": {"kind": "dynamic", "hull": "barge20", "free": ["heave", "pitch"], "cells_per_draught": 4},
-        "time_step": {"kind": "fixed", "dt": PERIOD / STEPS},
+        "time_step": {"kind": "fixed", "dt": WAVE_PERIOD / STEPS_PER_WAVE},
     }
     with Simulation(load(scene | unobserved())) as simulation:
         return interleaved(
             lambda: solver.solve_all(problems, progress_bar=False),
-            lambda: simulation.run(simulation.time + WAVES * PERIOD),
+            lambda: simulation.run(simulation.time + WAVE_COUNT * WAVE_PERIOD),
             lambda: None,
         )
 
@@ -350,7 +352,7 @@ def sentence(row: dict[str, Any]) -> str:
 
 
 def remedy(peer: str) -> str:
-    """How a peer is installed."""
+    """Command that installs a peer."""
     for other, _ in OTHERS:
         if peer == other.PEER:
             return f"pip install {other.INSTALLED} into an environment of its own, and name that by --peer-python"

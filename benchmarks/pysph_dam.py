@@ -10,13 +10,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ocean_sim.verbs.shared.another_python import Watch
+    from benchmarks.another_python import Watch
 
 PEER, PACKAGE = "PySPH", "pysph"
 INSTALLED = "pysph setuptools"  # it imports distutils, which Python has no more
 ENVIRONMENT: dict[str, str] = {}
 DENSITY, GRAVITY = 1000.0, 9.81  # [kg/m3], [m/s2]
-LAYERS = 2  # of particles in its walls, as in its own dam_break_3d
+WALL_LAYERS = 2  # of particles in its walls, as in its own dam_break_3d
 
 
 def main(order: dict[str, Any], watch: "Watch") -> None:
@@ -70,8 +70,8 @@ def main(order: dict[str, Any], watch: "Watch") -> None:
 
         def create_particles(self) -> list[Any]:
             tank = [5 * lattice[0] // 2, 3 * lattice[1] // 2, lattice[2]]
-            above = [LAYERS, 0, LAYERS]
-            rows = [np.arange(-LAYERS, n + more) for n, more in zip(tank, above)]
+            above = [WALL_LAYERS, 0, WALL_LAYERS]
+            rows = [np.arange(-WALL_LAYERS, n + more) for n, more in zip(tank, above)]
             cells = np.stack(np.meshgrid(*rows, indexing="ij"), axis=-1).reshape(-1, 3)
             inside = ((cells >= 0) & (cells < tank)).all(axis=1)
             made = []

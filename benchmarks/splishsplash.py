@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ocean_sim.verbs.shared.another_python import Watch
+    from benchmarks.another_python import Watch
 
 PEER, PACKAGE = "SPlisHSPlasH", "pysplishsplash"
 INSTALLED = PACKAGE
@@ -82,7 +82,7 @@ def scene(order: dict[str, Any], box: str) -> dict[str, Any]:
 
 
 def main(order: dict[str, Any], watch: "Watch") -> None:
-    """A dam break as `scene` has it; its support is two spacings."""
+    """Run the dam break of `scene`; its support is two spacings."""
     import pysplishsplash  # type: ignore[import-not-found]  # in another environment
 
     folder = Path(order["folder"])

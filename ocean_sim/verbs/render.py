@@ -1,0 +1,169 @@
+"""`ocean-sim render` and `export`: pictures and files made from a finished run."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ocean_sim.files import run_files
+from ocean_sim.files.claim import MANIFEST
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
+from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import Drawing
+from ocean_sim.verbs.shared.options import Json, number_list
+
+MAX_FILE_LINES = 8  # that name written files
+EXPORT_KINDS = {"particles": ("vtkhdf", "ply"), "surface": ("ply", "vtp", "vtkhdf"), "scene": ("usd", "glb")}
+
+
+def render(
+    run: Annotated[Path, typer.Argument(help="A run folder.")],
+    camera: Annotated[
+        str, typer.Option(help="third_person, follow, orbit, fixed, first_person, top or side.")
+    ] = "third_person",
+    quality: Annotated[str, typer.Option(help="draft or final.")] = "final",
+    size: Annotated[str | None, typer.Option(help="Width and height in pixels, both even, as 1280x720.")] = None,
+    stills: Annotated[str | None, typer.Option(help="Times [s] of further pictures: 2,4.5,6.")] = None,
+    strip: Annotated[int, typer.Option(help="Number of pictures side by side in strip.png.")] = 0,
+    film: Annotated[bool, typer.Option("--film/--no-film", help="Make film.mp4.")] = True,
+    fps: Annotated[float | None, typer.Option(help="Pictures a second of the film, which runs in real time.")] = None,
+    particles: Annotated[bool, typer.Option("--particles", help="Draw particles instead of the surface.")] = False,
+    eye: Annotated[str | None, typer.Option(help="X,Y,Z [m] of the fixed camera.")] = None,
+    target: Annotated[str | None, typer.Option(help="X,Y,Z [m] at which the fixed camera looks.")] = None,
+    ship: Annotated[str | None, typer.Option(help="The ship that a camera follows, where there are several.")] = None,
+    caption: Annotated[bool, typer.Option("--caption/--no-caption", help="Write the time into the pictures.")] = True,
+    outline: Annotated[bool, typer.Option("--outline", help="Draw where the basin ends.")] = False,
+    scale_bar: Annotated[
+        bool,
+        typer.Option("--scale-bar", help="Draw a scale bar; on maps the colours of heights, with --wind an arrow's."),
+    ] = False,
+    wind: Annotated[bool, typer.Option("--wind", help="Draw where the wind blows, and in which direction.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Where to write; by default the run folder.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Draw pictures and a film from the frames of a run."""
+    from ocean_sim.observers import render as drawing
+    from ocean_sim.reading.translation import validated
+
+    asked = {
+        "camera": camera,
+        "quality": quality,
+        "size": pixels(size),
+        "stills": number_list("--stills", stills),
+        "strip": strip,
+        "film": film,
+        "particles": particles,
+        "eye": number_list("--eye", eye),
+        "target": number_list("--target", target),
+        "ship": ship,
+        "caption": caption,
+        "outline": outline,
+        "scale_bar": scale_bar,
+        "wind": wind,
+    }
+    if fps is not None and not 0.1 <= fps <= 240.0:
+        raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
+    given = {key: value for key, value in asked.items() if value is not None}
+    nodes = {key: node_of(value, Location(f"--{key} {shown(value)}")) for key, value in given.items()}
+    problems: list[Problem] = []
+    config = validated(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
+    if config is None:
+        raise SceneError(problems)
+    require_frames(run)
+    sentence = drawing.impossible(run, config.camera, config.stills, config.ship)
+    if sentence is not None:
+        raise console.Refused(sentence)
+    options = drawing.asked(config, run) | ({} if fps is None else {"every": 1.0 / fps})
+    progress = Drawing(quiet=as_json)
+    before = {*(out or run).glob("*")}
+    with console.claim(out or run):
+        try:
+            files = drawing.render_run(run, **options, out=out, progress=progress)
+        finally:
+            progress.close()
+        if out is None and (run / "report.html").exists():
+            from ocean_sim.observers.shared import run_report
+
+            files = [*files, run_report.write(run)]  # with the new pictures
+        run_files.add(run, files)
+    list_files(files, as_json)
+    replaced = [file.name for file in files if file in before]
+    if replaced:
+        console.complain(f"replaced in {out or run}: {', '.join(replaced)}")
+
+
+def pixels(text: str | None) -> list[int] | None:
+    """A size as `1280x720`; raises Refused."""
+    if text is None:
+        return None
+    words = text.lower().split("x")
+    if len(words) != 2 or not all(word.isdigit() for word in words):
+        raise console.Refused(f"--size {text}: a size is width x height in pixels, as 1280x720")
+    return [int(word) for word in words]
+
+
+def shown(value: Any) -> str:
+    """A value as it was given on the command line."""
+    return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
+
+
+def export(
+    run: Annotated[Path, typer.Argument(help="A run folder.")],
+    particles: Annotated[
+        str | None, typer.Option(help="vtkhdf: all in one file; ply: points, one file a frame.")
+    ] = None,
+    surface: Annotated[str | None, typer.Option(help="ply or vtp: one mesh a frame; vtkhdf: all in one file.")] = None,
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            help="usd: water, ships, obstacles and particles in one file; glb: all but particles. No file has walls."
+        ),
+    ] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="Write files in which z, not y, points up.")] = False,
+    every: Annotated[int, typer.Option(min=1, help="Export every Nth frame.")] = 1,
+    out: Annotated[Path | None, typer.Option(help="Where to write; by default the folder export/ of the run.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Write files for ParaView, Blender and others from the frames of a run."""
+    if particles is None and surface is None and scene is None:
+        raise console.Refused("name what to export: --particles vtkhdf, --surface vtp, --scene usd, ...")
+    asked: dict[str, Any] = {"particles": particles, "surface": surface, "scene": scene, "z_up": z_up, "every": every}
+    for option, kinds in EXPORT_KINDS.items():
+        if asked[option] not in (None, *kinds):
+            raise console.Refused(f"--{option} {asked[option]}: choose {', '.join(kinds[:-1])} or {kinds[-1]}")
+    if scene == "glb" and z_up:
+        raise console.Refused("--z-up: in glTF y is up; readers turn it")
+    require_frames(run)
+    from ocean_sim.pictures.export import export_run
+
+    with console.claim(out or run / "export") as written:
+        files = export_run(run, out=written, **asked)
+        run_files.add(run, files)
+    list_files(files, as_json)
+
+
+def require_frames(folder: Path) -> None:
+    """Raise Refused where a folder is not that of a run, or has kept no frames."""
+    if not (folder / MANIFEST).is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
+    if not any((folder / "frames").glob("*")):
+        raise console.Refused(f"{folder}: this run kept no frames, so there is nothing to show (frames: null)")
+    warn_unless_ended(folder)
+
+
+def warn_unless_ended(folder: Path) -> None:
+    """Print a sentence where a run is not over."""
+    if run_files.read_manifest(folder).get("outcome") == "running":
+        console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
+
+
+def list_files(files: list[Path], as_json: bool) -> None:
+    """Print the names of files; of many the first and the last."""
+    if as_json:
+        console.answer({"files": files})
+        return
+    shown = [str(file) for file in files]
+    if len(shown) > MAX_FILE_LINES:
+        shown = [*shown[: MAX_FILE_LINES - 2], f"... {len(shown) - MAX_FILE_LINES + 1} more ...", shown[-1]]
+    for line in shown:
+        console.say(line)

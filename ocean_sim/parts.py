@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
-    from ocean_sim.wind import Wind
+    from ocean_sim.wind import Target, Wind
 
 SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
@@ -188,16 +188,21 @@ class WindConfig(KindConfig):
     @property
     @abstractmethod
     def stylised(self) -> bool:
-        """Whether it is a stylised force field, not a physical stress."""
+        """True if it is a stylised force field, not a physical stress."""
+
+    @property
+    def acts_on(self) -> Sequence[Target]:
+        """Targets that feel it; the others are in still air."""
+        return ("fluid", "ship")
 
     @property
     def needs_area(self) -> bool:
-        """Whether the water has to find the exposed area of its particles."""
-        return False
+        """True if its force on the water reads the exposed area of particles; where not, finding that is spared."""
+        return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """Whether the water has to find how its surface bends, too."""
+        """True if its force on the water reads how the surface bends, too; zero where not."""
         return False
 
     @property
@@ -214,6 +219,12 @@ class WindConfig(KindConfig):
     def strongest(self) -> float:
         """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
         return 0.0
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        """Name the ships that it does not act on. A kind whose `targets` the user chooses says nothing of them."""
+        if "ship" in self.acts_on or not preflight.ships:
+            return []
+        return [f"wind: {self.kind} does not act on ships: {' and '.join(map(called, preflight.ships))} in still air"]
 
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...

@@ -6,7 +6,7 @@ the lift (2.23) on exposed surface. Volumes add up.
 """
 
 from math import cos, hypot, sin
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -17,16 +17,15 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Wind
+from ocean_sim.wind import StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
-from ocean_sim.wind.shared.clock import RESTART, DeviceRow
+from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing, joined
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
 from ocean_sim.wind.shared.over_patch import Patch, Placed
 from ocean_sim.wind.shared.shapes import turned, turned_back, within
-from ocean_sim.wind.shared.volume import Target, Volume
+from ocean_sim.wind.shared.volume import Volume
 from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
-from ocean_sim.wind.still import Still
 
 NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
 
@@ -77,6 +76,10 @@ class Config(Placed, WindConfig):
         return any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("fluid"))
 
     @property
+    def acts_on(self) -> list[Target]:
+        return [target for target in get_args(Target) if self.aimed(target)]
+
+    @property
     def stylised(self) -> bool:
         """Whether a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
@@ -124,15 +127,15 @@ def row_size(volumes: list[Volume]) -> int:
 
 
 @in_kernels
-class Gusts:
+class Gusts(Wind):
     """Volumes on their way, and the load of their air."""
 
-    blows = True
-    needs_bend = False
+    config: Config
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.config, self.volumes, self.patch = config, config.volumes, Patch(config, basin)
-        self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
+        super().__init__(config)
+        self.volumes, self.patch = config.volumes, Patch(config, basin)
+        self.loads = any(v.wind_speed > 0.0 for v in self.volumes)
         self.noisy = any(any(v.noise) for v in self.volumes)
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), max(len(v.shapes) for v in self.volumes)
@@ -141,8 +144,6 @@ class Gusts:
         self.outlines = [(np.zeros((0, 2, 3)), np.zeros((0, 3)))] * self.n  # lines and tails that show them [m]
         self.row = ti.field(float, shape=self.rows.shape)
         self.noise = Noise(seed, config.noise_every, DeviceRow(DRAWS.size))
-        self.time, self.gain = 0.0, 1.0
-        self.since, self.step = 0.0, 0.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
         for g in range(self.n):
@@ -150,14 +151,14 @@ class Gusts:
             self._set_strength(g)
         self._restart()
 
-    def on(self, target: Target) -> "Gusts | Aimed | Still":
-        """The wind that a target feels: all volumes, those that act on it, or still air where none does."""
+    def on(self, target: Target) -> Wind:
+        """All volumes, those that act on the target, or still air where none does."""
         numbers = self.config.aimed(target)
-        return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else Still()
+        return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else StillAir()
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
-        self.gain = factor
+        super().strengthen(factor)
         for g in range(self.n):
             self._set_strength(g)
         self._restart()
@@ -180,8 +181,8 @@ class Gusts:
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
-        begun, changed = self.time, False
-        self.time, self.since, self.step = begun + dt, self.since + dt, dt
+        begun, changed = self.clock.time, False
+        self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
@@ -192,7 +193,7 @@ class Gusts:
             if passage.number != before or self.blown[g] != blown:
                 self._set_strength(g)
                 changed = True
-        if changed or self.since > RESTART:
+        if changed or self.clock.is_due():
             self._restart()
         if self.noisy:
             self.noise.advance()
@@ -227,8 +228,8 @@ class Gusts:
             numbers[VOLUME.start : VOLUME.acceleration] = (*passage.centre, *passage.velocity)
         self.row.from_numpy(self.rows)
         if self.noisy:
-            self.noise.restart(self.time)
-        self.since = 0.0
+            self.noise.restart(self.clock.time)
+        self.clock.restart()
 
     @ti.func
     def set_clock(self, since, step):
@@ -259,7 +260,7 @@ class Gusts:
                 total += mass * self.vector(g, VOLUME.acceleration)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, VOLUME.noise) * self.noise.of(NOISE + g, key)
-                if ti.static(self.needs_area):
+                if ti.static(self.loads):
                     wind = self.vector(g, VOLUME.wind)
                     if wind.dot(wind) > 0.0:
                         total += self.load(g, wind - velocity, area.norm())
@@ -290,45 +291,17 @@ class Gusts:
 
 
 @in_kernels
-class Aimed:
+class Aimed(Wind):
     """Some of the volumes: what a target feels of gusts that do not all act on it."""
 
-    blows = True
-    needs_bend = False
-
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
+        super().__init__(gusts.config, gusts.clock)
         self.gusts, self.n = gusts, len(numbers)
-        self.needs_area = any(gusts.volumes[g].wind_speed > 0.0 for g in numbers)
         self.number = ti.field(int, shape=self.n)
         self.number.from_numpy(np.array(numbers, dtype=np.int32))
 
-    @property
-    def since(self) -> float:
-        """That of the gusts [s]."""
-        return self.gusts.since
-
-    @property
-    def step(self) -> float:
-        """That of the gusts [s]."""
-        return self.gusts.step
-
-    def on(self, target: Target) -> "Gusts | Aimed | Still":
-        """The wind that a target feels."""
+    def on(self, target: Target) -> Wind:
         return self.gusts.on(target)
-
-    def follow(self, middle: np.ndarray) -> None:
-        """The gusts do so by themselves."""
-
-    def advance(self, dt: float) -> None:
-        """The gusts go on by themselves."""
-
-    def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says: all of the gusts."""
-        self.gusts.strengthen(factor)
-
-    def drawing(self) -> Drawing:
-        """All of the gusts."""
-        return self.gusts.drawing()
 
     @ti.func
     def set_clock(self, since, step):

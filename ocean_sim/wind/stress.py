@@ -9,7 +9,7 @@ frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 
 from functools import cached_property
 from math import cos, hypot, radians, sin
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -20,13 +20,12 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Wind
+from ocean_sim.wind import Target, Wind
 from ocean_sim.wind.shared.air_load import LAW, DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.warnings import on_ships, out_of_range, unresolved
-from ocean_sim.wind.still import Still
 
 ROW = Columns(
     stress_x=1,  # [Pa]
@@ -61,7 +60,7 @@ class Config(Scheduled, WindConfig):
     """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)
     """c: speed of the crests that the sheltered wind is relative to, along the wind."""
-    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    targets: list[Target] = ["fluid", "ship"]
     """What the wind acts on; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
 
     @property
@@ -71,6 +70,10 @@ class Config(Scheduled, WindConfig):
     @property
     def needs_bend(self) -> bool:
         return self.needs_area and self.sheltering > 0.0
+
+    @property
+    def acts_on(self) -> list[Target]:
+        return self.targets
 
     @property
     def stylised(self) -> bool:
@@ -158,33 +161,24 @@ class Config(Scheduled, WindConfig):
 
 
 @in_kernels
-class Stress:
+class Stress(Wind):
     """The wind as it blows now."""
 
-    needs_area = True
-    needs_bend: bool
-    blows = True
-    since: ClassVar[float] = 0.0
-    step: ClassVar[float] = 0.0
+    config: Config
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""
-        self.config, self.dimension, self.afloat = config, basin.dimension, afloat
-        self.basin, self.time, self.gain = basin, 0.0, 1.0
-        self.sheltering = self.needs_bend = config.sheltering > 0.0
+        super().__init__(config)
+        self.basin, self.dimension, self.afloat, self.time = basin, basin.dimension, afloat, 0.0
+        self.sheltering = config.sheltering > 0.0
         self.row = DeviceRow(ROW.size)
         self.steady = config.always and config.schedule is None
         self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
         self._set_strength(0.0)
 
-    def on(self, target: Literal["fluid", "ship"]) -> "Stress | Still":
-        """The wind that a target feels: stress, drag on a hull, or still air where it is none of `targets`."""
-        if target not in self.config.targets:
-            return Still()
-        return self if target == "fluid" or self.ship is None else self.ship
-
-    def follow(self, middle: np.ndarray) -> None:
-        """This wind is the same everywhere."""
+    def on(self, target: Target) -> Wind:
+        """Stress on the fluid, drag on a hull, or still air where the target is none of `targets`."""
+        return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
         """What blows in the middle of a step of dt [s]."""
@@ -196,7 +190,7 @@ class Stress:
 
     def strengthen(self, factor: float) -> None:
         """Blow with so many times the U10 of the scene."""
-        self.gain = factor
+        super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
@@ -227,10 +221,6 @@ class Stress:
     def stress(self) -> float:
         """On the water now [Pa]."""
         return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])
-
-    @ti.func
-    def set_clock(self, since, step):
-        pass
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):

@@ -1,7 +1,6 @@
 """A volume of moving air, as a scene describes it: its shapes, what it blows, and how it crosses the basin."""
 
 from math import atan2, cos, degrees, hypot, inf, radians, sin
-from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -9,6 +8,7 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.random_numbers import numpy_uniform3
+from ocean_sim.wind import Target
 from ocean_sim.wind.shared.noise import NoiseSize
 from ocean_sim.wind.shared.passages import Passages
 from ocean_sim.wind.shared.schedule import Scheduled
@@ -16,8 +16,6 @@ from ocean_sim.wind.shared.shapes import Shape, turned
 
 PASSAGES = 0x2_0000  # stream of random numbers; the volume's number is added
 ROUNDING = 1e-4  # by which the slab around a volume is thicker than it
-
-Target = Literal["fluid", "ship"]
 
 
 class Volume(Scheduled):

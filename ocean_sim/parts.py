@@ -224,7 +224,8 @@ class WindConfig(KindConfig):
         """Name the ships that it does not act on. A kind whose `targets` the user chooses says nothing of them."""
         if "ship" in self.acts_on or not preflight.ships:
             return []
-        return [f"wind: {self.kind} does not act on ships: {' and '.join(map(called, preflight.ships))} in still air"]
+        ships = " and ".join(map(called, preflight.ships))
+        return [f"wind: {self.kind} does not act on ships; it leaves {ships} in still air"]
 
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...

@@ -173,18 +173,19 @@ import ocean_sim
 from ocean_sim.simulation import Simulation
 OFF = dict.fromkeys(("frames", "render", "report", "timings"))
 TANK = {"basin": {"length": 6.0, "width": 6.0, "depth": 2.0}, "duration": 0.05, "accuracy": {"every": 0.01}} | OFF
+SQUALLS = {"kind": "squall_line"}
 WAVES = {"kind": "linear_waves", "height": 0.1, "period": 1.9, "rim": {"width": 1.0}}
 PATCH = TANK | {"basin": TANK["basin"] | {"walls": "periodic"}, "sea": WAVES}
 SPH = {"kind": "mueller", "spacing": 0.5}
 BOX = {"kind": "planing", "hull": "wigley"}
 SEA = {"kind": "linear_waves", "height": 0.0, "period": 3.0}
 scenes = {
-    "wind": TANK | {"fluid": SPH, "wind": {"kind": "squall_line", "speed": 60.0}, "fastest": {"every": 0.02}},
+    "wind": TANK | {"fluid": SPH, "wind": SQUALLS | {"speed": 60.0}, "fastest": {"every": 0.02}},
     "preset": TANK | {"fluid": SPH, "wind": "harbour"},
     "scheme": TANK | {"fluid": SPH | {"kind": "tait"}},
     "surface": TANK | {"fluid": SPH, "surface": "mean_level"},
     "ship": TANK | {"fluid": SEA, "ship": BOX | {"velocity": [0.0, 0.0, 2.0]}},
-    "patch": PATCH | {"fluid": SPH, "surface": "mean_level", "ship": BOX, "wind": {"kind": "squall_line", "speed": 600.0}},
+    "patch": PATCH | {"fluid": SPH, "surface": "mean_level", "ship": BOX, "wind": SQUALLS | {"speed": 600.0}},
 }
 for name, data in scenes.items():
     ocean_sim.run(ocean_sim.load(data), out=f"runs/{name}")

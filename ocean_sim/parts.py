@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ocean_sim.ship import Afloat, Look, Outline, Ship
     from ocean_sim.surface import Surface
     from ocean_sim.time_step import TimeStep
-    from ocean_sim.wind import Wind
+    from ocean_sim.wind import Target, Wind
 
 SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
@@ -191,13 +191,18 @@ class WindConfig(KindConfig):
         """True if it is a stylised force field, not a physical stress."""
 
     @property
+    def acts_on(self) -> Sequence[Target]:
+        """Targets that feel it; the others are in still air."""
+        return ("fluid", "ship")
+
+    @property
     def needs_area(self) -> bool:
-        """True if the water has to find the exposed area of its particles."""
-        return False
+        """True if its force on the water reads the exposed area of particles; where not, finding that is spared."""
+        return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """True if the water has to find the curvature of its surface, too."""
+        """True if its force on the water reads how the surface bends, too; zero where not."""
         return False
 
     @property
@@ -214,6 +219,13 @@ class WindConfig(KindConfig):
     def strongest(self) -> float:
         """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
         return 0.0
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        """Name the ships that it does not act on. A kind whose `targets` the user chooses says nothing of them."""
+        if "ship" in self.acts_on or not preflight.ships:
+            return []
+        ships = " and ".join(map(called, preflight.ships))
+        return [f"wind: {self.kind} does not act on ships; it leaves {ships} in still air"]
 
     @abstractmethod
     def build(self, basin: Basin, seed: int) -> Wind: ...

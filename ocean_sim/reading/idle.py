@@ -25,6 +25,11 @@ def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
+def gives(mapping: Any, key: str) -> bool:
+    """True if this kind has a key and it is given: a kind with another key of a rule may lack this one."""
+    return key in type(mapping).model_fields and getattr(mapping, key) is not None
+
+
 SEEDED = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
 # Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
@@ -58,7 +63,7 @@ RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
         "there is neither a wind_speed nor a drift along it",
     ),
     ("wind", "pressure_gain wave_speed", lambda h, *_: h.sheltering, "without sheltering no pressure acts on waves"),
-    ("wind", "u10 heading_deg", lambda h, *_: h.schedule is None, "the schedule stands in its place"),
+    ("wind", "u10 heading_deg", lambda h, *_: not gives(h, "schedule"), "the schedule stands in its place"),
     ("ship.propeller", "wake", lambda h, *_: h.zero_thrust_speed, "without a zero_thrust_speed no speed lowers thrust"),
     ("ship.propeller", "diameter", lambda h, k, p, *_: p.rudder, "there is no rudder in its slipstream"),
     ("ship.helm", "look_ahead arrival", lambda h, *_: h.route, "she holds a heading, and sails no route"),

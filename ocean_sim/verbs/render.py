@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.files import run_files
-from ocean_sim.files.claim import MANIFEST
+from ocean_sim.files.run_files import MANIFEST
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing

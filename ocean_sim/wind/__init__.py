@@ -1,70 +1,112 @@
 """Moving air: every module of this folder is a kind that a scene may name; what they share lies in `shared`."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Literal, Protocol
 
 import numpy as np
 
-from ocean_sim.wind.shared.drawing import Drawing
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import in_kernels
+from ocean_sim.wind.shared.clock import Clock
+from ocean_sim.wind.shared.drawing import NOTHING, Drawing
+
+Target = Literal["fluid", "ship"]
 
 
-class Wind(Protocol):
-    """Moving air. `set_clock` and `force` are callable from a Taichi kernel.
+class WindKeys(Protocol):
+    """Answers of `parts.WindConfig` that its wind itself reads."""
 
-    A kernel calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as they
-    are handed to it from Python; a wind that needs no clock leaves both 0 and does nothing (see `shared/clock.py`).
+    @property
+    def needs_area(self) -> bool: ...
+    @property
+    def needs_bend(self) -> bool: ...
+    @property
+    def acts_on(self) -> Sequence[Target]: ...
+
+
+@in_kernels
+class Wind(ABC):
+    """Moving air. A kind adds `force`, and of the other methods those that it needs.
+
+    A kernel calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as Python
+    hands them over, and then `force` for each of them.
     """
+
+    blows: bool = True  # False: `force` is always zero, and kernels leave it out
+
+    def __init__(self, config: WindKeys, clock: Clock | None = None) -> None:
+        self.config, self.gain = config, 1.0
+        self.clock = Clock() if clock is None else clock
 
     @property
     def needs_area(self) -> bool:
-        """Whether `force` reads `area`: the fluid then finds the exposed area of its particles."""
-        ...
+        """True if `force` reads `area`: the fluid then finds the exposed area of its particles."""
+        return self.config.needs_area
 
     @property
     def needs_bend(self) -> bool:
-        """Whether `force` reads `bend`: the fluid then finds how its surface bends."""
-        ...
-
-    @property
-    def blows(self) -> bool:
-        """Whether `force` is ever anything but zero; where not, kernels leave it out."""
-        ...
+        """True if `force` reads `bend`: the fluid then finds how its surface bends."""
+        return self.config.needs_bend
 
     @property
     def since(self) -> float:
-        """From the last restart of its clock to the end of this step [s]."""
-        ...
+        """Time from the last restart of the clock to the end of this step [s]."""
+        return self.clock.since
 
     @property
     def step(self) -> float:
         """Length of this step [s]."""
-        ...
+        return self.clock.step
 
-    def on(self, target: Literal["fluid", "ship"]) -> "Wind":
-        """The wind that a target feels: this one, or still air where it is no target."""
-        ...
+    def on(self, target: Target) -> "Wind":
+        """Wind that a target feels: this one, or still air where it does not act on the target."""
+        return self if target in self.config.acts_on else StillAir()
 
-    def follow(self, middle: np.ndarray) -> None:
-        """The patch of open sea that it blows over now lies around x, z (2,) [m] in the world."""
-        ...
+    def follow(self, middle: np.ndarray) -> None:  # noqa: B027
+        """Note that the patch of open sea under it now lies around x, z (2,) [m] in the world. A wind that has a place
+        hands this to its `shared.over_patch.Patch`; one that is the same everywhere does nothing."""
 
-    def advance(self, dt: float) -> None:
+    def advance(self, dt: float) -> None:  # noqa: B027
         """Move on to the step of dt [s] that comes next."""
-        ...
 
     def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says; nothing is compiled for it."""
-        ...
+        """Blow so many times as strongly as the scene says, from the next step on; nothing is compiled for it."""
+        self.gain = factor
 
     def drawing(self) -> Drawing:
         """Lines and arrows that show it as it is now."""
-        ...
+        return NOTHING
 
+    @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """ti.func: find what blows in this step, from the two numbers above [s]."""
-        ...
+        """Find what blows in this step, from the two numbers of the clock [s]."""
 
+    @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):
-        """ti.func -> vec3 [N]. `key`: particle or voxel number; `area`: exposed area times outward normal [m2],
-        zero inside the water; `bend`: what the slope of the surface changes by in going as far as exposed
-        areas lie below it, see `fluid/shared/exposure.py`; `mass` [kg]."""
-        ...
+        """ti.func -> vec3: force [N] on a particle or a voxel of a hull.
+
+        `key` is its number, by which noise is drawn; `position` [m] and `velocity` [m/s] are its own; `area` is the
+        exposed area times its outward normal [m2], zero inside the water; `bend` is the change of the surface's slope
+        over the depth at which exposed areas lie (`fluid/shared/exposure.py`); `mass` [kg]."""
+
+
+@in_kernels
+class StillAir(Wind):
+    """Air at rest: its term compiles to nothing."""
+
+    blows = False
+    needs_area = needs_bend = False
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+
+    def on(self, target: Target) -> Wind:
+        return self
+
+    def strengthen(self, factor: float) -> None:
+        """Do nothing: there is nothing to strengthen."""
+
+    @ti.func
+    def force(self, key, position, velocity, area, bend, mass):
+        return tm.vec3(0.0)

@@ -5,8 +5,8 @@ or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is a
 the lift (2.23) on exposed surface. Volumes add up.
 """
 
-from math import cos, hypot, sin
-from typing import Any, ClassVar, Literal
+from math import atan2, cos, degrees, hypot, inf, radians, sin
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -14,21 +14,24 @@ from pydantic import Field
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.model import quantity
+from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
+from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Wind
+from ocean_sim.wind import StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
-from ocean_sim.wind.shared.clock import RESTART, DeviceRow
+from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing, joined
-from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise
+from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
 from ocean_sim.wind.shared.over_patch import Patch, Placed
-from ocean_sim.wind.shared.shapes import turned, turned_back, within
-from ocean_sim.wind.shared.volume import Target, Volume
+from ocean_sim.wind.shared.passages import Passages
+from ocean_sim.wind.shared.schedule import Scheduled
+from ocean_sim.wind.shared.shapes import Shape, turned, turned_back, within
 from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
-from ocean_sim.wind.still import Still
 
 NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
+PASSAGES = 0x2_0000  # stream of random numbers; the volume's number is added
+SLAB_MARGIN = 1e-4  # by which the slab around a volume is thicker than it
 
 VOLUME = Columns(
     start=3,  # [m] centre when the clock was restarted
@@ -53,7 +56,109 @@ SHAPE = Columns(
 )
 """A volume's row: its own columns, and then those of its shapes, one after the other."""
 
-ADVANCE = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
+STEP_SECONDS = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
+
+
+class Volume(Scheduled):
+    """One volume of moving air: all included shapes less all excluded ones.
+
+    Its wind may begin, end and follow a `schedule`: the speed, over the highest in the schedule, is a factor on
+    acceleration, noise and wind_speed, which turn to the schedule's heading; the drift of the volume stays as it is."""
+
+    include: list[Shape] = Field(min_length=1)
+    """Shapes it is made of; the centre of the first is the centre of the volume."""
+    exclude: list[Shape] = []
+    """Shapes cut out of it."""
+    acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
+    """Acceleration of everything inside."""
+    noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
+    """Random acceleration along each axis, uniform between minus and plus this (2.24)."""
+    wind_speed: float = quantity("m/s", 0.0, ge=0.0)
+    """Wind 10 m above the water, for drag and lift on exposed surface; apart from `acceleration`."""
+    lift_coefficient: float = quantity("1", 1.0e-3)
+    """C_L of (2.23). The thesis prints none; this one is ours, of the size of C_d."""
+    heading_deg: float | None = quantity("deg", None)
+    """Where the wind goes to, 0 along +z, 90 along +x; none: where `acceleration` points."""
+    drift: float | Vector3 = quantity("m/s", 0.0)
+    """Velocity of the volume; a number is a speed along its heading."""
+    redraw_yaw_deg: Vector2 | None = quantity("deg", None)
+    """Smallest and largest yaw of its first shape in later passages; all else turns with it. None: it never turns."""
+    redraw_strength: Vector2 = quantity("1", (1.0, 1.0))
+    """Smallest and largest factor on `acceleration` and `wind_speed` in later passages."""
+    targets: list[Target] | None = None
+    """What this volume acts on; null: the targets of the wind."""
+
+    @property
+    def ahead(self) -> Vector3:
+        """Unit vector where the wind goes to."""
+        heading = self.heading_deg
+        angle = atan2(self.acceleration[0], self.acceleration[2]) if heading is None else radians(heading)
+        return sin(angle), 0.0, cos(angle)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """`drift` as a vector [m/s]."""
+        return np.multiply(self.drift, self.ahead) if isinstance(self.drift, (int, float)) else np.array(self.drift)
+
+    @property
+    def passing_time(self) -> float:
+        """Time for which a point on its path lies inside [s]; infinite where it does not drift."""
+        speed = float(np.linalg.norm(self.velocity))
+        return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
+
+    def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
+        """Factor on its strength in a step of dt [s] from a time [s] on, and the angle [rad] by which what it blows is
+        turned."""
+        if self.course is None:
+            return self.blowing(time, dt), 0.0
+        speed, heading = self.course.at(time + 0.5 * dt)
+        along = degrees(atan2(self.ahead[0], self.ahead[2]))
+        fastest = float(self.course.speed.max())
+        return self.blowing(time, dt) * (speed / fastest if fastest else 0.0), radians(heading - along)
+
+    @property
+    def strongest(self) -> float:
+        """Greatest value of an arrow in the volume [m/s2], or [m/s] where nothing but wind_speed is given."""
+        return hypot(*self.acceleration) or self.wind_speed
+
+    @property
+    def shapes(self) -> list[tuple[Shape, float]]:
+        """Its shapes, with 1 for those included and -1 for those cut out."""
+        return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
+
+    def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
+        """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
+        side, force, _ = numpy_uniform3(seed, PASSAGES + number, 0, passage)[0]
+        given = self.include[0].core.yaw
+        low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
+        weak, strong = self.redraw_strength
+        return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
+
+    def outline(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 2, 3) ends of the lines that show the volume, turned by `turn` [rad], and (m, 3) points spread over its
+        first shape, seen from the centre of the volume [m]."""
+        first = self.include[0].core
+        lines = [turned(shape.core.edges() - first.centre, turn) for shape in self.include]
+        return np.concatenate(lines), turned(first.spread() - first.centre, turn)
+
+    def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
+        """The thinnest slab across an axis of the first shape that holds the volume, turned by `turn` [rad]: its
+        normal, and its middle, seen from the centre of the volume, and half its thickness along the normal [m]."""
+        cores = [shape.core for shape in self.include]
+        slabs = []
+        for axis in np.eye(3):
+            normal = turned(axis, cores[0].yaw)
+            middles = np.array([(core.centre - cores[0].centre) @ normal for core in cores])
+            reach = np.array([core.reach(normal) for core in cores]) * (1.0 + SLAB_MARGIN) + SLAB_MARGIN
+            low, high = float((middles - reach).min()), float((middles + reach).max())
+            slabs.append((turned(normal, turn), (low + high) / 2.0, (high - low) / 2.0))
+        return min(slabs, key=lambda slab: slab[2])
+
+    def passages(self, basin: Basin, seed: int, number: int) -> Passages:
+        """The path of volume `number` across the basin."""
+        first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
+        rear = first.reach(self.velocity / speed) if speed else 0.0
+        return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
 
 
 class Config(Placed, WindConfig):
@@ -77,8 +182,12 @@ class Config(Placed, WindConfig):
         return any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("fluid"))
 
     @property
+    def acts_on(self) -> list[Target]:
+        return [target for target in get_args(Target) if self.aimed(target)]
+
+    @property
     def stylised(self) -> bool:
-        """Whether a force field acts that is no physical stress."""
+        """True if a force field acts that is no physical stress."""
         return any(any(v.acceleration) or any(v.noise) for v in self.volumes)
 
     @property
@@ -100,7 +209,9 @@ class Config(Placed, WindConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
-        return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes", ADVANCE)]
+        return [
+            LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes", STEP_SECONDS)
+        ]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         sentences = []
@@ -124,15 +235,15 @@ def row_size(volumes: list[Volume]) -> int:
 
 
 @in_kernels
-class Gusts:
+class Gusts(Wind):
     """Volumes on their way, and the load of their air."""
 
-    blows = True
-    needs_bend = False
+    config: Config
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.config, self.volumes, self.patch = config, config.volumes, Patch(config, basin)
-        self.needs_area = any(v.wind_speed > 0.0 for v in self.volumes)
+        super().__init__(config)
+        self.volumes, self.patch = config.volumes, Patch(config, basin)
+        self.loads = any(v.wind_speed > 0.0 for v in self.volumes)
         self.noisy = any(any(v.noise) for v in self.volumes)
         self.passages = [v.passages(basin, seed, g) for g, v in enumerate(self.volumes)]
         self.n, self.shapes = len(self.volumes), max(len(v.shapes) for v in self.volumes)
@@ -141,8 +252,6 @@ class Gusts:
         self.outlines = [(np.zeros((0, 2, 3)), np.zeros((0, 3)))] * self.n  # lines and tails that show them [m]
         self.row = ti.field(float, shape=self.rows.shape)
         self.noise = Noise(seed, config.noise_every, DeviceRow(DRAWS.size))
-        self.time, self.gain = 0.0, 1.0
-        self.since, self.step = 0.0, 0.0
         self.blown = [volume.blows(0.0) for volume in self.volumes]
         self.steady = [volume.always and volume.schedule is None for volume in self.volumes]
         for g in range(self.n):
@@ -150,14 +259,14 @@ class Gusts:
             self._set_strength(g)
         self._restart()
 
-    def on(self, target: Target) -> "Gusts | Aimed | Still":
-        """The wind that a target feels: all volumes, those that act on it, or still air where none does."""
+    def on(self, target: Target) -> Wind:
+        """Wind of all volumes, of those that act on the target, or still air where none does."""
         numbers = self.config.aimed(target)
-        return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else Still()
+        return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else StillAir()
 
     def strengthen(self, factor: float) -> None:
         """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
-        self.gain = factor
+        super().strengthen(factor)
         for g in range(self.n):
             self._set_strength(g)
         self._restart()
@@ -180,8 +289,8 @@ class Gusts:
 
     def advance(self, dt: float) -> None:
         """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
-        begun, changed = self.time, False
-        self.time, self.since, self.step = begun + dt, self.since + dt, dt
+        begun, changed = self.clock.time, False
+        self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
             before, blown = passage.number, self.blown[g]
             passage.advance(dt)
@@ -192,7 +301,7 @@ class Gusts:
             if passage.number != before or self.blown[g] != blown:
                 self._set_strength(g)
                 changed = True
-        if changed or self.since > RESTART:
+        if changed or self.clock.is_due():
             self._restart()
         if self.noisy:
             self.noise.advance()
@@ -227,8 +336,8 @@ class Gusts:
             numbers[VOLUME.start : VOLUME.acceleration] = (*passage.centre, *passage.velocity)
         self.row.from_numpy(self.rows)
         if self.noisy:
-            self.noise.restart(self.time)
-        self.since = 0.0
+            self.noise.restart(self.clock.time)
+        self.clock.restart()
 
     @ti.func
     def set_clock(self, since, step):
@@ -259,7 +368,7 @@ class Gusts:
                 total += mass * self.vector(g, VOLUME.acceleration)
                 if ti.static(self.noisy):
                     total += mass * self.vector(g, VOLUME.noise) * self.noise.of(NOISE + g, key)
-                if ti.static(self.needs_area):
+                if ti.static(self.loads):
                     wind = self.vector(g, VOLUME.wind)
                     if wind.dot(wind) > 0.0:
                         total += self.load(g, wind - velocity, area.norm())
@@ -272,7 +381,7 @@ class Gusts:
 
     @ti.func
     def holds(self, g, x):
-        """Whether x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
+        """True if x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
         included, excluded = False, False
         for s in range(self.shapes):
             k = VOLUME.size + SHAPE.size * s
@@ -290,49 +399,21 @@ class Gusts:
 
 
 @in_kernels
-class Aimed:
-    """Some of the volumes: what a target feels of gusts that do not all act on it."""
-
-    blows = True
-    needs_bend = False
+class Aimed(Wind):
+    """Some of the volumes, as felt by a target that not all of them act on."""
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
+        super().__init__(gusts.config, gusts.clock)
         self.gusts, self.n = gusts, len(numbers)
-        self.needs_area = any(gusts.volumes[g].wind_speed > 0.0 for g in numbers)
         self.number = ti.field(int, shape=self.n)
         self.number.from_numpy(np.array(numbers, dtype=np.int32))
 
-    @property
-    def since(self) -> float:
-        """That of the gusts [s]."""
-        return self.gusts.since
-
-    @property
-    def step(self) -> float:
-        """That of the gusts [s]."""
-        return self.gusts.step
-
-    def on(self, target: Target) -> "Gusts | Aimed | Still":
-        """The wind that a target feels."""
+    def on(self, target: Target) -> Wind:
         return self.gusts.on(target)
-
-    def follow(self, middle: np.ndarray) -> None:
-        """The gusts do so by themselves."""
-
-    def advance(self, dt: float) -> None:
-        """The gusts go on by themselves."""
-
-    def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says: all of the gusts."""
-        self.gusts.strengthen(factor)
-
-    def drawing(self) -> Drawing:
-        """All of the gusts."""
-        return self.gusts.drawing()
 
     @ti.func
     def set_clock(self, since, step):
-        """All of the gusts."""
+        """Set the clock of all gusts."""
         self.gusts.set_clock(since, step)
 
     @ti.func

@@ -8,25 +8,25 @@ frequency w grows at the rate P w / (rho c^2), P = s rho_air (U10 - c)^2.
 """
 
 from functools import cached_property
-from math import cos, hypot, radians, sin
-from typing import ClassVar, Literal
+from math import cos, hypot, pi, radians, sin
+from typing import Literal
 
 import numpy as np
 
+from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns
-from ocean_sim.conventions import AIR_DENSITY
+from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Wind
-from ocean_sim.wind.shared.air_load import LAW, DragLaw, drag, stated_speed, stress
+from ocean_sim.wind import Target, Wind
+from ocean_sim.wind.shared.air_load import DRAG_LAWS, LAW, RANGES, DragLaw, drag, stated_speed, stress
 from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
-from ocean_sim.wind.shared.warnings import on_ships, out_of_range, unresolved
-from ocean_sim.wind.still import Still
+from ocean_sim.wind.shared.warnings import on_ships
 
 ROW = Columns(
     stress_x=1,  # [Pa]
@@ -36,7 +36,9 @@ ROW = Columns(
     ahead_z=1,
     speed=1,  # [m/s] U10
 )
-STEEPEST = 1.0  # slope beyond which the pressure does not rise: the air has long parted from the surface
+FLOW_SHEAR_RATIO = 5.0  # times the shear that particles bear: under less stress the drift is over a tenth too slow
+MIN_WAVE_SPACINGS = 10.0  # spacings that a wave must be long to travel well
+MAX_SLOPE = 1.0  # slope beyond which the pressure does not rise: the air has long parted from the surface
 
 
 class Config(Scheduled, WindConfig):
@@ -61,7 +63,7 @@ class Config(Scheduled, WindConfig):
     """s of Jeffreys, who found 0.27: pressure on waves is s rho_air (U10 - c)^2 times their slope; 0: none."""
     wave_speed: float = quantity("m/s", 0.0)
     """c: speed of the crests that the sheltered wind is relative to, along the wind."""
-    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    targets: list[Target] = ["fluid", "ship"]
     """What the wind acts on; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
 
     @property
@@ -71,6 +73,10 @@ class Config(Scheduled, WindConfig):
     @property
     def needs_bend(self) -> bool:
         return self.needs_area and self.sheltering > 0.0
+
+    @property
+    def acts_on(self) -> list[Target]:
+        return self.targets
 
     @property
     def stylised(self) -> bool:
@@ -147,7 +153,7 @@ class Config(Scheduled, WindConfig):
         return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]
 
     def across(self, preflight: Preflight) -> list[str]:
-        """Whether a schedule blows across a vertical slice."""
+        """Warn of a schedule that blows across a vertical slice."""
         if self.course is None or preflight.tank.dimension == 3:
             return []
         rows = np.flatnonzero(np.abs(np.cos(np.radians(self.course.heading))) > 1e-9)
@@ -157,37 +163,123 @@ class Config(Scheduled, WindConfig):
         return [f"wind: {blows}: in 2-D only its part along x acts"]
 
 
+def out_of_range(u10: float, law: DragLaw) -> list[str]:
+    """Warn of a wind that a drag law was not made for, with the coefficients of the other laws."""
+    low, high = RANGES[law]
+    if u10 == 0.0 or low <= u10 <= high:
+        return []
+    others = ", ".join(f"{name} {1e3 * coefficient(u10):.2f}" for name, coefficient in DRAG_LAWS.items())
+    return [
+        f"wind: U10 = {u10:g} m/s is outside the range of {law} ({low:g} to {high:g} m/s); 1000 C_d there is {others}"
+    ]
+
+
+def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[float, float]:
+    """Significant wave height [m] and peak period [s] that a wind makes over a fetch [m] of deep water: Kahma &
+    Calkoen (1992, J. Phys. Oceanogr. 22), composite, no higher than Pierson & Moskowitz (1964)."""
+    x = gravity * fetch / u10**2
+    energy = min(5.2e-7 * x**0.9, 3.64e-3)
+    omega = max(13.7 * x**-0.27, 2.0 * pi * 0.133)
+    return 4.0 * energy**0.5 * u10**2 / gravity, 2.0 * pi * u10 / (gravity * omega)
+
+
+def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
+    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w, right
+    to a half (Plant 1982, J. Geophys. Res. 87)."""
+    omega = (gravity * k) ** 0.5
+    return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
+
+
+def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
+    """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
+    where it has one, or else what Plant found, times its gain."""
+    if wind.sheltering:
+        return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
+    return wind.gain * plant(u10, k, pull)
+
+
+def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list[str]:
+    """Warn where viscosity damps waves of wavenumber k [1/m] faster than the wind of the scene makes them grow."""
+    fluid, pull, length = preflight.fluid, hypot(*preflight.tank.gravity), 2.0 * pi / k
+    beta = growth_rate(wind, u10, k, preflight.tank.depth, pull)
+    own, added = fluid.viscosity_asked, fluid.viscosity_added(preflight, length)
+    lost = 4.0 * (own + added) * k**2
+    if lost <= beta:
+        return []
+    key, gain = "gain", wind.gain
+    if wind.sheltering and wind.pressure_gain is not None:
+        key, gain = "pressure_gain", wind.gain_of_pressure
+    needed = f"; a {key} of {gain * lost / beta:.2g} would balance it" if beta > 0.0 else ""
+    return [
+        f"wind: damping exceeds growth: waves of {length:.3g} m grow at {beta:.2g} /s, and 4 nu k^2 is {lost:.2g} /s, "
+        f"of a viscosity of {own:g} m2/s and {added:.2g} that {fluid.kind} adds, as measured{needed}"
+    ]
+
+
+def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
+    """Warn of what keeps this water from showing the waves of a real wind: particles too coarse, water too viscous, a
+    basin too short."""
+    basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
+    if u10 <= 0.0 or pull <= 0.0 or spacing is None:
+        return []
+    fetch = max(basin.config.length, basin.config.width or 0.0)
+    height, period = fetch_limited(u10, fetch, pull)
+    k = float(waves.wavenumber(2.0 * pi / period, basin.depth, pull))
+    length, sentences = 2.0 * pi / k, []
+    real = f"over {fetch:g} m a real wind of {u10:g} m/s makes waves {length:.2g} m long and {height:.2g} m high"
+    if length < MIN_WAVE_SPACINGS * spacing:
+        sentences.append(
+            f"wind: {real} (Kahma & Calkoen 1992): shorter than {MIN_WAVE_SPACINGS:g} spacings of {spacing:g} m, "
+            "unresolved"
+        )
+    if fetch < 2.0 * length:
+        sentences.append(f"wind: {real}: the basin is shorter than two of them")
+    seen = 2.0 * pi / max(length, MIN_WAVE_SPACINGS * spacing)
+    most, nu = plant(u10, seen, pull) / (4.0 * seen**2), preflight.fluid.viscosity_asked
+    if nu > most:
+        sentences.append(
+            f"wind: the viscosity of {nu:g} m2/s is more than the {most:.2g} m2/s under which a real wind of {u10:g} "
+            f"m/s makes waves of {2.0 * pi / seen:.3g} m grow (Plant 1982); the scheme adds viscosity of its own "
+            "(ocean-sim validate wind_growth)"
+        )
+    return sentences + overdamped(wind, u10, seen, preflight) + borne(wind.on_water(u10), preflight)
+
+
+def borne(stress: float, preflight: Preflight) -> list[str]:
+    """Warn where particles that have lost their rows would bear a stress [Pa] rather than flow."""
+    fluid, tank = preflight.fluid, preflight.tank
+    pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
+    if not 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
+        return []
+    return [
+        f"wind: the stress of {stress:.2g} Pa is {stress / pressure:.1e} of the pressure at the bed, and particles of "
+        f"{fluid.kind} that have lost their rows bear about {share:.0e} of it: after some seconds the drift is too "
+        "slow, or stops (ocean-sim validate wind_setup)"
+    ]
+
+
 @in_kernels
-class Stress:
+class Stress(Wind):
     """The wind as it blows now."""
 
-    needs_area = True
-    needs_bend: bool
-    blows = True
-    since: ClassVar[float] = 0.0
-    step: ClassVar[float] = 0.0
+    config: Config
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
         """`afloat`: as a ship feels it."""
-        self.config, self.dimension, self.afloat = config, basin.dimension, afloat
-        self.basin, self.time, self.gain = basin, 0.0, 1.0
-        self.sheltering = self.needs_bend = config.sheltering > 0.0
+        super().__init__(config)
+        self.basin, self.dimension, self.afloat, self.time = basin, basin.dimension, afloat, 0.0
+        self.sheltering = config.sheltering > 0.0
         self.row = DeviceRow(ROW.size)
         self.steady = config.always and config.schedule is None
         self.ship = None if afloat or "ship" not in config.targets else Stress(config, basin, afloat=True)
         self._set_strength(0.0)
 
-    def on(self, target: Literal["fluid", "ship"]) -> "Stress | Still":
-        """The wind that a target feels: stress, drag on a hull, or still air where it is none of `targets`."""
-        if target not in self.config.targets:
-            return Still()
-        return self if target == "fluid" or self.ship is None else self.ship
-
-    def follow(self, middle: np.ndarray) -> None:
-        """This wind is the same everywhere."""
+    def on(self, target: Target) -> Wind:
+        """Stress on the fluid, drag on a hull, or still air where the target is none of `targets`."""
+        return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
-        """What blows in the middle of a step of dt [s]."""
+        """Move on to what blows in the middle of a step of dt [s]."""
         if not self.steady:
             self._set_strength(dt)
         self.time += dt
@@ -196,7 +288,7 @@ class Stress:
 
     def strengthen(self, factor: float) -> None:
         """Blow with so many times the U10 of the scene."""
-        self.gain = factor
+        super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
@@ -229,10 +321,6 @@ class Stress:
         return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])
 
     @ti.func
-    def set_clock(self, since, step):
-        pass
-
-    @ti.func
     def force(self, key, position, velocity, area, bend, mass):
         """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
         row = ti.static(self.row.field)
@@ -245,7 +333,7 @@ class Stress:
             if ti.static(self.sheltering):
                 if area.y > 0.0:
                     slope = -(area.x * row[ROW.ahead_x] + area.z * row[ROW.ahead_z]) / area.y
-                    total -= row[ROW.pressure] * tm.clamp(slope, -STEEPEST, STEEPEST) * area
+                    total -= row[ROW.pressure] * tm.clamp(slope, -MAX_SLOPE, MAX_SLOPE) * area
                     steeper_x = bend.x * row[ROW.ahead_x] + bend.y * row[ROW.ahead_z]
                     steeper_z = bend.y * row[ROW.ahead_x] + bend.z * row[ROW.ahead_z]
                     total -= row[ROW.pressure] * area.y * tm.vec3(steeper_x, 0.0, steeper_z)

@@ -15,15 +15,14 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Wind
-from ocean_sim.wind.shared.clock import RESTART, DeviceRow
+from ocean_sim.wind import Target, Wind
+from ocean_sim.wind.shared.clock import DeviceRow
 from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
 from ocean_sim.wind.shared.over_patch import Patch, Placed
 from ocean_sim.wind.shared.passages import Passages
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
-from ocean_sim.wind.still import Still
 
 NOISE = 0x3_0000  # stream of random numbers
 ROW = Columns(
@@ -58,13 +57,21 @@ class Config(Timed, Placed, WindConfig):
     """Depth at which the water no longer feels it."""
     drift: Vector2 = quantity("m/s", (0.0, 0.0))
     """Velocity of the axis along x and z; where it leaves the basin it comes in again upwind."""
-    targets: list[Literal["fluid", "ship"]] = ["fluid", "ship"]
+    targets: list[Target] = ["fluid", "ship"]
     """What the wind acts on."""
 
     @property
     def stylised(self) -> bool:
         """A force field, no physical stress."""
         return True
+
+    @property
+    def needs_area(self) -> bool:
+        return False
+
+    @property
+    def acts_on(self) -> list[Target]:
+        return self.targets
 
     @property
     def is_random(self) -> bool:
@@ -97,46 +104,38 @@ class Config(Timed, Placed, WindConfig):
 
 
 @in_kernels
-class Vortex:
+class Vortex(Wind):
     """The column on its way."""
 
-    needs_area = False
-    needs_bend = False
-    blows = True
+    config: Config
 
     def __init__(self, config: Config, basin: Basin, seed: int) -> None:
-        self.config, self.targets, self.patch = config, tuple(config.targets), Patch(config, basin)
+        super().__init__(config)
+        self.patch, self.part = Patch(config, basin), config.blowing(0.0)
         x, z = config.centre
         self.passage = Passages((x, 0.0, z), (config.drift[0], 0.0, config.drift[1]), config.core_radius, basin)
         self.row = DeviceRow(ROW.size)
         self.noisy = any(config.noise)
         self.noise = Noise(seed, config.noise_every, self.row)
-        self.time, self.part, self.gain = 0.0, config.blowing(0.0), 1.0
-        self.since, self.step = 0.0, 0.0
         self._restart()
-
-    def on(self, target: Literal["fluid", "ship"]) -> "Vortex | Still":
-        """The wind that a target feels: this, or still air where it is none of `targets`."""
-        return self if target in self.targets else Still()
 
     def follow(self, middle: np.ndarray) -> None:
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
         """Algorithm 1."""
-        before, part, begun = self.passage.number, self.part, self.time
+        before, part, begun = self.passage.number, self.part, self.clock.time
         self.passage.advance(dt)
-        self.time, self.since, self.step = begun + dt, self.since + dt, dt
+        self.clock.advance(dt)
         if not self.config.always:
             self.part = self.config.blowing(begun, dt)
-        if self.passage.number != before or self.part != part or self.since > RESTART:
+        if self.passage.number != before or self.part != part or self.clock.is_due():
             self._restart()
         if self.noisy:
             self.noise.advance()
 
     def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says."""
-        self.gain = factor
+        super().strengthen(factor)
         self._restart()
 
     def drawing(self) -> Drawing:
@@ -158,8 +157,8 @@ class Vortex:
         for column, number in ((ROW.axis_x, x), (ROW.axis_z, z), (ROW.part, self.gain * self.part)):
             self.row.set(column, number)
         if self.noisy:
-            self.noise.restart(self.time)
-        self.since = 0.0
+            self.noise.restart(self.clock.time)
+        self.clock.restart()
 
     @ti.func
     def set_clock(self, since, step):

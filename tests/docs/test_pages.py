@@ -170,15 +170,19 @@ import ocean_sim
 from ocean_sim.simulation import Simulation
 OFF = dict.fromkeys(("frames", "render", "report", "timings"))
 TANK = {"basin": {"length": 6.0, "width": 6.0, "depth": 2.0}, "duration": 0.05, "accuracy": {"every": 0.01}} | OFF
+SQUALLS = {"kind": "squall_line"}
+WAVES = {"kind": "linear_waves", "height": 0.1, "period": 1.9, "rim": {"width": 1.0}}
+PATCH = TANK | {"basin": TANK["basin"] | {"walls": "periodic"}, "sea": WAVES}
 SPH = {"kind": "mueller", "spacing": 0.5}
 BOX = {"kind": "planing", "hull": "wigley"}
 SEA = {"kind": "linear_waves", "height": 0.0, "period": 3.0}
 scenes = {
-    "wind": TANK | {"fluid": SPH, "wind": {"kind": "squall_line", "speed": 60.0}, "fastest": {"every": 0.02}},
+    "wind": TANK | {"fluid": SPH, "wind": SQUALLS | {"speed": 60.0}, "fastest": {"every": 0.02}},
     "preset": TANK | {"fluid": SPH, "wind": "harbour"},
     "scheme": TANK | {"fluid": SPH | {"kind": "tait"}},
     "surface": TANK | {"fluid": SPH, "surface": "mean_level"},
     "ship": TANK | {"fluid": SEA, "ship": BOX | {"velocity": [0.0, 0.0, 2.0]}},
+    "patch": PATCH | {"fluid": SPH, "surface": "mean_level", "ship": BOX, "wind": SQUALLS | {"speed": 600.0}},
 }
 for name, data in scenes.items():
     ocean_sim.run(ocean_sim.load(data), out=f"runs/{name}")
@@ -188,23 +192,54 @@ assert result("wind").accuracy["impulse_wind_x_Ns"][-1] > 0.0
 assert result("wind").table("fastest")["speed_m_s"][-1] > 0.0
 assert isfinite(result("scheme").accuracy["kinetic_energy_J"][-1])
 assert result("ship").motion["force_lift_y_N"].max() > 0.0
+assert result("patch").accuracy["impulse_wind_x_Ns"][-1] > 0.0
+assert result("patch").motion["force_wind_drag_x_N"].max() > 0.0
 """
 
 
-@pytest.mark.slow
-def test_the_additions_of_the_page_on_extending_are_one_file_each(tmp_path):
-    """Each is written into a copy of the program, where a scene names it."""
-    copy = tmp_path / "copy"
-    shutil.copytree(PACKAGE, copy / "ocean_sim", ignore=shutil.ignore_patterns("__pycache__", "scenes", "configs"))
-    for folder in ("scenes", "configs", "figures"):
-        shutil.copytree(library(folder), copy / folder)
-    added = blocks(ROOT / "docs" / "extending.md", "python", "yaml")
-    assert len(added) == 6
-    for caption, text in added:
+ADDITIONS = dict(blocks(ROOT / "docs" / "extending.md", "python", "yaml")) if (ROOT / "docs").is_dir() else {}
+
+
+@pytest.fixture(scope="module")
+def extended(tmp_path_factory):
+    """A copy of the program with each addition of the page on extending in the file that its caption names."""
+    copy = tmp_path_factory.mktemp("extended")
+    without = shutil.ignore_patterns("__pycache__", "scenes", "configs")
+    for folder in (PACKAGE, ROOT / "tests", *map(library, ("scenes", "configs", "figures"))):
+        shutil.copytree(folder, copy / folder.name, ignore=without)
+    shutil.copy(ROOT / "pyproject.toml", copy)
+    assert len(ADDITIONS) == 7
+    for caption, text in ADDITIONS.items():
         assert not (copy / caption).exists()
         (copy / caption).write_text(text)
+    return copy
+
+
+def in_copy(copy: Path, *words: str) -> None:
+    """A command of Python on a copy of the program."""
+    command = [sys.executable, "-m", *words]
+    done = subprocess.run(
+        command, cwd=copy, env=environ | {"PYTHONPATH": str(copy)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+def test_the_additions_of_the_page_on_extending_keep_their_contracts(extended):
+    modules = [caption for caption in ADDITIONS if caption.startswith("ocean_sim/")]
+    assert len(modules) == 5
+    in_copy(extended, "mypy", f"--cache-dir={ROOT / '.mypy_cache' / 'extended'}", *modules)
+
+
+def test_the_test_of_the_page_on_extending_passes(extended):
+    (test,) = [caption for caption in ADDITIONS if caption.startswith("tests/")]
+    in_copy(extended, "pytest", "-q", "-p", "no:cacheprovider", test)
+
+
+@pytest.mark.slow
+def test_the_additions_of_the_page_on_extending_are_one_file_each(extended, tmp_path):
+    """A scene names each; the wind also blows over a patch of open sea, on water and ship."""
     (tmp_path / "use.py").write_text(ADDED)
-    run(tmp_path / "use.py", tmp_path, PYTHONPATH=str(copy))
+    run(tmp_path / "use.py", tmp_path, PYTHONPATH=str(extended))
 
 
 def test_every_reader_of_a_file_that_a_scene_names_has_its_rules_on_the_page(monkeypatch):

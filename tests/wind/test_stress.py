@@ -14,7 +14,7 @@ from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, speed_under, stress
-from ocean_sim.wind.shared.warnings import fetch_limited, growth_rate, overdamped, plant
+from ocean_sim.wind.stress import fetch_limited, growth_rate, overdamped, plant
 
 UP = (0.0, 1.0, 0.0)
 # 1000 C_d at 10 m wind speed by Wu (1982), Garratt (1977) and Zijlema, van Vledder & Holthuijsen (2012).

@@ -1,1 +1,1 @@
-"""What the modules of `wind` share; none of it is a kind that a scene may name."""
+"""Modules that the kinds of `wind` share; none of them is a kind that a scene may name."""

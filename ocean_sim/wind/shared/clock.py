@@ -11,6 +11,27 @@ from ocean_sim.kernel_library import ti
 RESTART = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
 
 
+class Clock:
+    """Time of a wind at the end of its step; one that needs no clock leaves it at 0."""
+
+    def __init__(self) -> None:
+        self.time = 0.0  # [s] since the beginning
+        self.since = 0.0  # [s] since the last restart
+        self.step = 0.0  # [s] length of the step
+
+    def advance(self, dt: float) -> None:
+        """Add a step of dt [s]."""
+        self.time, self.since, self.step = self.time + dt, self.since + dt, dt
+
+    def is_due(self) -> bool:
+        """True if it has to be restarted."""
+        return self.since > RESTART
+
+    def restart(self) -> None:
+        """Count from now on."""
+        self.since = 0.0
+
+
 class DeviceRow:
     """A row of numbers that kernels read, 0 at first; a column is written only where its number changes."""
 
@@ -18,6 +39,7 @@ class DeviceRow:
         self.field, self.values = ti.field(float, shape=size), [0.0] * size
 
     def set(self, column: int, number: float) -> None:
+        """Write a number into a column, for kernels that are launched from now on."""
         if number != self.values[column]:
             self.values[column] = number
             self.field[column] = float(number)

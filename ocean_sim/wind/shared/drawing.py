@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """What is drawn of a wind."""
+    """Lines and arrows of a wind."""
 
     lines: np.ndarray  # (n, 2, 3) ends of the lines that show where it blows [m]
     tails: np.ndarray  # (m, 3) where arrows begin [m]
@@ -20,7 +20,7 @@ NOTHING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 def joined(drawings: list[Drawing]) -> Drawing:
-    """All of them in one."""
+    """Join drawings into one."""
     alike = len({drawing.unit for drawing in drawings}) == 1
     return Drawing(
         lines=np.concatenate([drawing.lines for drawing in drawings]),

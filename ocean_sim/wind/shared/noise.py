@@ -11,7 +11,7 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.wind.shared.clock import DeviceRow
 
 EVERY = 1.0 / 60.0  # [s] how long a draw lasts: ours, PhysX's usual step
-MOST_DRAWS = 8  # in a step; a longer step takes one draw, weaker by the root of their number
+MAX_DRAWS = 8  # in a step; a longer step takes one draw, weaker by the root of their number
 
 DRAWS = Columns(
     number=1,  # of the draw when the clock was restarted
@@ -40,14 +40,14 @@ class Noise:
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """The clock is restarted at a time [s]."""
+        """Note that the clock is restarted at a time [s]."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % WRAP)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
-        """Another step."""
+        """Move on to the next step."""
         if not self.every:
             self.row.set(DRAWS.number, self.steps % WRAP)
             self.steps += 1
@@ -62,7 +62,7 @@ class Noise:
             begin = row[DRAWS.phase] + since / self.every - span
             first = ti.floor(begin + LEAST)
             more = int(ti.floor(begin + span - LEAST) - first)
-            if more >= MOST_DRAWS:
+            if more >= MAX_DRAWS:
                 strength = 1.0 / ti.sqrt(span)
             elif more > 0:
                 left, each = (begin + span - first - 1.0) / span, ti.min(1.0, 1.0 / span)

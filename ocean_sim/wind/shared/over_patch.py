@@ -1,4 +1,4 @@
-"""Where a wind that has a place blows over a patch of open sea: it travels with the patch, or stands in the world.
+"""The place of a wind over a patch of open sea: it travels with the patch, or stands in the world.
 
 Particles are known by where they are on the patch, which repeats itself; ships by where they are in the world. Both are
 seen here around the middle of the patch, which follows the ships.
@@ -25,7 +25,7 @@ class Placed(Model):
     null: tile."""
 
     def misframed(self, preflight: Preflight) -> Problems:
-        """What is wrong with the frame."""
+        """A problem where a frame is given and there is no patch."""
         if self.frame is None or preflight.tank.sea is not None:
             return []
         return [(("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea")]
@@ -33,7 +33,7 @@ class Placed(Model):
 
 @in_kernels
 class Patch:
-    """The patch under a wind; where the basin is none, every place is what it is."""
+    """The patch under a wind. Over any other basin a place is the same for the wind and the world."""
 
     def __init__(self, config: Placed, basin: Basin) -> None:
         periods = (basin.periods[0], basin.periods[2]) if basin.sea is not None else (0.0, 0.0)
@@ -42,19 +42,19 @@ class Patch:
         self.row = DeviceRow(2)
 
     def follow(self, middle: np.ndarray) -> None:
-        """Its middle is at x, z (2,) in the world [m] from now on."""
+        """Note that its middle is at x, z (2,) in the world [m] from now on."""
         for axis, at in enumerate(middle.tolist()):
             self.row.set(axis, at)
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) where in the world the wind has its origin [m]."""
+        """(3,) origin of the wind in the world [m]."""
         x, z = (0.0, 0.0) if self.stands else self.row.values
         return np.array([x, 0.0, z])
 
     @ti.func
     def seen(self, position):
-        """A place [m] as the wind knows it."""
+        """Place of a position [m] in the axes of the wind [m]."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]

@@ -1,4 +1,4 @@
-"""When a wind blows, how strongly and where to: start, stop, ramp, and rows over time in the scene or in a CSV file."""
+"""Timing, strength and heading of a wind: start, stop, ramp, and rows over time in the scene or in a CSV file."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -38,12 +38,12 @@ class Timed(Model):
 
     @property
     def end(self) -> float | None:
-        """When it has ceased [s], or None."""
+        """Time at which it has ceased [s], or None."""
         return self.stop if self.duration is None else self.start + self.duration
 
     @cached_property
     def always(self) -> bool:
-        """Whether it blows from the beginning and for ever, at once."""
+        """True if it blows from the beginning and for ever, at once."""
         return self.start == 0.0 and self.end is None and self.ramp == 0.0
 
     def blowing(self, time: float, dt: float = 0.0) -> float:
@@ -118,7 +118,7 @@ class Scheduled(Timed):
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
 
     def held(self, duration: float) -> list[str]:
-        """What is said of a schedule whose rows do not reach over a run of this duration [s]."""
+        """Warn of a schedule whose rows do not reach over a run of this duration [s]."""
         if self.course is None:
             return []
         last = float(self.course.time[-1])
@@ -128,7 +128,7 @@ class Scheduled(Timed):
         return found
 
     def unscheduled(self) -> Problems:
-        """Why the schedule cannot be followed."""
+        """A problem where the schedule cannot be followed."""
         try:
             self.course  # noqa: B018
         except ValueError as error:

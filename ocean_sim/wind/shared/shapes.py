@@ -41,7 +41,7 @@ class Core:
         return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
     def reach(self, direction: np.ndarray) -> float:
-        """From the centre to the farthest end along a unit vector [m]."""
+        """Distance from the centre to the farthest end along a unit vector [m]."""
         return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
@@ -76,7 +76,7 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
 
 
 def counts(x: float, z: float) -> tuple[int, int]:
-    """How many points to spread along two half sizes [m]."""
+    """Numbers of points to spread along two half sizes [m]."""
     return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
@@ -150,6 +150,6 @@ def turned_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """Whether x, seen from the centre of a core and in its axes [m], lies in the shape."""
+    """True if x, seen from the centre of a core and in its axes [m], lies in the shape."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

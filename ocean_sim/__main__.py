@@ -456,7 +456,7 @@ def preview(
     browser: Annotated[bool, typer.Option("--browser", help="Use the browser instead, as `serve` does.")] = False,
     json: Json = False,
 ) -> None:
-    """A window to play with: look, steer, move sliders; or the same pictures without a window."""
+    """A window to look and steer in, or the same pictures without a window; `--browser` has sliders and plots, too."""
     if browser:
         from ocean_sim.verbs.serve import serve
 

@@ -1,14 +1,12 @@
-"""What a person may set while looking at a simulation: pause, camera, sliders, wind and helm; it knows no window."""
+"""State of a preview that a person sets: pause, camera, content, wind and helm; it knows no window."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import radians
+from math import degrees, radians
+from textwrap import wrap
 from typing import Any
 
-import numpy as np
-
-from ocean_sim.pictures.curves import Curves
-from ocean_sim.pictures.subject import Subject
+from ocean_sim.pictures.preview_scene import Balls, Subject
 
 CAMERAS = ("third_person", "helm", "top", "side")
 CONTENTS = ("surface", "particles", "both")
@@ -29,76 +27,66 @@ KEYS = {
     "u": "hide or show",
     "Escape": "quit",
 }
+KEYS_IN_WORDS = """
+space  pause or go on     n  one step
+r  reset      w  back by some moments
+c  next camera     z  camera back
+v  surface, particles or both
+m, b  next, previous wind (restarts)
+o  record or stop        p  snapshot
+u  hide this panel     Escape  close
+drag  orbit       q, e  nearer, away"""
+HELM_IN_WORDS = """
+Up, Down  throttle, brake
+Left, Right  port, starboard
+x  rudder amidships    h  next ship"""
 HELM = {  # throttle pedal, brake pedal, wheel to port and to starboard
     "Up": (1.0, 0.0),
     "Down": (-1.0, 0.0),
     "Left": (0.0, 1.0),
     "Right": (0.0, -1.0),
 }
-PEDAL, WHEEL = 0.5, radians(20.0)  # [1/s], [rad/s] how fast an order changes while a key is held
-AZIMUTH, HEIGHT = radians(38.0), radians(20.0)  # [rad] of the eye at first
-STEEPEST, CLOSEST, FARTHEST = radians(85.0), 0.2, 4.0
-
-
-@dataclass
-class Slider:
-    """A number that a person moves; `apply` takes it into the running simulation."""
-
-    label: str
-    value: float
-    low: float
-    high: float
-    apply: Callable[[float], None]
-
-    def move(self, value: float) -> bool:
-        """Take a value, held within the ends; whether anything changed. A window knows single precision only: what
-        differs by less is no move."""
-        value = min(max(value, self.low), self.high)
-        if np.float32(value) == np.float32(self.value):
-            return False
-        self.value = value
-        self.apply(value)
-        return True
+PEDAL_RATE, WHEEL_RATE = 0.5, radians(20.0)  # [1/s], [rad/s] by which an order changes while a key is held
+FIRST_AZIMUTH, FIRST_HEIGHT = radians(38.0), radians(20.0)  # [rad] of the eye
+STEEPEST_VIEW, CLOSEST_VIEW, FARTHEST_VIEW = radians(85.0), 0.2, 4.0
+LINE_LETTERS, MESSAGE_LINES = 38, 12
 
 
 @dataclass
 class Panel:
-    """The state of the panel, and what each key and button does to it."""
+    """Settings of a preview, and the effect of each key on them."""
 
     winds: list[str]
-    """The presets there are."""
+    """Names of the presets of wind."""
     wind: str
     camera: str = "third_person"
     content: str = "surface"
     contents: tuple[str, ...] = CONTENTS
     cameras: tuple[str, ...] = CAMERAS
-    sliders: list[Slider] = field(default_factory=list)
     paused: bool = False
     recording: bool = False
     closed: bool = False
-    hidden: bool = False  # the panel itself, and the curves
-    azimuth: float = AZIMUTH  # of the eye around what it looks at [rad]
-    height: float = HEIGHT  # of the eye over the horizon [rad]
+    hidden: bool = False
+    azimuth: float = FIRST_AZIMUTH  # of the eye around its target [rad]
+    height: float = FIRST_HEIGHT  # of the eye over the horizon [rad]
     distance: float = 1.0  # over that at which everything is in the picture
     message: str = ""
-    """What went wrong last."""
+    """Sentence about the last failure."""
     ships: tuple[str, ...] = ()
-    """The names of those there are."""
     ship: str = ""
-    """The one that is steered and followed."""
+    """Name of the ship that is steered and followed."""
     person: Any = None
-    """Who steers it, once a person does: `give(throttle, rudder)`."""
-    curves: Curves = field(default_factory=Curves)
+    """The `Person` at her helm, once a key was held: `give(throttle, rudder)`."""
     asked: list[str] = field(default_factory=list)
-    """What is to be done before the next picture: step, reset, rewind, wind, snapshot, helm."""
+    """Actions due before the next picture: step, reset, rewind, wind, snapshot, helm."""
 
     def press(self, key: str) -> None:
-        """A key goes down; unknown keys do nothing."""
+        """Do the action of a key; unknown keys do nothing."""
         if key in KEYS:
             self.do(KEYS[key])
 
     def do(self, action: str) -> None:
-        """What a button or a key stands for."""
+        """Do an action of KEYS."""
         if action == "pause":
             self.paused = not self.paused
         elif action == "step":
@@ -111,7 +99,7 @@ class Panel:
         elif action == "hide or show":
             self.hidden = not self.hidden
         elif action == "camera back":
-            self.azimuth, self.height, self.distance = AZIMUTH, HEIGHT, 1.0
+            self.azimuth, self.height, self.distance = FIRST_AZIMUTH, FIRST_HEIGHT, 1.0
         elif action == "camera":
             self.camera = after(self.camera, self.cameras)
         elif action == "content":
@@ -127,75 +115,58 @@ class Panel:
             self.asked.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Keys of the helm that were held for so long [s]."""
+        """Turn wheel and throttle by keys held for some seconds; the first touch takes the helm from the scene's
+        controls."""
         pedal, wheel = (sum(HELM[key][k] for key in keys if key in HELM) for k in range(2))
-        self.steer(pedal, wheel, seconds)
-
-    def steer(self, pedal: float, wheel: float, seconds: float) -> None:
-        """Pedal, ahead positive, and wheel, to port positive, -1 to 1, that were held for so long [s]; the first touch
-        takes the helm from the scene's controls."""
         if not pedal and not wheel:
             return
-        if self.person is None:
-            if "helm" not in self.asked:
-                self.asked.append("helm")
-            return
-        person = self.person
-        person.give(person.throttle + seconds * PEDAL * pedal, person.rudder + seconds * WHEEL * wheel)
+        if self.person is not None:
+            throttle, rudder = self.person.throttle, self.person.rudder
+            self.person.give(throttle + seconds * PEDAL_RATE * pedal, rudder + seconds * WHEEL_RATE * wheel)
+        elif "helm" not in self.asked:
+            self.asked.append("helm")
 
     def orbit(self, right: float, up: float) -> None:
-        """The mouse was dragged, in parts of the picture."""
+        """Turn the eye as the mouse was dragged, in shares of the picture."""
         self.azimuth -= 3.0 * right
-        self.height = min(max(self.height - 2.0 * up, radians(2.0)), STEEPEST)
+        self.height = min(max(self.height - 2.0 * up, radians(2.0)), STEEPEST_VIEW)
 
-    def nearer(self, factor: float) -> None:
-        """Come nearer (a factor below 1) or go away."""
-        self.distance = min(max(self.distance * factor, CLOSEST), FARTHEST)
+    def zoom(self, factor: float) -> None:
+        """Multiply the distance of the eye."""
+        self.distance = min(max(self.distance * factor, CLOSEST_VIEW), FARTHEST_VIEW)
 
     def take(self, action: str) -> bool:
-        """Whether this was asked for; it is no longer."""
+        """True if an action was asked for; it is no longer."""
         if action not in self.asked:
             return False
         self.asked.remove(action)
         return True
 
-    def bind(self, sliders: list[Slider]) -> None:
-        """Sliders of a simulation that was built anew: they keep what a person had set."""
-        before = {slider.label: slider.value for slider in self.sliders}
-        self.sliders = sliders
-        for slider in sliders:
-            slider.move(before.get(slider.label, slider.value))
+    def words(self, simulation: Subject, balls: Balls | None, pace: float | None) -> str:
+        """Text of the panel; `pace`: simulated over wall time."""
+        state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
+        water = simulation.fluid.particles
+        lines = [
+            f"t = {simulation.time:.2f} s  {state}{'  recording' if self.recording else ''}",
+            "closed form, no particles" if water is None else f"{water.n} particles, {simulation.fluid.config.kind}",
+            f"wind: {self.wind}",
+            f"camera: {self.camera}",
+            f"shown: {self.content}",
+        ]
+        if not simulation.scene.wind.still:
+            lines.append("yellow: where it blows  red: push")
+        if balls is not None:
+            part = f", 1 of {balls.every}" if balls.every > 1 else ""
+            lines.append(f"dark to bright: 0 to {balls.fastest:.2g} m/s{part}")
+        if self.ship:
+            throttle, rudder = simulation.ships[self.ship].orders
+            by = "hand" if self.person is not None else "the scene"
+            lines.append(f"{self.ship}, steered by {by}:")
+            lines.append(f"throttle {throttle:+.2f}  rudder {degrees(rudder):+.0f} deg")
+            lines.append(HELM_IN_WORDS)
+        return "\n".join([*lines, KEYS_IN_WORDS, "", *wrap(self.message, LINE_LETTERS)[:MESSAGE_LINES]])
 
 
 def after(name: str, names: Sequence[str], step: int = 1) -> str:
     """The next of some names, round and round; the first where `name` is none of them."""
     return names[(names.index(name) + step) % len(names)] if name in names else names[0]
-
-
-WORDS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]", 1e-3)}  # and the unit that is shown
-
-
-def sliders_of(simulation: Subject) -> list[Slider]:
-    """What may be moved in this simulation without building it anew."""
-    found = []
-    fluid, time_step = simulation.fluid, simulation.time_step
-    if not simulation.scene.wind.still:
-        found.append(Slider("wind strength, x the preset", 1.0, 0.0, 3.0, simulation.wind.strengthen))
-    for name, (now, unit) in fluid.adjustable.items():
-        ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
-
-        def adjust(value: float, name: str = name) -> None:
-            fluid.adjust(**{name: value})
-            simulation.next_dt = time_step.next(simulation)
-
-        found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust))
-    for name, (now, _) in time_step.adjustable.items():
-        label, shown = WORDS[name]
-
-        def pace(value: float, name: str = name, shown: float = shown) -> None:
-            time_step.adjust(**{name: value * shown})
-            simulation.next_dt = time_step.next(simulation)
-
-        given = now / shown
-        found.append(Slider(label, given, 0.2 * given, 1.6 * given, pace))
-    return found

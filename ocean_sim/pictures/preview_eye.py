@@ -1,4 +1,4 @@
-"""The eye of the preview: around the ship or the basin, at the helm, above, at the side."""
+"""Eye of the preview: around the ship or the basin, at the helm, above, at the side."""
 
 from math import cos, radians, sin, tan
 from typing import NamedTuple
@@ -11,6 +11,7 @@ from ocean_sim.ship import Ship
 OUTSIDE, HELM = 35.0, 60.0  # [deg] vertical angles of view
 FAR = 6.0  # lengths of a ship; in a longer basin the camera follows it
 SHIPS = 2.5  # lengths of a ship that a camera which follows it sees
+FILLED = 0.95  # share of the free part of the picture that the box fills along one side
 
 
 class Eye(NamedTuple):
@@ -22,12 +23,11 @@ class Eye(NamedTuple):
     far: float  # [m]
 
 
-class View(NamedTuple):
-    """What a camera shows, and the part of the picture that is free for it."""
+class Frame(NamedTuple):
+    """The picture that an eye fills."""
 
-    box: tuple[np.ndarray, np.ndarray]  # corners of the water [m]
-    free: tuple[float, float, float, float]  # x, y, width and height, y upwards, where no panel is
-    aspect: float  # width of the picture over its height
+    aspect: float  # width over height
+    covered: float  # share of the width, from the left, where the panel is
 
 
 class Orbit(NamedTuple):
@@ -38,13 +38,16 @@ class Orbit(NamedTuple):
     distance: float  # over that at which everything is in the picture
 
 
-def seen(camera: str, orbit: Orbit, view: View, ship: Ship | None, length: float) -> Eye:
-    """The eye of a camera of panel.CAMERAS; `length` of the ship [m], 0 where none is drawn."""
+def seen(
+    camera: str, orbit: Orbit, box: tuple[np.ndarray, np.ndarray], frame: Frame, ship: Ship | None, length: float
+) -> Eye:
+    """Eye of a camera of panel.CAMERAS around a box, its lowest and highest corner [m]; `length` of the ship [m], 0
+    where none is drawn."""
     if camera == "helm" and ship is not None:
         return at_helm(ship, length)
-    middle, size = subject(view.box, ship, length)
+    middle, size = subject(box, ship, length)
     towards, up = direction(camera, orbit)
-    return framed(middle, size, towards, up, view, orbit.distance)
+    return framed(middle, size, towards, up, frame, orbit.distance)
 
 
 def subject(box: tuple[np.ndarray, np.ndarray], ship: Ship | None, length: float) -> tuple[np.ndarray, np.ndarray]:
@@ -69,26 +72,26 @@ def direction(camera: str, orbit: Orbit) -> tuple[np.ndarray, np.ndarray]:
 
 
 def framed(
-    middle: np.ndarray, size: np.ndarray, towards: np.ndarray, up: np.ndarray, view: View, distance: float
+    middle: np.ndarray, size: np.ndarray, towards: np.ndarray, up: np.ndarray, frame: Frame, distance: float
 ) -> Eye:
-    """The eye that sees a box of this middle and size in the free part of the picture."""
+    """Eye that sees a box of this middle and size [m] in the free part of the picture."""
     right = unit(np.cross(towards, up))
     high = np.cross(right, towards)
     corners = middle + 0.5 * size * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0)
     x, y, away = corners @ right, corners @ high, corners @ towards
-    half, free = tan(radians(OUTSIDE / 2)), view.free
+    steep = tan(radians(OUTSIDE / 2))
+    aside = steep * frame.aspect * frame.covered  # tangent at which the middle of the free part lies
+    slopes = FILLED * steep * frame.aspect * (1.0 - frame.covered), FILLED * steep
     # Planes through the eye bound the free part of the picture: each corner limits how far forward the eye may stand.
-    bounds, shifts = [], []
-    for along, t, begin, part in ((x, half * view.aspect, free[0], free[2]), (y, half, free[1], free[3])):
-        shift, t = t * (2.0 * begin + part - 1.0), t * part
-        leaning = along - shift * away
-        bounds.append(((leaning - t * away).max(), (leaning + t * away).min(), t))
-        shifts.append(shift)
-    ahead = min((inner - outer) / (2.0 * t) for outer, inner, t in bounds)
+    bounds = [
+        ((along - slope * away).max(), (along + slope * away).min())
+        for along, slope in zip((x - aside * away, y), slopes, strict=True)
+    ]
+    ahead = min((inner - outer) / (2.0 * slope) for (outer, inner), slope in zip(bounds, slopes, strict=True))
     reach = distance * (float(middle @ towards) - ahead)
     ahead = float(middle @ towards) - reach
-    eye_x, eye_y = (0.5 * (outer + inner) + shift * ahead for (outer, inner, _), shift in zip(bounds, shifts))
-    eye = eye_x * right + eye_y * high + ahead * towards
+    eye_x, eye_y = (0.5 * (outer + inner) for outer, inner in bounds)
+    eye = (eye_x + aside * ahead) * right + eye_y * high + ahead * towards
     far = 40.0 * max(reach, float(size.max()))
     return Eye(eye, eye + reach * towards, up, OUTSIDE, 0.02 * reach, far)
 

@@ -1,17 +1,22 @@
-"""What a preview shows of a simulation, as arrays: water, ship, particles, lines. It knows no window."""
+"""Arrays of a preview: water, ship, particles, lines. It knows no window."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ocean_sim.basin import Basin
 from ocean_sim.basin.points import grid, pairs
+from ocean_sim.fluid import Fluid
+from ocean_sim.parts import Scene
 from ocean_sim.pictures import water_shading
 from ocean_sim.pictures.preview_eye import Eye
 from ocean_sim.pictures.ship_model import Model, modelled
 from ocean_sim.pictures.sky import SUN, unit
-from ocean_sim.pictures.subject import Subject
 from ocean_sim.pictures.water_mesh import WaterMesh
 from ocean_sim.pictures.water_mesh import triangles as mesh_triangles
+from ocean_sim.ship import Ship
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
 
 NODES = 5_000  # of the drawn surface, about
 MOST = 60_000  # particles that are drawn: of more, every second, third, ...
@@ -22,6 +27,18 @@ DECK = np.array([0.93, 0.89, 0.80])
 BASIN, AIR, ARROW = np.array([0.20, 0.28, 0.34]), np.array([0.98, 0.78, 0.22]), np.array([0.86, 0.16, 0.10])
 # Dark blue over grey to yellow, lightness rising evenly, distinct to colour-blind eyes (Nunez et al. 2018, cividis).
 SPEEDS = np.array([[0.0, 0.14, 0.31], [0.26, 0.31, 0.42], [0.49, 0.48, 0.47], [0.73, 0.68, 0.45], [1.0, 0.91, 0.30]])
+
+
+class Subject(Protocol):
+    """Parts of a simulation that its pictures and its panel read."""
+
+    scene: Scene
+    basin: Basin
+    wind: Wind
+    fluid: Fluid
+    surface: Surface | None
+    ships: dict[str, Ship]
+    time: float  # [s]
 
 
 class Patch(NamedTuple):

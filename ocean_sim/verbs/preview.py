@@ -1,6 +1,6 @@
-"""`ocean-sim preview`: a window to play with, or the same pictures as numbered files."""
+"""`ocean-sim preview`: a window to play with, or its pictures as numbered files."""
 
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -10,12 +10,13 @@ import typer
 
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
-from ocean_sim.files.yaml_file import SceneError, read
+from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.machine import extra_missing
-from ocean_sim.parts import WindConfig, library, named
-from ocean_sim.pictures.panel import sliders_of
+from ocean_sim.observers import checkpoint, render
+from ocean_sim.observers.preview import Config, Screen, require, write
+from ocean_sim.parts import named
+from ocean_sim.pictures.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
-from ocean_sim.reading.translation import validated
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import serve
 from ocean_sim.verbs.shared import console
@@ -26,8 +27,8 @@ from ocean_sim.verbs.shared.rewind import Rewind
 
 OWN = "of the scene"  # a wind that is not a preset
 RIG = ("motion", "platform_log", "stream")  # observers that play along where a scene names `stream`
-BUDGET = 0.1  # [s] wall time for steps between two pictures of a window
-FASTEST, SLOWEST = 1.0 / 120.0, 1.0  # [s] a picture of a film
+STEP_SECONDS = 0.1  # wall time for steps between two pictures of a window
+FILM_INTERVALS = 1.0 / 120.0, 1.0  # [s] shortest and longest of a picture of a film
 
 
 def preview(
@@ -54,17 +55,21 @@ def preview(
         return
     overrides: dict[str, Any] = dict(console.settings(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
-    config = load(scene, overrides, profile)
+
+    def blown(wind: str) -> SceneConfig:
+        if wind == OWN:
+            return load(scene, overrides, profile)
+        kept = {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"}
+        return load(scene, kept | {"wind": wind}, profile)
+
+    config = blown(OWN)
     must_compute_with(config.runtime.library)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture(0)).exists():
         raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")
-    from ocean_sim.observers import preview as observer
-
-    observer.require(show=frames is None)
+    require(show=frames is None)
     with console.claim(folder):
-        of_wind = partial(of_preset, scene, overrides, profile)
-        session = Session(config, folder, of_wind, frames is None)
+        session = Session(config, folder, blown, frames is None)
         try:
             if frames is None:
                 session.play()
@@ -83,59 +88,38 @@ def picture(number: int) -> str:
     return f"{number:05d}.png"
 
 
-def with_wind(overrides: dict[str, Any], wind: str) -> dict[str, Any]:
-    """The overrides with a preset wind instead of all that was set of the wind, or as they are for its own."""
-    if wind == OWN:
-        return overrides
-    return {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"} | {"wind": wind}
-
-
-def of_preset(scene: str, overrides: dict[str, Any], profile: str | None, wind: str) -> SceneConfig:
-    """The scene with a preset of wind; raises SceneError."""
-    return load(scene, with_wind(overrides, wind), profile)
-
-
 class Session:
     """A scene that is stepped, drawn, and played with."""
 
-    def __init__(self, config: SceneConfig, folder: Path, of_wind: Any, shown: bool) -> None:
-        """`of_wind`: the scene with another preset of wind, by name; raises SceneError. `shown`: in a window."""
-        from ocean_sim.observers import checkpoint
-        from ocean_sim.observers.preview import Config, Panel
-
-        self.config, self.folder, self.of_wind, self.shown = config, folder, of_wind, shown
-        look = config.observers.get("preview")
+    def __init__(self, config: SceneConfig, folder: Path, blown: Callable[[str], SceneConfig], shown: bool) -> None:
+        """`blown`: the scene with another preset of wind, by name; raises SceneError. `shown`: in a window."""
+        self.config, self.folder, self.blown, self.shown = config, folder, blown, shown
+        look, kept = config.observers.get("preview"), config.observers.get("checkpoint")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
         self.away = TemporaryDirectory(prefix="ocean-sim-")  # files of observers, which are thrown away
-        kept = config.observers.get("checkpoint")
-        self.rewind = Rewind(
-            (kept if isinstance(kept, checkpoint.Config) else checkpoint.Config()).every, Path(self.away.name)
-        )
+        every = (kept if isinstance(kept, checkpoint.Config) else checkpoint.Config()).every
+        self.rewind = Rewind(every, Path(self.away.name))
         self.simulation = self.built()
-        own = name_of(config.wind)
-        self.panel = Panel([*([own] if own == OWN else []), *named("wind"), "still"], own)
-        self.playing = self.panel.wind  # the wind of the simulation
+        own = "still" if config.wind.still else OWN
+        self.panel = Panel(list(dict.fromkeys([own, *named("wind"), "still"])), own)
+        self.playing = own  # wind of the simulation
         self.screen: Any = None
         self.milliseconds: list[float] = []
         self.pictures = self.snapshots = self.recordings = self.recorded = 0
 
     def open(self, show: bool) -> None:
-        from ocean_sim.observers.preview import Screen
-
         self.screen = Screen(self.look, show)
         self.screen.watch(self.simulation, self.panel, self.look)
 
     def film(self, frames: int, quiet: bool) -> None:
         """Numbered pictures every `preview.every` of simulated time, from the beginning on."""
-        from ocean_sim.observers.preview import write
-
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
         bar = Bar(frames, quiet)
         for number in range(frames):
             self.advance(number * self.look.every)
             begin = perf_counter()
-            self.screen.draw(self.panel, self.milliseconds[-1] if self.milliseconds else None)
+            self.screen.draw(self.panel)
             image = self.screen.image()
             self.milliseconds.append(1e3 * (perf_counter() - begin))
             write(self.folder / picture(number), image)
@@ -152,8 +136,6 @@ class Session:
 
     def play(self) -> None:
         """The window, until it is closed."""
-        from ocean_sim.observers.preview import write
-
         self.open(show=True)
         last = perf_counter()
         while not self.panel.closed:
@@ -165,7 +147,7 @@ class Session:
             self.go_on(min(wall, self.look.every))
             self.milliseconds = [1e3 * wall]
             pace = (self.simulation.time - before) / wall if wall > 0.0 else None
-            self.screen.draw(self.panel, 1e3 * wall, pace)
+            self.screen.draw(self.panel, pace)
             if self.panel.take("snapshot"):
                 self.folder.mkdir(parents=True, exist_ok=True)
                 write(free_name(self.folder, "snapshot_{:03d}.png"), self.screen.image())
@@ -175,7 +157,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """What was asked for since the last picture, but snapshots."""
+        """Do the actions asked for since the last picture, but snapshots."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -186,7 +168,7 @@ class Session:
             self.go_back()
 
     def go_back(self) -> None:
-        """To the newest moment that is kept; what a person has set, and the helm, stay with the person."""
+        """Return to the newest moment that is kept; the helm stays with the person."""
         panel, steered = self.panel, self.panel.person is not None
         moments = self.rewind.earlier(self.simulation.time)
         if not moments:
@@ -195,17 +177,14 @@ class Session:
         panel.wind = self.playing
         self.rebuild(self.playing)
         self.rewind.restore(self.simulation, moments)
-        panel.bind(sliders_of(self.simulation))
-        for slider in panel.sliders:  # those of a person now, not those of the moment
-            slider.apply(slider.value)
         if steered:
             panel.person = self.simulation.ships[panel.ship].hand_over()
 
     def rebuild(self, wind: str) -> None:
-        """The scene from its beginning, with this preset of wind; in a new window where Taichi has to restart."""
+        """Begin the scene anew with a preset of wind; in a new window where Taichi has to restart."""
         panel = self.panel
         try:
-            config = self.config if wind == self.playing else self.of_wind(wind)
+            config = self.config if wind == self.playing else self.blown(wind)
         except SceneError as error:
             panel.message, panel.wind = f"{wind}: {error.problems[0].message}", self.playing
             return
@@ -223,7 +202,7 @@ class Session:
             self.screen.watch(self.simulation, panel)
 
     def go_on(self, span: float) -> None:
-        """Steps over a span of simulated time [s], as many as there is wall time for; one, where that was asked for."""
+        """Step over a span of simulated time [s], as far as there is wall time; once, where that was asked for."""
         panel, begin = self.panel, perf_counter()
         until = self.simulation.time + span
         single = panel.take("step")
@@ -231,15 +210,13 @@ class Session:
         try:
             while single or (not panel.paused and self.simulation.time < until):
                 self.simulation.run(self.simulation.time + 0.5 * self.simulation.next_dt)
-                if single or perf_counter() - begin > BUDGET:
+                if single or perf_counter() - begin > STEP_SECONDS:
                     break
         except Diverged as failure:
             panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again, w goes back."
 
     def record(self) -> None:
         """One more picture of a recording; each recording is a folder of its own."""
-        from ocean_sim.observers.preview import write
-
         if not self.panel.recording:
             self.cut()
             return
@@ -260,14 +237,16 @@ class Session:
 
     def join(self, folder: Path, every: float) -> None:
         """A film of the numbered pictures of a folder, one for so much time [s]; they stay."""
-        from ocean_sim.observers import render
-
         missing = extra_missing("pictures")
         if missing:
             self.panel.message = f"no film, but its pictures are there: {missing}"
             console.complain(self.panel.message)
             return
-        render.join(sorted(folder.glob("[0-9]*.png")), folder / "film.mp4", min(max(every, FASTEST), SLOWEST))
+        render.join(
+            sorted(folder.glob("[0-9]*.png")),
+            folder / "film.mp4",
+            min(max(every, FILM_INTERVALS[0]), FILM_INTERVALS[1]),
+        )
 
     def close(self) -> None:
         self.cut()
@@ -284,7 +263,7 @@ class Session:
         return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.away.name))
 
     def facts(self) -> dict[str, Any]:
-        """What was drawn, for programs."""
+        """Numbers of what was drawn, for programs."""
         drawn = sorted(self.milliseconds[1:] or self.milliseconds)
         return {
             "pictures": self.pictures,
@@ -301,17 +280,6 @@ class Session:
         if facts["ms_per_picture"] is not None:
             sentence += f", {facts['ms_per_picture']:.0f} ms a picture"
         return f"{sentence}; {facts['folder']}" if self.folder.exists() else sentence
-
-
-def name_of(wind: WindConfig) -> str:
-    """The preset that a wind is, else that it is the scene's own."""
-    if wind.still:
-        return "still"
-    for name in named("wind"):
-        preset = read(library("configs") / "wind" / f"{name}.yaml")
-        if preset.data["kind"].data == wind.kind and validated(type(wind), preset, ("wind",), []) == wind:
-            return name
-    return OWN
 
 
 def free_name(folder: Path, pattern: str) -> Path:

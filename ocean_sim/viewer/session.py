@@ -15,13 +15,14 @@ from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named
-from ocean_sim.pictures.panel import Panel, sliders_of
+from ocean_sim.pictures.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.answers import answer, keys
 from ocean_sim.viewer.server import Order
+from ocean_sim.viewer.sliders import Slider, bound, sliders_of
 from ocean_sim.viewer.watch import Audience, Watch
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ class Session:
         """`out`: where records and saved scenes go; `described`: what a page lists of packaged scenes."""
         self.source, self.desk, self.out, self.described = source, desk, out, described
         self.panel = Panel([*named("wind"), "still"], "")
+        self.sliders: list[Slider] = []
         self.speed, self.due = 1.0, 0.0
         self.plays = False  # whether a simulation is open
         self.away: TemporaryDirectory | None = None
@@ -99,7 +101,7 @@ class Session:
         self.watch = Watch(self.simulation, self.desk)
         self.simulation.observers.append(self.watch)
         self.panel.wind = wind_name(self.source)
-        self.panel.bind(sliders_of(self.simulation))
+        self.sliders = bound(sliders_of(self.simulation), self.sliders)
         self.panel.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
         self.report()
         self.watch.show(perf_counter())
@@ -231,7 +233,7 @@ class Session:
             case p.Speed(value=value):
                 self.speed, self.due = value, 0.0
             case p.Slide(key=label, value=value):
-                slider = next((each for each in panel.sliders if each.label == label), None)
+                slider = next((each for each in self.sliders if each.label == label), None)
                 if slider is None:
                     raise Failed(f"there is no slider {label!r} here")
                 slider.move(value)
@@ -268,7 +270,7 @@ class Session:
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
                 fitting(source)
                 self.moved = {}
-                self.panel.sliders = []
+                self.sliders = []
                 self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):
@@ -391,7 +393,7 @@ class Session:
     def report(self) -> None:
         """Tell everybody what may be set, and how it stands."""
         simulation, panel = self.simulation, self.panel
-        sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in panel.sliders]
+        sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ships = [
             {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route(name)}
             for name, ship in simulation.ships.items()

@@ -1,30 +1,25 @@
-"""The preview without a window: what keys, sliders and cameras do; and, where Vulkan is there, its pictures."""
+"""The preview without a window: keys and cameras; and, where Vulkan is there, its pictures."""
 
 import ast
 import gc
 import json
 import os
 import socket
-import struct
 import subprocess
 import sys
-from math import pi, radians
+from math import radians
 from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
-from ocean_sim import runtime
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import preview
 from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures import panel as panel_module
 from ocean_sim.pictures import preview_eye, vulkan
-from ocean_sim.pictures.controls import controls
-from ocean_sim.pictures.curves import KEPT, Curves
-from ocean_sim.pictures.pad import Pad
-from ocean_sim.pictures.panel import Panel, Slider, sliders_of
+from ocean_sim.pictures.panel import Panel
 from ocean_sim.pictures.preview_scene import PreviewScene, backdrop, speed_colours
 from ocean_sim.platform.shared.packets import unpacked
 from ocean_sim.reading.scene import load
@@ -54,11 +49,6 @@ def coarse():
         yield simulation
 
 
-def kernels():
-    """How many kernels have been compiled so far."""
-    return sum(len(kernel.compiled_kernels) for kernel in runtime.impl.get_runtime().kernels)
-
-
 def test_keys_of_the_panel():
     panel = Panel(["calm", "gale"], "calm")
     panel.press(" ")
@@ -82,7 +72,7 @@ def test_keys_of_the_panel():
     assert panel.hidden
     panel.press("u")
     panel.orbit(0.2, 0.1)
-    panel.nearer(0.5)
+    panel.zoom(0.5)
     panel.press("w")
     assert panel.take("rewind")
     panel.press("z")
@@ -101,7 +91,7 @@ def test_throttle_and_brake_pedal_and_wheel():
     panel.person = Wheel()
     for _ in range(10):
         panel.hold({"Up", "Left"}, 0.1)
-    assert panel.person.throttle == pytest.approx(panel_module.PEDAL)
+    assert panel.person.throttle == pytest.approx(panel_module.PEDAL_RATE)
     assert panel.person.rudder == pytest.approx(radians(20.0))  # positive turns to port
     panel.hold({"Down"}, 100.0)
     assert panel.person.throttle == -1.0
@@ -111,44 +101,22 @@ def test_throttle_and_brake_pedal_and_wheel():
     assert panel.person.rudder == 0.0 and panel.person.throttle == -1.0
 
 
-def test_a_slider_applies_a_move_once_and_holds_it_within_its_ends():
-    taken = []
-    slider = Slider("k", 0.1, 0.0, 2.0, taken.append)
-    assert not slider.move(float(np.float32(0.1)))  # a window knows single precision only
-    assert slider.move(1.5) and slider.move(9.0) and not slider.move(2.0)
-    assert taken == [1.5, 2.0] and slider.value == 2.0
-
-
-def test_sliders_of_a_simulation_built_anew_keep_what_was_set():
-    panel, taken = Panel([], "still"), []
-    panel.bind([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("b", 1.0, 0.0, 3.0, taken.append)])
-    panel.sliders[0].move(2.5)
-    panel.bind([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("c", 1.0, 0.0, 3.0, taken.append)])
-    assert panel.sliders[0].value == 2.5 and taken == [2.5, 2.5] and panel.sliders[1].value == 1.0
-
-
-def test_significant_wave_height_of_a_sine_is_four_standard_deviations_of_the_last_seconds():
-    curves, phase = Curves(), 2.0 * pi * np.arange(100) / 100
-    for k in range(300):
-        height = 0.5 if k < 100 else 0.2
-        curves.add(0.1 * k, height * np.sin(phase), -0.1, 20.0 + k)
-    assert curves.wave_height() == pytest.approx(4.0 * 0.2 / np.sqrt(2.0))
-    assert curves.scale("H_s") == (0.0, 2.0) and curves.scale("roll") == (-10.0, 10.0)
-    assert curves.reading("roll") == "-5.7 deg   axis -10 to 10"
-    lines = curves.lines("H_s", (0.1, 0.2, 0.3, 0.4))
-    assert len(lines) == KEPT - 1
-    assert lines[..., 0].min() == pytest.approx(0.1) and lines[..., 0].max() == pytest.approx(0.4)
-    assert (lines[..., 1] >= 0.2).all() and (lines[..., 1] <= 0.6).all()
-    assert len(Curves().lines("roll", (0.0, 0.0, 1.0, 1.0))) == 0
+def test_the_panel_says_how_things_stand_in_lines_that_fit(coarse):
+    panel = Panel(["calm", "wide"], "wide", ships=("ship",), ship="ship", message="long " * 40)
+    panel.press(" ")
+    balls = PreviewScene(coarse).particles(small=False)
+    lines = panel.words(coarse, balls, 0.5).splitlines()
+    assert any("paused" in line for line in lines) and "wind: wide" in lines
+    assert any("throttle" in line and "rudder" in line for line in lines)
+    assert max(len(line) for line in lines) <= 38  # fits the panel
 
 
 @pytest.mark.parametrize("camera", ["third_person", "top", "side"])
 @pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
 def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
-    lower, upper, free = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0]), (0.25, 0.2, 0.7, 0.75)
-    eye = preview_eye.seen(
-        camera, preview_eye.Orbit(0.7, 0.4, 1.0), preview_eye.View((lower, upper), free, aspect), None, 0.0
-    )
+    lower, upper = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0])
+    orbit, frame = preview_eye.Orbit(0.7, 0.4, 1.0), preview_eye.Frame(aspect, 0.25)
+    eye = preview_eye.seen(camera, orbit, (lower, upper), frame, None, 0.0)
     forward = (eye.target - eye.position) / np.linalg.norm(eye.target - eye.position)
     right = np.cross(forward, eye.up)
     right /= np.linalg.norm(right)
@@ -157,15 +125,17 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
     x = 0.5 + 0.5 * (corners @ right) / depth / half / aspect
     y = 0.5 + 0.5 * (corners @ np.cross(right, forward)) / depth / half
     assert (depth > eye.near).all() and (depth < eye.far).all()
-    assert x.min() >= 0.25 - 1e-9 and x.max() <= 0.95 + 1e-9 and y.min() >= 0.2 - 1e-9 and y.max() <= 0.95 + 1e-9
+    edge = 0.5 * (1.0 - preview_eye.FILLED)  # left free above and below, and aside
+    assert x.min() >= 0.25 + 0.75 * edge - 1e-9 and x.max() <= 1.0 - 0.75 * edge + 1e-9
+    assert y.min() >= edge - 1e-9 and y.max() <= 1.0 - edge + 1e-9
     # ... and fills it along one side
-    assert min(x.min() - 0.25 + 0.95 - x.max(), y.min() - 0.2 + 0.95 - y.max()) < 1e-6
+    assert np.ptp(x) / 0.75 == pytest.approx(1.0 - 2.0 * edge) or np.ptp(y) == pytest.approx(1.0 - 2.0 * edge)
 
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ships["ship"]
-    view = preview_eye.View(PreviewScene(coarse).box, (0.0, 0.0, 1.0, 1.0), 1.5)
-    eye = preview_eye.seen("helm", preview_eye.Orbit(0.0, 0.4, 1.0), view, ship, 15.0)
+    orbit, frame = preview_eye.Orbit(0.0, 0.4, 1.0), preview_eye.Frame(1.5, 0.0)
+    eye = preview_eye.seen("helm", orbit, PreviewScene(coarse).box, frame, ship, 15.0)
     np.testing.assert_allclose(eye.position, ship.body.position + ship.body.matrix @ ship.points["helm"])
     assert (eye.target - eye.position) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
 
@@ -207,78 +177,6 @@ def test_the_backdrop_covers_the_picture_and_is_bright_at_the_horizon():
     assert colours[middle].sum(axis=1).min() > colours[corners[:, 1] > 0.99].sum(axis=1).max()
 
 
-def test_moving_any_slider_changes_the_next_step_and_compiles_nothing(coarse):
-    """From one state: the same step twice gives the same bytes; after a slider has moved it does not."""
-    fluid = coarse.fluid
-    kept = [field.to_numpy().copy() for field in (fluid.particles.position, fluid.particles.velocity)]
-
-    def stepped():
-        fluid.particles.position.from_numpy(kept[0])
-        fluid.particles.velocity.from_numpy(kept[1])
-        fluid.begin()
-        fluid.advance(0.002)
-        order = np.argsort(fluid.particles.id.to_numpy())
-        return fluid.particles.velocity.to_numpy()[order]
-
-    names = fluid.particles.id.to_numpy().copy()
-
-    def from_start():
-        fluid.particles.id.from_numpy(names)
-        return stepped()
-
-    coarse.wind.strengthen(1.0)  # its clock begins anew, as when its slider moves: that rounds where its volumes are
-    first, compiled = from_start(), None
-    np.testing.assert_array_equal(from_start(), first)
-    compiled, changed = kernels(), {}
-    for slider in sliders_of(coarse):
-        given, before_dt = slider.value, coarse.next_dt
-        assert slider.move(1.5 * given)
-        changed[slider.label] = not np.array_equal(from_start(), first) or coarse.next_dt != before_dt
-        slider.move(given)
-    assert changed == dict.fromkeys(changed, True) and len(changed) == 4
-    assert kernels() == compiled
-    np.testing.assert_array_equal(from_start(), first)
-
-
-class Box:
-    """Stands for a box of the window: `moved` sliders by label, `pressed` buttons by their first word."""
-
-    def __init__(self, moved=None, pressed=()):
-        self.moved, self.pressed, self.words = moved or {}, pressed, []
-
-    def text(self, text, color=None):
-        self.words.append(text)
-
-    def slider_float(self, label, value, low, high):
-        return self.moved.get(label.removeprefix("##"), value)
-
-    def button(self, label):
-        return label.split()[0] in self.pressed
-
-
-def test_sliders_and_buttons_of_the_window_move_the_panel_and_the_simulation(coarse):
-    panel = Panel(["calm", "wide"], "wide")
-    panel.bind(sliders_of(coarse))
-    controls(Box({"wind strength, x the preset": 2.0}, ["pause", "snapshot"]), panel, coarse, 0.5)
-    assert coarse.wind.gain == 2.0 and panel.paused and panel.take("snapshot")
-    quiet = Box()
-    controls(quiet, panel, coarse, 0.5)
-    assert coarse.wind.gain == 2.0 and panel.paused and not panel.asked  # what is not touched stays
-    assert any("paused" in line for line in quiet.words) and "wind: wide" in quiet.words
-    assert max(len(line) for line in quiet.words) <= 38  # fits the panel
-    coarse.wind.strengthen(1.0)
-
-
-def test_a_moved_stiffness_is_that_of_the_equation_of_state(coarse):
-    fluid, stiffness = coarse.fluid, coarse.fluid.stiffness
-    fluid.adjust(stiffness=2.0 * stiffness)
-    fluid.advance(1e-6)
-    density, pressure = fluid.particles.density.to_numpy(), fluid.particles.pressure.to_numpy()
-    fluid.adjust(stiffness=stiffness)
-    np.testing.assert_allclose(pressure, np.maximum(2.0 * stiffness * (density - 1000.0), 0.0), rtol=1e-9, atol=1e-6)
-    assert pressure.max() > 0.0 and fluid.sound_speed == pytest.approx(np.sqrt(stiffness))
-
-
 def test_a_person_steers_through_the_same_rate_limits_as_any_crew(coarse):
     ship, machine = coarse.ships["ship"], coarse.ships["ship"].actuators
     crew, before = machine.crew, ship.orders
@@ -312,7 +210,6 @@ class Window:
     def watch(self, simulation, panel, config=None):
         self.simulation = simulation
         panel.ships, panel.ship, panel.person = tuple(simulation.ships), next(iter(simulation.ships), ""), None
-        panel.bind(sliders_of(simulation))
 
     def listen(self, panel, seconds):
         held = self.script.pop(0) if self.script else ["Escape"]
@@ -320,7 +217,7 @@ class Window:
             panel.press(key)
         panel.hold(set(held), 0.1)
 
-    def draw(self, panel, milliseconds, pace=None):
+    def draw(self, panel, pace=None):
         self.drawn += 1
         self.times.append(self.simulation.time)
         self.places.append([ship.body.position.copy() for ship in self.simulation.ships.values()])
@@ -345,7 +242,7 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
         "open",
         lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
     )
-    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, verb.with_wind(sets, wind)), True)
+    session = verb.Session(load(scene, sets), tmp_path, lambda wind: load(scene, {**sets, "wind": wind}), True)
     assert session.panel.wind == "still"
     session.play()
     times = window.times
@@ -386,13 +283,12 @@ def test_a_window_goes_back_to_the_moment_that_was_kept_last_and_on_as_before(tm
     session.close()
 
 
-def test_what_a_person_has_set_stays_where_a_window_goes_back(tmp_path, monkeypatch):
+def test_the_helm_stays_with_the_person_where_a_window_goes_back(tmp_path, monkeypatch):
     session, _ = played(monkeypatch, tmp_path, [["n"]] * 6 + [["Left"]] * 3, wind="narrow")
     session.obey()
     assert session.panel.person is not None
-    session.panel.sliders[0].move(2.0)
     session.go_back()
-    assert session.simulation.time == pytest.approx(0.1) and session.simulation.wind.gain == 2.0
+    assert session.simulation.time == pytest.approx(0.1)
     assert session.panel.person is not None and session.panel.message == ""
     session.rewind.forget()
     session.go_back()
@@ -425,18 +321,10 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
         }
         session = verb.Session(load(scene), tmp_path / "out", None, True)
         session.panel.ship = "ship"
-        pad = Pad(tmp_path)
-        os.mkfifo(tmp_path / "js0")  # what a pad would be
-        plugged = os.open(tmp_path / "js0", os.O_RDWR)
-        for kind, axis, value in ((0x82, 5, -32767), (2, 5, 32767), (2, 0, -16384)):  # a trigger at rest, pulled; port
-            os.write(plugged, struct.pack("<IhBB", 0, value, kind, axis))
         for _ in range(4):
-            pad.look()
-            session.panel.steer(*pad.held, 0.1)
+            session.panel.hold({"Up", "Left"}, 0.1)
             session.obey()
             session.go_on(0.05)
-        pad.close()
-        os.close(plugged)
         assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
         assert unpacked(listening.recv(4096)).seq == 0
         late, session.screen = session.simulation.time, Mock()
@@ -449,33 +337,6 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
         film = verb.Session(load(scene), tmp_path / "out", None, False)
         assert not {type(each).__name__ for each in film.simulation.observers} & {"Motion", "PlatformLog", "Stream"}
         film.close()
-
-
-def test_a_pad_steers_and_may_come_and_go(tmp_path):
-    """Events as the kernel writes them, through a pipe of the name that a pad has."""
-
-    def event(kind, number, value):
-        return struct.pack("<IhBB", 0, value, kind, number)
-
-    pad = Pad(tmp_path)
-    pad.look()
-    assert pad.held == (0.0, 0.0)  # there is none
-    os.mkfifo(tmp_path / "js0")
-    plugged = os.open(tmp_path / "js0", os.O_RDWR)
-    os.write(plugged, b"".join(event(0x82, axis, -32767 if axis in (2, 5) else 0) for axis in range(6)))
-    pad.look()
-    assert pad.held == (0.0, 0.0) and not pad.amidships
-    os.write(plugged, event(2, 0, -32767) + event(2, 5, 0) + event(2, 4, 3000) + event(1, 0, 1))
-    pad.look()
-    assert pad.held == pytest.approx((0.5, 1.0)) and pad.amidships  # port; half a trigger; a stick that idles
-    pad.look()
-    assert not pad.amidships and pad.held[1] == 1.0  # a stick stays where it is
-    os.write(plugged, event(2, 4, 32767))
-    pad.look()
-    assert pad.held[0] == pytest.approx(-0.5)  # the other stick, pulled, against the trigger
-    pad.close()
-    os.close(plugged)
-    assert pad.held == (0.0, 0.0)
 
 
 def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeypatch, capsys):
@@ -528,24 +389,23 @@ def screen():
 
 @with_vulkan
 def test_pictures_without_a_window(coarse, screen):
-    """Every camera and content; the first picture has its sliders, as the second; a key changes the next picture."""
+    """Every camera and content; the first picture has its panel, as the second; a key changes the next picture."""
     panel = Panel(["calm", "wide"], "wide")
     screen.watch(coarse, panel, CONFIG)
-    screen.draw(panel, 20.0)
+    screen.draw(panel)
     first = screen.image()
-    screen.draw(panel, 20.0)
+    screen.draw(panel)
     second = screen.image()
     assert first.shape == (1280, 720, 3)
-    left = slice(0, preview.PANEL)
+    left = slice(0, preview.PANEL_WIDTH)
     np.testing.assert_array_equal(first[left], second[left])
-    slider_blue = (first[left, :, 2].astype(int) - first[left, :, 0] > 150).sum()
-    assert slider_blue > 4 * 50  # the grabs of four sliders
+    assert (first[left].min(axis=2) > 200).sum() > 2000  # letters
     pictures = {}
     for camera in panel.cameras:
         for content in panel.contents:
             panel.camera, panel.content = camera, content
-            screen.draw(panel, 20.0)
-            pictures[camera, content] = screen.image()[preview.PANEL + 20 :]
+            screen.draw(panel)
+            pictures[camera, content] = screen.image()[preview.PANEL_WIDTH + 20 :]
     seen = list(pictures.values())
     assert all(np.abs(a.astype(int) - b).mean() > 1.0 for k, a in enumerate(seen) for b in seen[:k])
     assert all(picture.std() > 15.0 for picture in seen)
@@ -553,12 +413,12 @@ def test_pictures_without_a_window(coarse, screen):
     screen.scene.hulls = {}
     for content in panel.contents:
         panel.content = content
-        screen.draw(panel, 20.0)
-        without = screen.image()[preview.PANEL + 20 :].astype(int)
+        screen.draw(panel)
+        without = screen.image()[preview.PANEL_WIDTH + 20 :].astype(int)
         changed = np.abs(pictures["third_person", content] - without).max(axis=2) > 30
         assert changed.sum() > 1000  # the ship
     screen.scene.hulls, panel.hidden = hulls, True
-    screen.draw(panel, 20.0)
+    screen.draw(panel)
     bare = screen.image()
     assert np.abs(bare[left].astype(int) - second[left]).mean() > 10.0 and bare[left].std() > 10.0
 

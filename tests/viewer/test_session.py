@@ -207,7 +207,7 @@ LARGE = [
 
 @pytest.mark.parametrize("order", LARGE, ids=[order["do"] for order in LARGE])
 def test_a_scene_that_is_too_large_is_told_in_a_sentence_and_the_other_goes_on(lake, monkeypatch, order):
-    playing, before, sliders = lake.simulation, lake.source, lake.panel.sliders
+    playing, before, sliders = lake.simulation, lake.source, lake.sliders
     lake.step()
     monkeypatch.setattr("ocean_sim.machine.memory_left", lambda: 100_000_000)
     ask(lake, **order)
@@ -215,7 +215,7 @@ def test_a_scene_that_is_too_large_is_told_in_a_sentence_and_the_other_goes_on(l
     assert said["bad"] and "GB of memory, and 0.1 GB are left" in said["text"] and "\n" not in said["text"]
     lake.step()
     assert lake.simulation is playing and playing.steps == 2 and len(lake.desk.stills) == 1
-    assert lake.source is before and lake.panel.sliders is sliders and lake.claim is None
+    assert lake.source is before and lake.sliders is sliders and lake.claim is None
 
 
 @pytest.mark.parametrize("failure", [MemoryError(), OSError(28, "No space left on device"), ValueError("a reason")])
@@ -252,11 +252,11 @@ def test_a_record_that_cannot_be_written_ends_and_the_scene_begins_again(lake):
 
 
 def test_a_key_builds_anew_and_what_a_person_set_is_kept(session):
-    label = next(s.label for s in session.panel.sliders if "strength" in s.label)
+    label = next(s.label for s in session.sliders if "strength" in s.label)
     ask(session, do="slide", key=label, value=2.0)
     ask(session, do="change", key="seed", value="8")
     assert session.simulation.steps == 0 and session.config.seed == 8
-    assert next(s.value for s in session.panel.sliders if s.label == label) == 2.0
+    assert next(s.value for s in session.sliders if s.label == label) == 2.0
     ask(session, do="change", key="fluid.spacing", value="-3.0")
     assert session.config.fluid.spacing == 2.5
     assert "not greater than 0" in session.desk.last("problems")["problems"][0]["message"]

@@ -1,7 +1,12 @@
 """Targets: the water, the ship, both or none of them; what a wind does not act on feels still air."""
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
+
+from ocean_sim.parts import WindConfig
+from ocean_sim.reading.idle import idle_keys
 
 KINDS = {
     "stress": {"u10": 20.0},
@@ -80,3 +85,26 @@ def test_a_wind_that_a_ship_does_not_feel_is_not_told():
     for keys in ({"targets": ["fluid"]}, {"u10": 0.0}):
         scene = yacht_in({"kind": "stress", "u10": 15.0} | keys)
         assert not any("sea's surface" in said for said in scene.warnings())
+
+
+class OnWater(WindConfig):
+    """A kind of one's own that pushes the water alone, with a key that another kind has too."""
+
+    kind: str = "on_water"
+    u10: float = 10.0
+    stylised: ClassVar[bool] = True
+    acts_on: ClassVar[tuple[str, ...]] = ("fluid",)
+
+    def ledger(self, preflight):
+        return []
+
+    def build(self, basin, seed):
+        raise NotImplementedError
+
+
+def test_a_kind_that_acts_on_no_ship_is_told_and_its_keys_need_no_other_kinds_keys():
+    known = yacht_in({"kind": "still"}).preflight
+    wind = OnWater(u10=5.0)
+    assert wind.needs_area and not wind.needs_bend
+    assert wind.warnings(known) == ["wind: on_water does not act on ships; it leaves the ship in still air"]
+    assert list(idle_keys({"wind": wind}, known)) == []

@@ -63,6 +63,15 @@ def named(slot: str) -> tuple[str, ...]:
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 
+def preset(slot: str, name: str) -> dict[str, Any]:
+    """The data of configs/<slot>/<name>.yaml; raises ValueError where there is none."""
+    from ocean_sim.files import yaml_file
+
+    if name not in named(slot):
+        raise ValueError(f"there is no {slot} {name!r}; there are {', '.join(named(slot))}")
+    return yaml_file.read(library("configs") / slot / f"{name}.yaml").plain()
+
+
 def key_of(ship: str) -> str:
     """The place of a ship in a scene."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"

@@ -7,7 +7,7 @@ from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,7 @@ from ocean_sim.files.whole_file import set_aside
 from ocean_sim.machine import stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
-
-if TYPE_CHECKING:
-    from ocean_sim.waves.exchange import WaveField
+from ocean_sim.waves.exchange import WaveField
 
 FIRST = "events.jsonl"  # of the files of a run: one that fails early leaves it alone
 TENTHS = 10  # parts of a run, and of its pictures, after which a line is printed
@@ -160,11 +158,9 @@ def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]
     return Result(folder)
 
 
-def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> "WaveField":
+def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> WaveField:
     """The waves of a scene, as `run` takes it, to be asked at any place and time, where its water is a closed form or a
     patch of an open sea; raises SceneError or Refused."""
-    from ocean_sim.waves.exchange import WaveField
-
     with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:

@@ -9,9 +9,8 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim.files import yaml_file
 from ocean_sim.model import quantity
-from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, library, named
+from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, preset
 from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt, smoothly
 from ocean_sim.platform.shared.limits import SAME, Governor, Legs, Workspace
@@ -43,7 +42,7 @@ class Config(PlatformConfig):
     @classmethod
     def _named(cls, value: Any, info: Any) -> Any:
         """The value that a name refers to."""
-        return ready_made(info.field_name, value) if isinstance(value, str) else value
+        return preset(info.field_name, value) if isinstance(value, str) else value
 
     def warnings(self, preflight: Preflight) -> list[str]:
         if not preflight.ships:
@@ -73,13 +72,6 @@ class Config(PlatformConfig):
     def build(self, every: float) -> "Moving":
         """`every`: time between the rows that it will follow [s]."""
         return Moving(self, every)
-
-
-def ready_made(what: str, name: str) -> dict[str, Any]:
-    """The data of configs/<what>/<name>.yaml; raises ValueError."""
-    if name not in named(what):
-        raise ValueError(f"there is no {what} {name!r}; there are {', '.join(named(what))}")
-    return yaml_file.read(library("configs") / what / f"{name}.yaml").plain()
 
 
 class Moving:

@@ -5,20 +5,18 @@ time, and so does a square that repeats itself, which is always of plane waves. 
 wakes and breakers, answers for now, as its gauges read it.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
 
 from ocean_sim.conventions import Refused
+from ocean_sim.fluid import Fluid
 from ocean_sim.parts import KindConfig, slot_of
 from ocean_sim.reading.keys import Key, by_path
 from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.viewer.protocol import Waves
 from ocean_sim.waves.exchange import WaveField
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid import Fluid
 
 HEADING = ("seed", "duration")
 APART = 0.5  # spacings of the water, over which a slope is taken on either side
@@ -56,7 +54,7 @@ def row(known: Key, key: str, value: Any) -> dict[str, Any]:
     }
 
 
-def answer(fluid: "Fluid", now: float, asked: Waves) -> dict[str, Any]:
+def answer(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
     """What is told of the waves: the time [s] it holds for, and `values`, a row a point, NaN where there is no water as
     null. Raises Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
@@ -82,7 +80,7 @@ def answer(fluid: "Fluid", now: float, asked: Waves) -> dict[str, Any]:
     return {"time": now, "values": plain(found)}
 
 
-def normals(fluid: "Fluid", points: np.ndarray) -> np.ndarray:
+def normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
     """(n, 3) upward unit normals of the water's surface at points x, z (n, 2) [m], by differences."""
     step = APART * fluid.spacing
     slopes = [

@@ -274,7 +274,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         put("manifest.json") if not os.path.lexists(tmp_path / "manifest.json") else None
         with pytest.raises(Refused):
             read(tmp_path / "manifest.json")
-    assert scene_of(tmp_path) == {} and Run.json(tmp_path / "manifest.json") is None
+    assert scene_of(tmp_path) == {} and Run(tmp_path).manifest == {}
     with pytest.raises(checkpoints.Unreadable):
         checkpoints.read(put(checkpoints.name(1.0)))
     with pytest.raises(input_file.Unreadable):

@@ -2,16 +2,16 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from ocean_sim.platform.hexapod import ready_made
+from ocean_sim.parts import preset
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rotation
 from tests.platform.conftest import DATA
 
 INCH = 0.0254
-HEX_A = ready_made("geometry", "hexapod_a")
+HEX_A = preset("geometry", "hexapod_a")
 
 
 def hexapod(name):
-    return Hexapod(Geometry.model_validate(ready_made("geometry", name)))
+    return Hexapod(Geometry.model_validate(preset("geometry", name)))
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_a_quarter_turn_is_singular_and_refused(hex_a):
 )
 def test_a_geometry_that_cannot_be_assembled_is_refused(wrong, sentence):
     with pytest.raises(ValidationError, match=sentence):
-        Geometry.model_validate(ready_made("geometry", "hexapod_a") | wrong)
+        Geometry.model_validate(preset("geometry", "hexapod_a") | wrong)
 
 
 @pytest.mark.filterwarnings("error")
@@ -122,11 +122,11 @@ def test_a_geometry_that_cannot_be_assembled_is_refused(wrong, sentence):
 )
 def test_a_geometry_of_one_point_or_beyond_all_size_is_refused_without_a_warning(wrong, sentence):
     with pytest.raises(ValidationError, match=sentence):
-        Geometry.model_validate(ready_made("geometry", "hexapod_a") | wrong)
+        Geometry.model_validate(preset("geometry", "hexapod_a") | wrong)
 
 
 def test_a_geometry_that_is_singular_in_neutral_is_refused():
     """Legs between two like hexagons all stand upright: nothing holds the platform from moving sideways."""
     corners = [[np.cos(a), np.sin(a), 0.0] for a in np.arange(6) * np.pi / 3.0]
     with pytest.raises(ValidationError, match="neutral pose is singular"):
-        Geometry.model_validate(ready_made("geometry", "hexapod_a") | {"base": corners, "platform": corners})
+        Geometry.model_validate(preset("geometry", "hexapod_a") | {"base": corners, "platform": corners})

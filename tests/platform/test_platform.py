@@ -214,11 +214,11 @@ def test_the_gain_of_heave_is_what_follows_it_and_no_shock():
 
 
 def test_a_singular_pose_is_refused_and_told():
-    from ocean_sim.platform.hexapod import ready_made
+    from ocean_sim.parts import preset
     from ocean_sim.platform.shared.kinematics import Geometry, Hexapod
 
     wide = {"shortest": 1.0, "longest": 5.0, "condition_limit": 4.0}  # so that legs reach what conditioning refuses
-    workspace = Workspace(Hexapod(Geometry.model_validate(ready_made("geometry", "hexapod_a") | wide)))
+    workspace = Workspace(Hexapod(Geometry.model_validate(preset("geometry", "hexapod_a") | wide)))
     workspace.ends[5] = [-1.5, 1.5]
     kept, limited = workspace.scaled_back(np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.3]]))
     assert limited[0] & SINGULAR and 0.3 < kept[0, 5] < 1.2

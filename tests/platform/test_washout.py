@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import sosfreqz
 
+from ocean_sim.parts import preset
 from ocean_sim.platform import INPUT, TILT_RATE
-from ocean_sim.platform.hexapod import ready_made
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.washing import gravity
 from ocean_sim.platform.washout.adaptive import Config as Adaptive
@@ -16,7 +16,7 @@ FREE = np.array([[-np.inf, np.inf]] * 3)
 
 
 def washout(name, every, travel=FREE):
-    return Config.model_validate(ready_made("washout", name)).build(every, travel)
+    return Config.model_validate(preset("washout", name)).build(every, travel)
 
 
 def steps():
@@ -134,7 +134,7 @@ def test_an_angle_that_is_followed_is_not_told_to_be_limited_by_its_rate():
     force = gravity(np.column_stack([angle, zero, zero])) - [0.0, 0.0, 9.81]
     rows = ride(500, 0.01, force, np.column_stack([rate, zero, zero]), np.column_stack([angle, zero, zero]))
     for name, cut in (("ship", False), ("srs", True)):
-        given = ready_made("washout", name)
+        given = preset("washout", name)
         free, tight = (
             Config.model_validate(given | {"rate_limit_deg": limit}).build(0.01, FREE).follow(rows)
             for limit in (60.0, 2.0)
@@ -163,7 +163,7 @@ def test_an_adaptive_share_is_that_of_the_least_cost_in_high_waves_and_recovers(
     weights = {"position_weight": [0.0, 0.0, 2.0], "velocity_weight": [0.0] * 3, "return_frequency": [0.05] * 3}
     every, omega = 0.01, 1.2
     t = np.arange(20000) * every
-    heave = Adaptive.model_validate(ready_made("washout", "ship_adaptive") | weights).build(every, FREE).travels[2]
+    heave = Adaptive.model_validate(preset("washout", "ship_adaptive") | weights).build(every, FREE).travels[2]
     small, _ = heave.of(0.01 * np.cos(omega * t))
     assert np.ptp(small[-1000:]) == pytest.approx(0.02 / omega**2, rel=0.01) and heave.share > 0.99
     high, _ = heave.of(2.0 * np.cos(omega * t))

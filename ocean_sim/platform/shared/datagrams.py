@@ -16,8 +16,8 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from ocean_sim.files import input_file, yaml_file
-from ocean_sim.parts import library
+from ocean_sim.files import input_file
+from ocean_sim.parts import preset
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smoothly
 from ocean_sim.platform.shared.limits import EVERY, Drive, Judge
 from ocean_sim.platform.shared.packets import (
@@ -291,7 +291,7 @@ class Receiver(Smooth):
 
 def ready_made(name: str) -> Geometry:
     """The geometry configs/geometry/<name>.yaml."""
-    return Geometry.model_validate(yaml_file.read(library("configs") / "geometry" / f"{name}.yaml").plain())
+    return Geometry.model_validate(preset("geometry", name))
 
 
 def received(url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None) -> Receiver:

@@ -8,9 +8,8 @@ import numpy as np
 from pydantic import AfterValidator, ValidationError
 
 from ocean_sim.conventions import AxisName
-from ocean_sim.files import yaml_file
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.parts import library, named
+from ocean_sim.parts import named, preset
 from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.shared.shapes import MeshFile, Shape
 from ocean_sim.ship.shared.voxels import FLAT, Voxels, voxels
@@ -86,8 +85,7 @@ def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, 
     """The hull of a name in configs/hull/, or in a mesh file, read with these axes and metres per unit where they are
     given; raises ValueError."""
     if name in named("hull"):
-        data = yaml_file.read(library("configs") / "hull" / f"{name}.yaml").plain()
-        return Hull.model_validate(data)
+        return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESHES:
         return Hull(shape=MeshFile(kind="mesh", file=name, up=up, bow=bow, scale=scale))
     raise ValueError(

@@ -107,15 +107,16 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
+        """Its run, on one thread."""
         return ordered(self.scene, 1)
 
-    def row(self, answer: dict[str, Any], result: Result) -> dict[str, Any]:
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its line in the table."""
-        outcome, why, numbers = verdict(answer, of(result, "accuracy"), self.scene, self.axis.name == "wind")
+        outcome, why, numbers = verdict(answer, of(run, "accuracy"), self.scene, self.axis.name == "wind")
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
-        return point | steps | {"verdict": outcome, "reason": why} | numbers | clock
+        return [point | steps | {"verdict": outcome, "reason": why} | numbers | clock]
 
 
 def spots(quick: bool, scene: str | None = None) -> list[Spot]:

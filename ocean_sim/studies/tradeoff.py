@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
+from ocean_sim.result import Result
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared.case_run import ordered, problem_of
 
@@ -122,10 +123,11 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
+        """Its run."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return ordered(*given)
 
-    def rows(self, answer: dict[str, Any]) -> list[dict[str, Any]]:
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """A line for every error of the case; one without an error where the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied())}

@@ -67,7 +67,7 @@ class Budget:
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Of the budget, in its own unit."""
+        """Share of the budget that a run takes, in the budget's unit."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
@@ -168,7 +168,7 @@ def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) 
 
 
 def errors(result: Result, reference: Result) -> dict[str, float | None]:
-    """What a user sees of a run, minus the same of the reference."""
+    """Errors of a run by the quantities that a user sees, against the reference."""
     found: dict[str, float | None] = {}
     legs = []
     motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]

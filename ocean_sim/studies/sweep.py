@@ -31,7 +31,7 @@ Values = list[Any]
 
 
 class PlanConfig(Model):
-    """What a user may write in a plan."""
+    """Keys of a plan."""
 
     scene: str
     """A scene file, or the name of a packaged scene."""
@@ -42,7 +42,7 @@ class PlanConfig(Model):
     list: Groups = []
     """Settings of a group of runs each."""
     grid: dict[str, Values] = {}
-    """By key the values of which every combination is run."""
+    """Values by key; every combination is run."""
     seeds: Values = []
     """Seeds with which everything is run again."""
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.machine import cores
-from ocean_sim.studies.shared.runs import ADDRESSES
+from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
 from ocean_sim.studies.sweep import planned
 from ocean_sim.verbs.shared import console
@@ -33,7 +33,7 @@ def sweep(
     at_once = workers or cores()
     runs = planned(plan, max(1, cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
-    with console.claim(folder, "results.csv", ADDRESSES):
+    with console.claim(folder, "results.csv", ADDRESS_PATTERN):
         table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler), as_json)
     if as_json:
         console.answer(table)
@@ -49,7 +49,7 @@ def show(rows: list[dict[str, Any]], keys: list[str]) -> None:
 
 
 def summary(rows: list[dict[str, Any]], folder: Path) -> str:
-    """How many runs went how."""
+    """Sentence with the number of runs of each outcome."""
     counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
     sentence = f"{counts['done']} of {len(rows)} runs done"
     if counts["stopped"]:

@@ -115,7 +115,7 @@ def legs(done: Commands, geometry: Any) -> Any:
 
 
 def workspace(done: Commands, machine: Moving) -> Any:
-    """What two motions can reach while the other four are neutral, and where the ride went."""
+    """Draw the reach of two motions while the other four are neutral, and the path of the ride."""
     picture, axes = figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, PAIRS):

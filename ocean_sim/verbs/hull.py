@@ -477,7 +477,6 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
 
 def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Three views of the hull with its waterline, and its righting lever."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     from ocean_sim.ship.shared.voxels import voxels
@@ -485,7 +484,6 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     lower, upper = shape.shape.bounds()
     cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)
     figure = Figure(figsize=(11.0, 6.5), layout="constrained")
-    FigureCanvasAgg(figure)
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)

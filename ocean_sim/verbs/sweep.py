@@ -13,7 +13,7 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 from ocean_sim.verbs.shared.study import rows_of, text
 
-SHOWN = ("outcome", "simulated_s", "particles", "wall_s", "reason")
+FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
 
 def sweep(
@@ -44,7 +44,7 @@ def sweep(
 
 def show(rows: list[dict[str, Any]], keys: list[str]) -> None:
     """The table for people: what was set, and how it went."""
-    names = ["run", *keys, *SHOWN]
+    names = ["run", *keys, *FACT_COLUMNS]
     console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 
 

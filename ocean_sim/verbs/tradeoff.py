@@ -32,8 +32,8 @@ from ocean_sim.verbs.shared.options import Json, Profile, Sets
 from ocean_sim.verbs.shared.study import rows_of, text
 
 EVERY_PROFILE = f"profile={','.join(PROFILES)}"
-LEFT = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
-SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
+STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
+CASE_COLUMNS = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
 
 def tradeoff(
@@ -54,23 +54,23 @@ def tradeoff(
     out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
     as_json: Json = False,
 ) -> None:
-    """The study over the validation cases, or that of a scene."""
+    """Study the validation cases, or a scene."""
     vary, sets = vary or [], sets or []
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
-        with console.claim(folder, *LEFT):
+        with console.claim(folder, *STUDY_FILES):
             of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
     beside = () if out else ("*",)  # studies of scenes
-    with console.claim(out or Path("runs/tradeoff"), *LEFT, *beside) as folder:
+    with console.claim(out or Path("runs/tradeoff"), *STUDY_FILES, *beside) as folder:
         of_cases(quick, workers, folder, as_json)
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
-    """The study over the validation cases: tradeoff.csv, equal.csv and a picture a case."""
+    """Study the validation cases; leaves tradeoff.csv, equal.csv and a picture a case."""
     plan = points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
@@ -99,15 +99,15 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
 
 
 def show(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """The runs of a case, the cheapest first; a star is on the Pareto front."""
+    """Print the runs of a case, the cheapest first; a star is on the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
     lines = [
-        [*(text(row.get(key)) for key in SHOWN[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
+        [*(text(row.get(key)) for key in CASE_COLUMNS[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
         for row in [*sorted(done, key=lambda row: row[speed]), *lost]
     ]
-    console.table(f"\n{title}", list(SHOWN), lines)
+    console.table(f"\n{title}", list(CASE_COLUMNS), lines)
 
 
 def of_scene(
@@ -121,15 +121,19 @@ def of_scene(
     out: Path,
     as_json: bool,
 ) -> None:
-    """Runs every setting with every seed, one run at a time; leaves tradeoff.csv, seeds.csv and a picture."""
-    limit = asked(budget)
+    """Run every setting with every seed, one run at a time; leaves tradeoff.csv, seeds.csv and a picture."""
+    try:
+        limit = None if budget is None else Budget.of(budget)
+    except ValueError as why:
+        raise console.Refused(str(why)) from None
     plan = settings(scene, profile, console.settings(sets), varied(vary or [EVERY_PROFILE]), quick)
     seeds = SEEDS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not as_json:
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
-    found = made([Repeat(setting, k) for setting in plan for k in range(seeds)], out, as_json)
+    repeats = [Repeat(setting, k) for setting in plan for k in range(seeds)]
+    found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
     rows, single = compared(plan, seeds, found)
     write(out / "seeds.csv", single)
     write(out / "tradeoff.csv", rows)
@@ -152,19 +156,6 @@ def of_scene(
         if told := clocks_differ(rows):
             console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
-
-
-def asked(budget: str | None) -> Budget | None:
-    """The budget that was asked for."""
-    try:
-        return None if budget is None else Budget.of(budget)
-    except ValueError as why:
-        raise console.Refused(str(why)) from None
-
-
-def made(points: list[Repeat], out: Path, quiet: bool) -> list[dict[str, Any]]:
-    """Answers of points, in their order; one run at a time, for their time is measured."""
-    return rows_of(Study(points, out / "runs", 1), quiet)
 
 
 def compared(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
@@ -192,7 +183,7 @@ def answer(
         points = [Repeat(one, seeds, again=True) for one in (setting, reference)]
         for point in points:
             shutil.rmtree(out / "runs" / address(point.order()), ignore_errors=True)  # run again, whatever lies there
-        own, finest = made(points, out, quiet)
+        own, finest = rows_of(Study(points, out / "runs", 1), quiet)
         done = own["outcome"] == finest["outcome"] == "done"
         spent, error = limit.spent(own), errors(own["run"], finest["run"]).get(judge) if done else None
         bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)
@@ -205,7 +196,7 @@ def answer(
 
 
 def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
-    """The settings for people, the cheapest first."""
+    """Print the settings for people, the cheapest first."""
     names = ["setting", *CLOCKS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]

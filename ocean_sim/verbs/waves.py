@@ -293,11 +293,9 @@ def draw(
     densities: dict[str, np.ndarray],
 ) -> None:
     """Records above, spectra below."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
-    FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1)
     for name, height in heights.items():
         above.plot(time, height, linewidth=0.9, label=name)

@@ -47,11 +47,9 @@ def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
 
 def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
     """A figure without a display, and its axes (rows, columns)."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
-    FigureCanvasAgg(picture)
     return picture, picture.subplots(rows, columns, squeeze=False, **more)
 
 

@@ -11,8 +11,8 @@ from _options import options, progress
 from _paper import keep, paper
 
 from ocean_sim.machine import cores
-from ocean_sim.studies.shared import runs, table
 from ocean_sim.studies.shared.pareto import SPEEDS, panel
+from ocean_sim.studies.shared.study import Study, read, write
 from ocean_sim.studies.tradeoff import TRIALS, clock, points
 
 FAST = ("hydrostatic", "surface_slab")
@@ -22,11 +22,10 @@ ACROSS = 3  # panels
 def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
     plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
-    rows = {}
-    for k, answer in runs.answers([point.order() for point in plan], folder, cores()):
-        rows[k] = plan[k].rows(answer)
-        progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
-    return [row for k in sorted(rows) for row in rows[k]]
+    study = Study(plan, folder, cores())
+    for done in study.run():
+        progress(done / len(plan), f"{done} of {len(plan)} runs")
+    return study.rows
 
 
 def drawn(rows: list[dict[str, Any]], path: Path) -> None:
@@ -47,8 +46,8 @@ def drawn(rows: list[dict[str, Any]], path: Path) -> None:
 def main() -> None:
     asked = options(__doc__, "two cases, coarse", study="tradeoff.csv of a study; without it the quick one is run")
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    table.write(asked.out / "speed_accuracy.csv", rows)
+        rows = read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    write(asked.out / "speed_accuracy.csv", rows)
     drawn(rows, asked.out / "speed_accuracy.png")
 
 

@@ -11,9 +11,9 @@ from _options import options, progress
 from _paper import keep
 
 from ocean_sim.machine import cores
-from ocean_sim.result import Result
-from ocean_sim.studies.shared import maps, runs, table
-from ocean_sim.studies.stability import AXES, LIMIT, spots
+from ocean_sim.studies.shared import maps
+from ocean_sim.studies.shared.study import Study, read, write
+from ocean_sim.studies.stability import AXES, MAX_RUN_SECONDS, spots
 
 FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
 
@@ -25,19 +25,18 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
         for spot in spots(quick=True)
         if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
     ]
-    rows, orders = {}, [spot.order() for spot in plan]
-    for k, answer in runs.answers(orders, folder, cores(), limit=LIMIT[True]):
-        rows[k] = plan[k].row(answer, Result(folder / runs.address(orders[k])))
-        progress(len(rows) / len(plan), f"{len(rows)} of {len(plan)} runs")
-    return [rows[k] for k in sorted(rows)]
+    study = Study(plan, folder, cores(), limit=MAX_RUN_SECONDS[True])
+    for done in study.run():
+        progress(done / len(plan), f"{done} of {len(plan)} runs")
+    return study.rows
 
 
 def main() -> None:
     study = "stability.csv of a study; without it the quick one is run"
     asked = options(__doc__, "one row of one map, at two time steps", study=study)
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = table.read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    table.write(asked.out / "stability.csv", rows)
+        rows = read(asked.study) if asked.study else found(asked.fast, Path(folder))
+    write(asked.out / "stability.csv", rows)
     for axis in AXES:
         here = [row for row in rows if row["map"] == axis.name]
         if here:

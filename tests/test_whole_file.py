@@ -10,7 +10,7 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import in_words
 from ocean_sim.files.whole_file import whole
-from ocean_sim.verbs.shared.wave_files import draw, write_columns
+from ocean_sim.verbs.waves import draw, write_columns
 
 RECORD = np.linspace(0.0, 1.0, 1000)
 

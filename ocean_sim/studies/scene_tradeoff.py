@@ -10,7 +10,6 @@ import re
 from dataclasses import dataclass
 from itertools import product
 from math import prod
-from pathlib import Path
 from shlex import quote
 from statistics import mean, median, stdev
 from typing import Any
@@ -22,7 +21,6 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.studies.shared.runs import address
 from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, motion_tables, of, ordered, waves
 
 PROFILES = ("ci", "interactive", "thesis", "reference")
@@ -69,7 +67,7 @@ class Budget:
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Of the budget, in its own unit."""
+        """Share of the budget that a run takes, in the budget's unit."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
@@ -91,9 +89,22 @@ class Setting:
                 words.append(f"--set {quote(f'{key}={text}')}")
         return " ".join(words)
 
-    def order(self, k: int, again: bool = False) -> dict[str, Any]:
-        """Its run with the k-th seed; `again`: a run of its own, not one made before."""
-        return ordered(self.scenes[k]) | ({"again": True} if again else {})
+
+@dataclass(frozen=True)
+class Repeat:
+    """Run of a setting with its k-th seed; `again`: a run of its own, not one made before."""
+
+    setting: Setting
+    k: int
+    again: bool = False
+
+    def order(self) -> dict[str, Any]:
+        """Its run."""
+        return ordered(self.setting.scenes[self.k]) | ({"again": True} if self.again else {})
+
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
+        """Its answer, and the folder of its run under `run`."""
+        return [answer | {"run": run}]
 
 
 def varied(texts: list[str]) -> Varied:
@@ -157,7 +168,7 @@ def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) 
 
 
 def errors(result: Result, reference: Result) -> dict[str, float | None]:
-    """What a user sees of a run, minus the same of the reference."""
+    """Errors of a run by the quantities that a user sees, against the reference."""
     found: dict[str, float | None] = {}
     legs = []
     motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
@@ -250,8 +261,3 @@ def clocks_differ(rows: list[dict[str, Any]]) -> str:
         return ""
     why = "the machine was busy" if share > 1.0 else "several cores worked at once"
     return f"{why}: wall time is {share:.3g} times processor time; the less of the two counts"
-
-
-def folder_of(out: Path, order: dict[str, Any]) -> Path:
-    """The run folder of an order."""
-    return out / "runs" / address(order)

@@ -36,11 +36,11 @@ AFLOAT = {
     "ship": {"kind": "pressure", "hull": BOX | {"centre_of_mass": [0.0, 0.3, 0.0]}},
     "accuracy": {"every": 0.02},
 }
-STEPS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
-EACH = (0.5, 1.0, 2.0, 4.0)
-LEAST, MOST = 20, {True: 4000, False: 20_000}  # steps of a run
-GAIN, DENSITY, OVER = 0.01, 0.05, 3.0
-LIMIT = {True: 300.0, False: 3600.0}  # wall time [s] of a run
+STEP_FACTORS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
+QUICK_STEP_FACTORS = (0.5, 1.0, 2.0, 4.0)
+MIN_STEPS, MAX_STEPS = 20, {True: 4000, False: 20_000}  # steps of a run
+MAX_ENERGY_GAIN, MAX_COMPRESSION, MAX_OVER_ALLOWED = 0.01, 0.05, 3.0
+MAX_RUN_SECONDS = {True: 300.0, False: 3600.0}  # wall time [s] of a run
 VERDICTS = ("stable", "degraded", "stopped", "none")
 
 
@@ -57,7 +57,7 @@ class Axis:
     quick_steps: tuple[float, ...] = (1.0, 4.0)
 
     def settings(self, value: float) -> dict[str, Any]:
-        """What is laid over the scene."""
+        """Settings laid over the scene."""
         if self.name == "wind":
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
@@ -75,7 +75,7 @@ AXES = (
         (0.0025, 0.04, 1.0),
         (0.0005, 0.0025, 0.01, 0.04, 0.2, 1.0),
         "fluid",
-        EACH,
+        QUICK_STEP_FACTORS,
     ),
     Axis(
         "viscosity",
@@ -84,7 +84,7 @@ AXES = (
         (0.1, 10.0),
         (0.0, 1e-4, 0.01, 0.1, 1.0, 10.0, 40.0),
         "fluid",
-        EACH,
+        QUICK_STEP_FACTORS,
     ),
     Axis("wind", "wind.volumes.acceleration", "m/s2", (24.4, 1000.0), (0.0, 2.44, 24.4, 244.0, 1000.0, 1e4)),
     Axis("spacing", "resolution", "of the scene's", (0.5, 2.0), (0.25, 0.5, 1.0, 2.0, 4.0)),
@@ -107,15 +107,16 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
+        """Its run, on one thread."""
         return ordered(self.scene, 1)
 
-    def row(self, answer: dict[str, Any], result: Result) -> dict[str, Any]:
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its line in the table."""
-        outcome, why, numbers = verdict(answer, of(result, "accuracy"), self.scene, self.axis.name == "wind")
+        outcome, why, numbers = verdict(answer, of(run, "accuracy"), self.scene, self.axis.name == "wind")
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
-        return point | steps | {"verdict": outcome, "reason": why} | numbers | clock
+        return [point | steps | {"verdict": outcome, "reason": why} | numbers | clock]
 
 
 def spots(quick: bool, scene: str | None = None) -> list[Spot]:
@@ -141,9 +142,9 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
             limits = calm.fluid.still_limits(calm.preflight)
             step = calm.time_step.build().next(Known(limits))
             finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
-            for factor in axis.quick_steps if quick else STEPS:
+            for factor in axis.quick_steps if quick else STEP_FACTORS:
                 dt = factor * step
-                short = {"duration": min(max(calm.duration, LEAST * dt), MOST[quick] * dt)}
+                short = {"duration": min(max(calm.duration, MIN_STEPS * dt), MAX_STEPS[quick] * dt)}
                 fixed = {"time_step": {"kind": "fixed", "dt": dt}}
                 yield Spot(
                     axis,
@@ -166,9 +167,13 @@ def verdict(
         return "none", answer["reason"], numbers
     if answer["outcome"] == "stopped":
         return "stopped", answer["reason"], numbers
-    allowed = max(DENSITY, OVER * scene.fluid.compression_asked)
-    if not gain <= GAIN:
-        return "degraded", f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * GAIN:g} %)", numbers
+    allowed = max(MAX_COMPRESSION, MAX_OVER_ALLOWED * scene.fluid.compression_asked)
+    if not gain <= MAX_ENERGY_GAIN:
+        return (
+            "degraded",
+            f"energy from nowhere: {100.0 * gain:.3g} % of m v^2 (bound {100.0 * MAX_ENERGY_GAIN:g} %)",
+            numbers,
+        )
     if not dense <= allowed:
         return "degraded", f"mean compression {100.0 * dense:.3g} % (bound {100.0 * allowed:.3g} %)", numbers
     return "stable", "", numbers

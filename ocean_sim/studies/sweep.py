@@ -21,7 +21,7 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
-from ocean_sim.studies.shared.runs import MACHINE, address
+from ocean_sim.result import Result
 from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, ordered
 
 MOST_RUNS = 10_000
@@ -31,7 +31,7 @@ Values = list[Any]
 
 
 class PlanConfig(Model):
-    """What a user may write in a plan."""
+    """Keys of a plan."""
 
     scene: str
     """A scene file, or the name of a packaged scene."""
@@ -42,7 +42,7 @@ class PlanConfig(Model):
     list: Groups = []
     """Settings of a group of runs each."""
     grid: dict[str, Values] = {}
-    """By key the values of which every combination is run."""
+    """Values by key; every combination is run."""
     seeds: Values = []
     """Seeds with which everything is run again."""
 
@@ -55,18 +55,20 @@ class Planned:
     scene: SceneConfig
     planned: dict[str, Any]
 
-    def order(self, threads: int) -> dict[str, Any]:
-        return self.planned | {MACHINE: {"threads": threads}}
+    def order(self) -> dict[str, Any]:
+        """Its run."""
+        return self.planned
 
-    def row(self, answer: dict[str, Any]) -> dict[str, Any]:
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its line in the table; times stand last, for they are the only ones that change from call to call."""
-        head = {"run": address(self.planned)} | self.settings
+        head = {"run": run.folder.name} | self.settings
         facts = {key: value for key, value in answer.items() if key not in CLOCKS}
-        return head | facts | {key: answer.get(key) for key in CLOCKS}
+        return [head | facts | {key: answer.get(key) for key in CLOCKS}]
 
 
-def planned(path: Path) -> list[Planned]:
-    """The runs of a plan in its own order; raises SceneError, which holds everything that is wrong."""
+def planned(path: Path, threads: int | None = None) -> list[Planned]:
+    """The runs of a plan in its own order, on `threads` where a scene leaves them open; raises SceneError, which holds
+    everything that is wrong."""
     node = read(path)
     problems: list[Problem] = []
     plan = validated(PlanConfig, node, (), problems)
@@ -82,7 +84,7 @@ def planned(path: Path) -> list[Planned]:
         try:
             scene = load(plan.scene, _quiet({**shared, **settings}) | shared | settings, plan.profile)
             plain = {key: value.plain() for key, value in settings.items()}
-            runs.append(Planned(plain, scene, ordered(scene)))
+            runs.append(Planned(plain, scene, ordered(scene, threads)))
         except SceneError as error:
             problems += [_at(node, shared | settings, found) for found in error.problems]
     if problems:

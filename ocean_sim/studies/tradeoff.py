@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
+from ocean_sim.result import Result
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared.case_run import ordered, problem_of
 
@@ -39,8 +40,8 @@ QUICK_VALUES: dict[str, tuple] = {
     "ship.cells_per_draught": (2, 8),
     "surface.spacing": (0.1, 0.2),
 }
-PATIENCE = {True: 4.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
-BUSY = 1.3  # wall over processor time of one thread beyond which the machine was busy
+MAX_TIMED_SECONDS = {True: 4.0, False: 120.0}  # quick or not: processor time [s] after which a run is not timed again
+BUSY_CLOCK_RATIO = 1.3  # wall over processor time of one thread beyond which the machine was busy
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,10 @@ class Trial:
     only: tuple[str, ...] = ()
     """Kinds of the slot that the case fits; by default all that are compared."""
     scatter: float | None = None
-    """How far experiments are apart: a smaller error earns no credit."""
+    """Scatter of experiments: a smaller error earns no credit."""
     quick: bool = True
     work: str = ""
-    """What is timed where it is not the steps."""
+    """Work that is timed, if not the steps."""
 
     @property
     def schemes(self) -> tuple[str, ...]:
@@ -122,10 +123,11 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
+        """Its run."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return ordered(*given)
 
-    def rows(self, answer: dict[str, Any]) -> list[dict[str, Any]]:
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """A line for every error of the case; one without an error where the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied())}
@@ -155,11 +157,13 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _levels(trial, quick) if slot in RESOLVED else [(True, 1.0)]:
-            yield Point(trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, PATIENCE[quick])
+            yield Point(
+                trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, MAX_TIMED_SECONDS[quick]
+            )
         if trial.case in QUICK_VARIED or not quick:
             for key, values in AXES[slot].items():
                 for value in QUICK_VALUES.get(key, ()) if quick else values:
-                    point = Point(trial, scheme, True, {key: value}, PATIENCE[quick])
+                    point = Point(trial, scheme, True, {key: value}, MAX_TIMED_SECONDS[quick])
                     if _differs(point):
                         yield point
 
@@ -174,7 +178,7 @@ def _levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
 
 
 def _differs(point: Point) -> bool:
-    """Whether the scheme has the setting, heeds it, and has another default."""
+    """True if the scheme has the setting, heeds it, and has another default."""
     if not all(heeds(point.scheme, key) for key in point.settings):
         return False
     problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
@@ -188,7 +192,7 @@ def clock(rows: list[dict[str, Any]]) -> str:
     """The column by which speed is compared: wall time, or processor time where a busy machine spoils the other."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
-    return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY else "wall_per_s"
+    return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
 
 
 def front(pairs: list[tuple[float, float]]) -> list[int]:

@@ -1,1 +1,1 @@
-"""What the verbs of the command line do; no physics."""
+"""Verbs of the command line; no physics."""

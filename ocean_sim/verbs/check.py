@@ -55,7 +55,7 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, as_json: Jso
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """What `check` answers."""
+    """Answer of `check`."""
     from ocean_sim.runtime import CARDS, base_memory
 
     known, rows, warnings = config.preflight, config.ledger(), config.warnings()
@@ -180,13 +180,13 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def memory_taken(found: dict[str, Any]) -> str:
-    """What a run takes with the processes that draw its pictures."""
+    """Memory of a run with the processes that draw its pictures."""
     pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
 def fitting(found: dict[str, Any], config: SceneConfig) -> str:
-    """What a particle takes, and how many fit."""
+    """Memory of a particle, and the number that fits."""
     from ocean_sim.runtime import CARDS
 
     if found["bytes_a_particle"] is None:

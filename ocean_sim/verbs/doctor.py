@@ -81,7 +81,7 @@ def examined() -> dict[str, Any]:
 
 
 def probed(script: str) -> dict[str, Any]:
-    """Whether a script succeeds in a child process, and the last line that it printed."""
+    """Success of a script in a child process, and the last line that it printed."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],
@@ -103,7 +103,7 @@ def probed(script: str) -> dict[str, Any]:
 
 
 def opengl() -> dict[str, Any]:
-    """Whether pictures can be drawn without a screen."""
+    """Fact about drawing pictures without a screen."""
     script = "from ocean_sim.pictures.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = probed(f"import json; {script}")
     if not fact["ok"]:
@@ -113,8 +113,8 @@ def opengl() -> dict[str, Any]:
 
 
 def vectors() -> dict[str, Any]:
-    """Whether kernels use what the processor has. The compiler in Taichi 1.7 takes one that is newer than itself for
-    the first of its kind."""
+    """Fact about the vector width of kernels: the compiler in Taichi 1.7 takes a processor newer than itself for the
+    first of its kind."""
     fact, room = probed(WIDTH), machine.vector_room()
     if not fact["ok"]:
         return fact

@@ -25,7 +25,7 @@ ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their
 
 
 class Outcome(NamedTuple):
-    """What became of a figure."""
+    """Outcome of a figure's script."""
 
     figure: str
     ok: bool
@@ -50,7 +50,7 @@ def order(name: str) -> tuple[list[int], str]:
 
 
 def sentence(path: Path) -> str:
-    """What a script draws: the first paragraph of its docstring."""
+    """First paragraph of a script's docstring."""
     text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
     return " ".join(text.split("\n\n")[0].split())
 

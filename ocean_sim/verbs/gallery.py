@@ -59,7 +59,7 @@ class Entry(Model):
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
-        """What simulates, and what draws, after `ocean-sim`."""
+        """Words after `ocean-sim` that simulate, and those that draw."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in RUN for word in ("--set", f"{name}=null")]
         drawing = [verb, run, *options] + (

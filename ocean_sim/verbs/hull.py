@@ -26,7 +26,7 @@ EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_
 
 
 class Asked(NamedTuple):
-    """What a user gives besides the hull."""
+    """Options of the verb besides the hull."""
 
     mass: float | None = None  # [kg]
     draught: float | None = None  # [m], in place of the mass
@@ -230,7 +230,7 @@ def density_of(asked: Asked) -> float:
 
 
 def mass_at(shape: "Hull", asked: Asked) -> float:
-    """What the hull carries at the draught asked for, upright [kg]; raises Refused."""
+    """Mass that the hull carries upright at the draught asked for [kg]; raises Refused."""
     from ocean_sim.ship.shared.hydrostatics import UP
 
     assert asked.draught is not None
@@ -243,7 +243,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """What `hull` answers, and sentences for people."""
+    """Answer of `hull`, and sentences for people."""
     from ocean_sim.ship.shared.hull import ENOUGH
     from ocean_sim.ship.shared.hydrostatics import metacentric_heights
     from ocean_sim.ship.shared.stability import Stability
@@ -288,7 +288,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
 
 
 def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
-    """What lies outside the hull, in words: a weight, an opening, the centre of mass."""
+    """Sentences on a weight, an opening or a centre of mass outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else condition.beyond(lower, upper)
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
@@ -339,7 +339,7 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
 
 
 def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
-    """How much deeper a ship lies at some speeds over a bed at this depth [m], nothing without one, and where the
+    """Sinkage of a ship at some speeds over a bed at this depth [m], nothing without one, and warnings where the
     theory is not for her. Raises Refused."""
     from math import degrees, sqrt
 
@@ -421,7 +421,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-    """What `hull` answers, for people."""
+    """Print the answer of `hull` for people."""
     from ocean_sim.ship.shared.stability import LAST
 
     console.say(name)
@@ -477,7 +477,6 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
 
 def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Three views of the hull with its waterline, and its righting lever."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     from ocean_sim.ship.shared.voxels import voxels
@@ -485,7 +484,6 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     lower, upper = shape.shape.bounds()
     cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)
     figure = Figure(figsize=(11.0, 6.5), layout="constrained")
-    FigureCanvasAgg(figure)
     names = ("x to port [m]", "y up [m]", "z to the bow [m]")
     for number, (across, up) in enumerate(((2, 1), (0, 1), (2, 0))):
         axes = figure.add_subplot(2, 2, number + 1)

@@ -109,7 +109,7 @@ def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
 
 
 def chosen(what: str, name: str) -> Node:
-    """What a name in configs/<what>/, or a file, stands for."""
+    """Content of a name in configs/<what>/, or of a file."""
     if name in named(what):
         return read(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):

@@ -46,7 +46,7 @@ def resume(
 
 
 def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
-    """The same in a folder that is claimed."""
+    """Go on with a run whose folder is claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
@@ -138,7 +138,7 @@ def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: Scene
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
-    """What compiled the kernels of a run; None where its manifest does not say."""
+    """Library that compiled the kernels of a run; None where its manifest does not say."""
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
@@ -154,7 +154,7 @@ def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
-    """Whether a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
+    """True if a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
     if "checkpoint" not in config.observers or any(file.kept(folder)):
         return False
     return not any(len(rows(path)) > 1 for path in folder.glob("*.csv")) and len([*folder.glob("frames/frame_*")]) < 2
@@ -185,8 +185,8 @@ def newest(folder: Path, config: SceneConfig) -> file.Checkpoint:
 
 
 def check(folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool) -> str:
-    """How this program differs from the one that made a checkpoint, which is refused unless a person goes on `anyway`.
-    Refuses one of another scene, but for its duration, or one beyond the time asked for."""
+    """Changes of this program since a checkpoint was made, which is refused unless a person goes on `anyway`. Refuses a
+    checkpoint of another scene, but for its duration, or one beyond the time asked for."""
     changed = changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
@@ -217,8 +217,8 @@ def changes(made: dict[str, Any]) -> str:
 
 
 def other_library(made: dict[str, Any]) -> str:
-    """What compiled the kernels of the run of a checkpoint, with its version; empty where this process computes with it
-    too, as it does unless a person has chosen another."""
+    """Library that compiled the kernels of a checkpoint's run, with its version; empty where this process computes with
+    it too, as it does unless a person has chosen another."""
     return next((f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and NAME not in made), "")
 
 

@@ -126,7 +126,7 @@ def unused(folder: Path) -> Claim | None:
 
 
 def kernels() -> str:
-    """What is done before the first step."""
+    """Sentence on the work before the first step."""
     from ocean_sim.machine import cache_directory
 
     cache = cache_directory() / "kernels"

@@ -111,7 +111,7 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
 
 
 def token(host: str) -> str:
-    """What an address must hold that other machines can reach."""
+    """Secret part of an address that other machines can reach."""
     from ocean_sim.viewer.server import LOCAL
 
     return "" if host in LOCAL else secrets.token_urlsafe(24)
@@ -130,7 +130,7 @@ def announce(server: Any, as_json: bool, show: bool, more: str) -> None:
 
 
 def screen() -> bool:
-    """Whether a person may sit at this machine."""
+    """True if a person may sit at this machine."""
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 

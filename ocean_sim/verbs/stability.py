@@ -6,13 +6,12 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.machine import cores
-from ocean_sim.result import Result
-from ocean_sim.studies.shared import maps, runs
-from ocean_sim.studies.shared import table as table_module
-from ocean_sim.studies.stability import AXES, LIMIT, VERDICTS, spots, summary
+from ocean_sim.studies.shared import maps
+from ocean_sim.studies.shared.study import Study, write
+from ocean_sim.studies.stability import AXES, MAX_RUN_SECONDS, VERDICTS, spots, summary
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.sweep import shown, text
+from ocean_sim.verbs.shared.study import rows_of, text
 
 
 def stability(
@@ -29,14 +28,10 @@ def stability(
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         if not as_json:
             console.say(f"{len(plan)} runs, each on one thread")
-        rows: dict[int, dict[str, Any]] = {}
-        orders, at_once = [spot.order() for spot in plan], workers or cores()
-        for k, answer in shown(orders, out / "runs", at_once, None, as_json, limit=LIMIT[quick]):
-            rows[k] = plan[k].row(answer, Result(out / "runs" / runs.address(orders[k])))
-            table_module.write(out / "stability.csv", [rows[n] for n in sorted(rows)])
-        table = [rows[k] for k in sorted(rows)]
+        study = Study(plan, out / "runs", workers or cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick])
+        table = rows_of(study, as_json)
         lines = summary(table)
-        table_module.write(out / "limits.csv", lines)
+        write(out / "limits.csv", lines)
         for axis in AXES:
             here = [row for row in table if row["map"] == axis.name]
             if here:

@@ -1,21 +1,39 @@
 """`ocean-sim tradeoff`: the cost of a setting, and the accuracy it gives."""
 
+import shutil
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ocean_sim.machine import cores
+from ocean_sim.reading.translation import choice_sentence
+from ocean_sim.studies.scene_tradeoff import (
+    PROFILES,
+    SEEDS,
+    Budget,
+    Repeat,
+    Setting,
+    best,
+    clocks_differ,
+    errors,
+    measures,
+    settings,
+    summary,
+    varied,
+)
 from ocean_sim.studies.shared import pareto
-from ocean_sim.studies.shared import table as table_module
+from ocean_sim.studies.shared.runs import address
+from ocean_sim.studies.shared.scene_run import CLOCKS
+from ocean_sim.studies.shared.study import Study, write
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
-from ocean_sim.verbs.shared.scene_tradeoff import of_scene
-from ocean_sim.verbs.sweep import shown, text
+from ocean_sim.verbs.shared.study import rows_of, text
 
-LEFT = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
-SHOWN = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
+EVERY_PROFILE = f"profile={','.join(PROFILES)}"
+STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
+CASE_COLUMNS = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
 
 def tradeoff(
@@ -36,38 +54,34 @@ def tradeoff(
     out: Annotated[Path | None, typer.Option(help="Where tables, pictures and runs go.")] = None,
     as_json: Json = False,
 ) -> None:
-    """The study over the validation cases, or that of a scene."""
+    """Study the validation cases, or a scene."""
     vary, sets = vary or [], sets or []
     if scene is not None:
         folder = out or Path("runs") / "tradeoff" / Path(scene).stem
-        with console.claim(folder, *LEFT):
+        with console.claim(folder, *STUDY_FILES):
             of_scene(scene, profile, sets, vary, budget, by, quick, folder, as_json)
         return
     for name, given in (("vary", vary), ("budget", budget), ("by", by), ("profile", profile), ("set", sets)):
         if given:
             raise console.Refused(f"--{name} needs a scene, as in ocean-sim tradeoff SCENE --{name} ...")
     beside = () if out else ("*",)  # studies of scenes
-    with console.claim(out or Path("runs/tradeoff"), *LEFT, *beside) as folder:
+    with console.claim(out or Path("runs/tradeoff"), *STUDY_FILES, *beside) as folder:
         of_cases(quick, workers, folder, as_json)
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
-    """The study over the validation cases: tradeoff.csv, equal.csv and a picture a case."""
+    """Study the validation cases; leaves tradeoff.csv, equal.csv and a picture a case."""
     plan = points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
-    rows: dict[int, list[dict[str, Any]]] = {}
-    for k, answer in shown([point.order() for point in plan], out / "runs", workers or cores(), None, as_json):
-        rows[k] = plan[k].rows(answer)
-        table_module.write(out / "tradeoff.csv", [row for n in sorted(rows) for row in rows[n]])
-    table = [row for n in sorted(rows) for row in rows[n]]
+    table = rows_of(Study(plan, out / "runs", workers or cores(), out / "tradeoff.csv"), as_json)
     drawn = {
         trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
         for trial in TRIALS
     }
     speed = clock(table)
     fair = equals([row for here in drawn.values() for row in here], speed)
-    table_module.write(out / "equal.csv", fair)
+    write(out / "equal.csv", fair)
     for trial in TRIALS:
         if drawn[trial.case]:
             console.drawn(pareto.draw, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
@@ -85,12 +99,121 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
 
 
 def show(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """The runs of a case, the cheapest first; a star is on the Pareto front."""
+    """Print the runs of a case, the cheapest first; a star is on the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
     lines = [
-        [*(text(row.get(key)) for key in SHOWN[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
+        [*(text(row.get(key)) for key in CASE_COLUMNS[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
         for row in [*sorted(done, key=lambda row: row[speed]), *lost]
     ]
-    console.table(f"\n{title}", list(SHOWN), lines)
+    console.table(f"\n{title}", list(CASE_COLUMNS), lines)
+
+
+def of_scene(
+    scene: str,
+    profile: str | None,
+    sets: list[str],
+    vary: list[str],
+    budget: str | None,
+    by: str | None,
+    quick: bool,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Run every setting with every seed, one run at a time; leaves tradeoff.csv, seeds.csv and a picture."""
+    try:
+        limit = None if budget is None else Budget.of(budget)
+    except ValueError as why:
+        raise console.Refused(str(why)) from None
+    plan = settings(scene, profile, console.settings(sets), varied(vary or [EVERY_PROFILE]), quick)
+    seeds = SEEDS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
+    if not as_json:
+        finest = next(setting for setting in plan if setting.finest).line()
+        each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
+        console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
+    repeats = [Repeat(setting, k) for setting in plan for k in range(seeds)]
+    found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
+    rows, single = compared(plan, seeds, found)
+    write(out / "seeds.csv", single)
+    write(out / "tradeoff.csv", rows)
+    known = measures(rows)
+    if not known:
+        reason = next((row["reason"] for row in rows if row["reason"]), "nothing is logged that could be compared")
+        raise console.Failed(f"there is nothing to compare: {reason}; {out / 'tradeoff.csv'}")
+    if by is not None and by not in known:
+        raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
+    judge = by or known[0]
+    known = [judge, *(name for name in known if name != judge)]
+    console.drawn(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
+    best_row = None if limit is None else answer(plan, rows, judge, limit, seeds, out, as_json)
+    if as_json:
+        console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clocks_differ(rows)})
+        return
+    show_settings(rows, known)
+    if limit is not None:
+        console.say(verdict(best_row, rows, judge, limit))
+        if told := clocks_differ(rows):
+            console.say(told)
+    console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
+
+
+def compared(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
+    """Rows of all settings, and those of all runs, each compared with the finest setting of the same seed."""
+    groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
+    finest = next(group for setting, group in zip(plan, groups) if setting.finest)
+    rows, single = [], []
+    for setting, group in zip(plan, groups):
+        gaps = [errors(run["run"], best["run"]) if run["outcome"] == "done" else {} for run, best in zip(group, finest)]
+        for scene, run, gap in zip(setting.scenes, group, gaps):
+            facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCKS)}
+            single.append(dict(setting.values) | {"seed": scene.seed} | facts | gap)
+        rows.append(summary(setting, group, gaps))
+    return rows, single
+
+
+def answer(
+    plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
+) -> dict[str, Any] | None:
+    """The best setting within the budget that also holds it, and its error, with a seed that was not used before."""
+    left = list(rows)
+    reference = next(setting for setting in plan if setting.finest)
+    while (row := best(left, judge, limit)) is not None:
+        setting = plan[next(n for n, one in enumerate(rows) if one is row)]
+        points = [Repeat(one, seeds, again=True) for one in (setting, reference)]
+        for point in points:
+            shutil.rmtree(out / "runs" / address(point.order()), ignore_errors=True)  # run again, whatever lies there
+        own, finest = rows_of(Study(points, out / "runs", 1), quiet)
+        done = own["outcome"] == finest["outcome"] == "done"
+        spent, error = limit.spent(own), errors(own["run"], finest["run"]).get(judge) if done else None
+        bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)
+        fits = spent is not None and spent <= limit.most
+        if fits and error is not None and error <= bound * (1.0 + 1e-6):
+            return {"setting": setting.line(), "spent": spent, "error": error, "bound": bound}
+        row["reason"] = f"run again it spent {text(spent)} and missed by {text(error)} (bound {bound:.4g})"
+        left = [one for one in left if one is not row]
+    return None
+
+
+def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
+    """Print the settings for people, the cheapest first."""
+    names = ["setting", *CLOCKS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
+    lines = [
+        [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
+        for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
+    ]
+    console.table("", [*names, ""], lines)
+
+
+def verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
+    """The answer for people."""
+    if found is not None:
+        return (
+            f"most accurate within {limit.name}, by {judge}: {found['setting']}\n"
+            f"  run again with another seed: {found['spent']:.3g} of {limit.most:g}, "
+            f"error {found['error']:.3g} (at most {found['bound']:.3g} expected)"
+        )
+    tried = [row["reason"] for row in rows if row["reason"].startswith("run again")]
+    spent = [cost for row in rows if row["outcome"] == "done" and (cost := limit.spent(row)) is not None]
+    cheapest = f"the cheapest takes {min(spent):.3g} of {limit.most:g}" if spent else "no setting ran to its end"
+    return f"nothing fits {limit.name}: {'; '.join([cheapest, *tried])}"

@@ -164,7 +164,7 @@ def begin() -> None:
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
-    """Which cases have no set-up that ran, and which of the others have more."""
+    """Sentences on cases of which no set-up, or not every one, ran."""
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}

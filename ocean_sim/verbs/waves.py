@@ -1,5 +1,7 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
+import csv
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,22 +10,13 @@ import numpy as np
 import typer
 
 from ocean_sim.files import run_files
+from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened
 from ocean_sim.pictures.sea_state import scene_of
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.shared.wave_files import (
-    COLUMNS,
-    ORBIT,
-    cell,
-    draw,
-    orbit_rows,
-    write_columns,
-    write_rows,
-    write_table,
-)
-from ocean_sim.waves.orbits import BREAKING, Grid, SurfaceRecord, surface_record, tracer_motion
+from ocean_sim.waves.orbits import BREAKING, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.waves.record import (
     CUT_OFF,
     REGULAR,
@@ -41,6 +34,18 @@ from ocean_sim.waves.record import (
     trend,
 )
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
+
+COLUMNS = {
+    "H1/3": "hs_m",
+    "4 sqrt m0": "hm0_m",
+    "Hmax": "hmax_m",
+    "Tz": "tz_s",
+    "Tp": "tp_s",
+    "Tm01": "tm01_s",
+    "Tm02": "tm02_s",
+    "waves": "waves",
+}
+ORBIT = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
 
 
 def waves(
@@ -171,7 +176,7 @@ def record(run: Path) -> Path:
 
 
 def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, float]:
-    """What was done to a record, in numbers; nothing of one as it was."""
+    """Numbers of the treatment of a record; none where it was left as it was."""
     found = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
     return found | ({"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {})
 
@@ -230,7 +235,7 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
 
 
 def sampling(errors: list[float]) -> list[str]:
-    """How well records as long as these tell what their seas are; nothing of regular waves."""
+    """Sentences on the sampling error of records as long as these; none for regular waves."""
     irregular = sorted(error for error in errors if error < REGULAR)
     if not irregular:
         return []
@@ -253,3 +258,64 @@ def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
         why = f"the record is shorter than {RESOLVED:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
+
+
+def cell(value: float | None) -> str:
+    """A number of the table; one that could not be measured is a dash."""
+    return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
+
+
+def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], **notes: str) -> None:
+    """A table, in whole or not at all, under comment lines with notes."""
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
+        csv.writer(file, lineterminator="\n").writerows([list(heads), *rows])
+
+
+def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
+    """A row a gauge, under comment lines with notes."""
+    numbers = {name: [getattr(sea, key) for key in COLUMNS.values()] for name, sea in found.items()}
+    rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
+    write_rows(path, ["gauge", *COLUMNS.values()], rows, **notes)
+
+
+def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
+    """Arrays (n,) under their names."""
+    write_rows(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
+
+
+def draw(
+    path: Path,
+    time: np.ndarray,
+    heights: dict[str, np.ndarray],
+    frequency: np.ndarray,
+    densities: dict[str, np.ndarray],
+) -> None:
+    """Records above, spectra below."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    above, below = figure.subplots(2, 1)
+    for name, height in heights.items():
+        above.plot(time, height, linewidth=0.9, label=name)
+        below.plot(frequency, densities[name], linewidth=1.1, label=name)
+    above.set_xlabel("time [s]")
+    above.set_ylabel("elevation [m]")
+    below.set_xlabel("frequency [Hz]")
+    below.set_ylabel("spectral density [m2 s]")
+    highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
+    if highest > 0.0:  # beyond it the moments of a spectrum end, too
+        below.set_xlim(0.0, min(CUT_OFF * highest, float(frequency[-1])))
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize="x-small")
+    with whole(path) as draft:
+        figure.savefig(draft, dpi=100)
+
+
+def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
+    """A row a particle, the highest first."""
+    return [
+        [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
+        for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])
+    ]

@@ -10,7 +10,7 @@ import pytest
 
 from ocean_sim.conventions import Motions
 from ocean_sim.parts import PACKAGE, kinds, library
-from ocean_sim.studies.shared import table
+from ocean_sim.studies.shared import study as table
 
 DRAWN = ("fig2_1", "fig3_2", "fig3_7", "fig4_2", "fig4_3", "fig4_4", "fig6_4", "fig6_9", "fig6_10")
 ALL = """

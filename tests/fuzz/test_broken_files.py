@@ -255,7 +255,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     from ocean_sim.pictures.sea_state import scene_of
     from ocean_sim.result import Result
     from ocean_sim.state import file as checkpoints
-    from ocean_sim.studies.shared import table
+    from ocean_sim.studies.shared import study as table
     from ocean_sim.viewer.replay import Recorded
 
     def put(name):

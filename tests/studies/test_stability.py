@@ -11,7 +11,7 @@ from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
 from ocean_sim.studies import heeds
 from ocean_sim.studies.shared import runs
-from ocean_sim.studies.shared import table as table_module
+from ocean_sim.studies.shared import study as table_module
 from ocean_sim.studies.stability import AXES, COLUMN, spots, summary, verdict
 
 TANK = """basin: {length: 1.0, depth: 0.5}

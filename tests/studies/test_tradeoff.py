@@ -15,6 +15,7 @@ from ocean_sim.studies import heeds, tradeoff
 from ocean_sim.studies.scene_tradeoff import (
     SEEDS,
     Budget,
+    Repeat,
     best,
     clocks_differ,
     errors,
@@ -23,7 +24,8 @@ from ocean_sim.studies.scene_tradeoff import (
     summary,
     varied,
 )
-from ocean_sim.studies.shared import pareto, runs, table
+from ocean_sim.studies.shared import pareto, runs
+from ocean_sim.studies.shared import study as table
 from ocean_sim.studies.shared.clocked import Clocked
 from ocean_sim.studies.shared.scene_run import seen
 from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
@@ -239,7 +241,7 @@ def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
     assert plan[0].line() == "--set fluid.height=0.2 --set runtime.precision=f32"
     assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
     assert "gauges" in plan[0].scenes[0].observers
-    assert runs.address(plan[0].order(0)) != runs.address(plan[0].order(0, again=True))
+    assert runs.address(Repeat(plan[0], 0).order()) != runs.address(Repeat(plan[0], 0, again=True).order())
 
 
 def test_a_line_can_be_pasted_whatever_the_values():

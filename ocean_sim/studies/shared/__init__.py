@@ -1,1 +1,1 @@
-"""What the modules of `studies` share; none of it is a kind that a scene may name."""
+"""Runs, tables and pictures that studies share; none of it is a kind that a scene may name."""

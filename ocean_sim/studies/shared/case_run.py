@@ -9,19 +9,19 @@ import numpy as np
 
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid
-from ocean_sim.studies.shared.clocked import BLOCK, PARTS, WARM_UP, Clocked
+from ocean_sim.studies.shared.clocked import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked
 from ocean_sim.studies.shared.scene_run import plain
 from ocean_sim.validation import problems
 from ocean_sim.validation.shared.case import Problem
 
-REPEATS = 3  # runs at most; the median time of their parts counts
-FRAMES = WARM_UP + 3 * BLOCK * PARTS  # by which a surface is timed
+MAX_REPEATS = 3  # runs at most; the median time of their parts counts
+SURFACE_FRAMES = WARM_UP_STEPS + 3 * BLOCK_STEPS * TIMED_PARTS  # by which a surface is timed
 # By slot, what is laid over a set-up: a run of particles that leaves the physical world is a failure.
 WATCHED: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
 
 
 def ordered(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
-    """The order of a set-up's run; it is timed `REPEATS` times, but not again once `patience` [s] of processor
+    """The order of a set-up's run; it is timed `MAX_REPEATS` times, but not again once `patience` [s] of processor
     time have passed."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
     return order | {"set": settings, "machine": {"patience": patience}}
@@ -40,7 +40,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     began = perf_counter()
     run = measured(problem, order, scene)
     costs, repeats = run.pop("costs"), 1
-    while run["outcome"] == "done" and repeats < REPEATS and process_time() < order["machine"]["patience"]:
+    while run["outcome"] == "done" and repeats < MAX_REPEATS and process_time() < order["machine"]["patience"]:
         costs, repeats = costs + measured(problem, order, scene)["costs"], repeats + 1
     spent, cpu = ([cost[key] for cost in costs] for key in ("wall_per_s", "cpu_per_s"))
     clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}
@@ -56,7 +56,7 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
             found, reason = problem.measure(simulation).numbers, ""
         except Diverged as failure:
             found, reason = {}, str(failure)
-        for _ in range(FRAMES if problem.slot == "surface" else 0):
+        for _ in range(SURFACE_FRAMES if problem.slot == "surface" else 0):
             simulation.frame()
         fluid = simulation.fluid
         return {

@@ -6,9 +6,12 @@ from typing import Any
 from ocean_sim.fluid import with_particles
 from ocean_sim.simulation import Simulation
 
-WARM_UP = 3  # steps in which kernels are still compiled or loaded
-FRAME = 1.0 / 60.0  # [s]
-PARTS, BLOCK = 3, 7  # a run is timed in so many parts, which its blocks of so many steps are dealt to in turn
+WARM_UP_STEPS = 3  # steps in which kernels are still compiled or loaded
+FRAME_SECONDS = 1.0 / 60.0  # [s]
+TIMED_PARTS, BLOCK_STEPS = (
+    3,
+    7,
+)  # a run is timed in so many parts, which its blocks of so many steps are dealt to in turn
 
 
 class Clocked(Simulation):
@@ -31,19 +34,22 @@ class Clocked(Simulation):
         surface = self.surface
         assert surface is not None
         wall, cpu = perf_counter(), process_time()
-        surface.follow(with_particles(self.fluid).particles, FRAME)
+        surface.follow(with_particles(self.fluid).particles, FRAME_SECONDS)
         surface.mesh()
-        self.spent.append((FRAME, perf_counter() - wall, process_time() - cpu))
+        self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
         """Wall and processor seconds per simulated second, and the mean time step [s], of each part of the run: as many
         timings of the same work, since a disturbance rarely hits two. None for too short a run."""
-        parts = [[step for k, step in enumerate(self.spent[WARM_UP:]) if k // BLOCK % PARTS == n] for n in range(PARTS)]
+        parts = [
+            [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
+            for n in range(TIMED_PARTS)
+        ]
         return [cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """The same for the whole run; None for too short a run."""
-        steps = self.spent[WARM_UP:]
+        """Cost of the whole run, as `costs` gives it of a part; None for too short a run."""
+        steps = self.spent[WARM_UP_STEPS:]
         return cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 

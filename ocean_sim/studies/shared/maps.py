@@ -24,13 +24,11 @@ def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
 
 def drawn(name: str, rows: list[dict[str, Any]]) -> Any:
     """One map, a panel a scheme, as a matplotlib figure."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     schemes = list(dict.fromkeys(row["scheme"] for row in rows))
     values = sorted({row["value"] for row in rows})
     figure = Figure(figsize=(5.0 * len(schemes) + 1.2, 1.6 + 0.6 * len(values) + 1.2), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = None
     for k, scheme in enumerate(schemes):
         axes = figure.add_subplot(1, len(schemes), k + 1, sharey=axes)

@@ -10,13 +10,13 @@ from ocean_sim.studies.tradeoff import Trial, front
 
 MARKS = ("o", "s", "^", "D", "v", "P")
 SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
-CROWDED = 100.0  # ends of an axis so far apart need no number within a decade
-DPI = 110  # of the pictures
-SHIFTS = [
+CROWDED_AXIS_RATIO = 100.0  # ends of an axis so far apart need no number within a decade
+PICTURE_DPI = 110  # of the pictures
+NAME_SHIFTS = [
     (x, y) for y in (4, -9, 12, -17, 20, -25, 28, -33, 36, -41) for x in (5, -5)
 ]  # of a name from its point [points]
-ROOM = 4.0  # pixels that a mark takes to each side
-LEAST = 1e-6  # an error of nothing still has a position on a logarithmic axis
+MARK_RADIUS_PIXELS = 4.0  # pixels that a mark takes to each side
+MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarithmic axis
 
 
 def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
@@ -39,7 +39,7 @@ def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> No
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
     apart(figure)
     with whole(path) as draft:
-        figure.savefig(draft, dpi=DPI)
+        figure.savefig(draft, dpi=PICTURE_DPI)
 
 
 def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
@@ -67,14 +67,14 @@ def spaced(axis: Any) -> None:
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
-    subs = (1.0, 2.0, 5.0) if high < CROWDED * low else (1.0,)
+    subs = (1.0, 2.0, 5.0) if high < CROWDED_AXIS_RATIO * low else (1.0,)
     axis.set_major_locator(LogLocator(subs=subs, numticks=9))
     axis.set_major_formatter(FormatStrFormatter("%g"))
     axis.set_minor_formatter(NullFormatter())
 
 
 def height(row: dict[str, Any]) -> float:
-    return max(abs(row["error"]), LEAST)
+    return max(abs(row["error"]), MIN_DRAWN_ERROR)
 
 
 def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
@@ -108,7 +108,7 @@ def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> 
 def named(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
     """A name at a point; `apart` finds its place."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
-    axes.annotate(name, at, SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
+    axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
 
 def apart(figure: Any) -> None:
@@ -116,17 +116,17 @@ def apart(figure: Any) -> None:
     from matplotlib.text import Annotation, Text
     from matplotlib.transforms import Bbox
 
-    figure.set_dpi(DPI)
+    figure.set_dpi(PICTURE_DPI)
     figure.canvas.draw()
     figure.set_layout_engine("none")
     for axes in figure.axes:
         names = [child for child in axes.get_children() if isinstance(child, Annotation) and child.arrow_patch]
         points = [axes.transData.transform(name.xy) for name in names]
-        taken = [Bbox([at - ROOM, at + ROOM]) for at in points]
+        taken = [Bbox([at - MARK_RADIUS_PIXELS, at + MARK_RADIUS_PIXELS]) for at in points]
         if axes.get_legend() is not None:
             taken.append(axes.get_legend().get_window_extent())
         for name in names:
-            for shift in SHIFTS:
+            for shift in NAME_SHIFTS:
                 name.set(ha="left" if shift[0] > 0 else "right", x=shift[0], y=shift[1])
                 text = Text.get_window_extent(name)  # without its line
                 if not text.count_overlaps(taken) and axes.bbox.contains(*text.min) and axes.bbox.contains(*text.max):
@@ -147,7 +147,7 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
 def margins(axes: Any, key: str, trial: Trial) -> None:
     """The scatter of the experiments, and the errors of peers."""
     if trial.scatter is not None:
-        axes.axhspan(LEAST, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
+        axes.axhspan(MIN_DRAWN_ERROR, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     for peer in trial.peers:
         label = f"{peer.program}, {peer.particles} particles"
         if key == "particles":
@@ -197,4 +197,4 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         spaced(axes.xaxis)
     apart(figure)
     with whole(path) as draft:
-        figure.savefig(draft, dpi=DPI)
+        figure.savefig(draft, dpi=PICTURE_DPI)

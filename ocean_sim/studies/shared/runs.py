@@ -29,9 +29,9 @@ from ocean_sim.machine import installed, leash, outlive_no_parent, program, stop
 from ocean_sim.parts import PACKAGE
 
 ORDER, ANSWER = "order.json", "answer.json"
-ADDRESSES = 16 * "[0-9a-f]"  # names of the folders of runs, as a pattern
+ADDRESS_PATTERN = 16 * "[0-9a-f]"  # names of the folders of runs, as a pattern
 MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
-PATIENCE = 20.0  # to reach a scheduler [s]
+MAX_CONNECT_SECONDS = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
 _over = Event()  # the caller has stopped: start nothing
@@ -127,7 +127,7 @@ def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
 
 @contextmanager
 def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """What runs many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
+    """Executor of many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -138,7 +138,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
             here = {"processes": False, "dashboard_address": None, "memory_limit": 0, "silence_logs": "CRITICAL"}
             cluster = stack.enter_context(LocalCluster(n_workers=workers, threads_per_worker=1, **here))
         try:
-            client = stack.enter_context(Client(cluster, timeout=PATIENCE))
+            client = stack.enter_context(Client(cluster, timeout=MAX_CONNECT_SECONDS))
         except (OSError, ValueError) as error:
             raise ClusterMissing(f"no Dask scheduler answers at {scheduler}: {error}") from None
         yield client.get_executor(pure=False)
@@ -154,7 +154,7 @@ def _why(code: int, errors: str) -> str:
 
 
 def _main(folder: Path) -> None:
-    """What the child does: its last word on standard error is the reason if it fails."""
+    """Answer the order in a folder, in the child; its last line on standard error is the reason if it fails."""
     outlive_no_parent()
     with stoppable(), Claim(folder):
         order = input_file.document(folder / ORDER)

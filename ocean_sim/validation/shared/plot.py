@@ -14,7 +14,6 @@ LINES, MARKERS = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
 def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
     """Runs of one case, (set-up, scheme, what it showed); a run that diverged leaves its panel to the others, and a
     set-up that has numbers and no curve has none. There may be no panel, and then there is no picture."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
@@ -24,7 +23,6 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
     down = ceil(len(panels) / across)
     schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
     figure = Figure(figsize=(6.4 * across, 4.8 * down), layout="constrained")
-    FigureCanvasAgg(figure)
     for k, name in enumerate(panels):
         axes = figure.add_subplot(down, across, k + 1)
         here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]

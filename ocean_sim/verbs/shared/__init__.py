@@ -1,1 +1,1 @@
-"""What the modules of `verbs` share; none of it is a kind that a scene may name."""
+"""Options, messages and progress that verbs share; none of it is a kind that a scene may name."""

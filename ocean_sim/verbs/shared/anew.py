@@ -15,7 +15,7 @@ class Anew(BaseException):
         self.library = library
 
     def begin(self, arguments: list[str]) -> None:
-        """The same command line in this process, with the other library; does not return."""
+        """Run the command line again in this process, with the other library; does not return."""
         from ocean_sim import kernel_library
 
         for stream in (sys.stdout, sys.stderr):

@@ -1,4 +1,4 @@
-"""How far something long is: a bar on a terminal, plain lines elsewhere."""
+"""Progress of long work: a bar on a terminal, plain lines elsewhere."""
 
 import sys
 from time import perf_counter
@@ -14,7 +14,7 @@ FILM = "; Ctrl-C leaves it out, and so does --set render=null from the start"
 
 
 class Bar:
-    """How far something is, from 0 to `total`."""
+    """Progress from 0 to `total`."""
 
     def __init__(self, total: float, quiet: bool) -> None:
         self.total, self.quiet = total, quiet
@@ -23,7 +23,7 @@ class Bar:
         self.rich: Any = None
 
     def due(self, now: float) -> bool:
-        """Whether the bar is to be redrawn; called after every step, so it must be cheap."""
+        """True if the bar is to be redrawn; called after every step, so it must be cheap."""
         return not self.quiet and now - self.shown >= BAR_EVERY
 
     def show(self, done: float, text: str) -> None:

@@ -1,4 +1,4 @@
-"""What the command line prints: sentences, tables, JSON."""
+"""Output of the command line: sentences, tables, JSON."""
 
 import json
 import math
@@ -111,7 +111,7 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
 
 
 def counted(problems: list[Any]) -> str:
-    """How many problems a scene has."""
+    """Sentence with the number of problems of a scene."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 

@@ -1,4 +1,4 @@
-"""What `bench` has measured on this machine before: one line a measurement in the user's cache, the newest kept."""
+"""Earlier measurements of `bench` on this machine: one line each in the user's cache, the newest kept."""
 
 import json
 import platform
@@ -30,7 +30,7 @@ def processor() -> str:
 
 
 def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
-    """What two measurements must share to be compared: machine, library, scene, all that was set, and threads."""
+    """Facts that two measurements must share to be compared: machine, library, scene, all that was set, and threads."""
     of_order = {key: order[key] for key in ("scene", "profile", "sets")}
     return {
         "machine": processor(),
@@ -72,8 +72,8 @@ def keep(of: dict[str, Any], row: dict[str, Any]) -> None:
 
 
 def compared(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """How many times as long a step takes, in processor time, as the median of the last measurements of the same way;
-    None where there are too few. Keeps this one, too."""
+    """Processor time of a step over the median of the last measurements of the same way; None where there are too few.
+    Keeps this one, too."""
     of = way(order, row)
     usual = before(of)
     keep(of, row)

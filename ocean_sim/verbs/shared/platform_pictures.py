@@ -47,11 +47,9 @@ def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
 
 def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
     """A figure without a display, and its axes (rows, columns)."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
-    FigureCanvasAgg(picture)
     return picture, picture.subplots(rows, columns, squeeze=False, **more)
 
 
@@ -115,7 +113,7 @@ def legs(done: Commands, geometry: Any) -> Any:
 
 
 def workspace(done: Commands, machine: Moving) -> Any:
-    """What two motions can reach while the other four are neutral, and where the ride went."""
+    """Draw the reach of two motions while the other four are neutral, and the path of the ride."""
     picture, axes = figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, PAIRS):

@@ -45,7 +45,7 @@ class Progress(Concluding):
 
     @property
     def over(self) -> bool:
-        """Whether the last step has been taken."""
+        """True if the last step has been taken."""
         return self.time >= self.duration * (1.0 - 1e-12)
 
     def pace(self) -> str:
@@ -80,7 +80,7 @@ class Progress(Concluding):
         return (self.time - self.first[1]) / wall if wall > 0.0 else 0.0
 
     def summary(self) -> dict[str, Any]:
-        """What the run was, in numbers; asked when all is written and drawn."""
+        """Numbers of the run; asked for when all is written and drawn."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}

@@ -1,0 +1,86 @@
+"""Study: many runs, each of which gives lines of one table, kept as a CSV file."""
+
+import csv
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from ocean_sim.files import csv_file, input_file
+from ocean_sim.files.whole_file import whole
+from ocean_sim.result import Result
+from ocean_sim.studies.shared import runs
+
+
+class Point(Protocol):
+    """One run of a study."""
+
+    def order(self) -> dict[str, Any]:
+        """The run as plain data, for the process that makes it."""
+
+    def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
+        """Lines of the table; `run`: the folder of the run, which may hold nothing."""
+
+
+class Study:
+    """Points, and the rows of those that have been run; each point has a folder below `folder`."""
+
+    def __init__(
+        self,
+        points: Sequence[Point],
+        folder: Path,
+        workers: int,
+        table: Path | None = None,
+        scheduler: str | None = None,
+        limit: float | None = None,
+    ) -> None:
+        """`table`: a file that is whole after every run; `scheduler`: a Dask cluster elsewhere; `limit`: wall time
+        [s] after which a run is ended."""
+        self.points, self.folder, self.workers, self.table = points, folder, workers, table
+        self.scheduler, self.limit = scheduler, limit
+        self.found: dict[int, list[dict[str, Any]]] = {}
+
+    def run(self) -> Iterator[int]:
+        """Run all points that have no answer yet; yields the number of those that are done, after each."""
+        orders = [point.order() for point in self.points]
+        for k, answer in runs.answers(orders, self.folder, self.workers, self.scheduler, self.limit):
+            self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.address(orders[k])))
+            if self.table is not None:
+                write(self.table, self.rows)
+            yield len(self.found)
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """Lines of the points that are done, in the order of the points."""
+        return [row for k in sorted(self.found) for row in self.found[k]]
+
+
+def columns(rows: list[dict[str, Any]]) -> list[str]:
+    """Every key of the rows, in the order in which they first stand."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
+def write(path: Path, rows: list[dict[str, Any]]) -> None:
+    """Write all rows atomically; what is absent is empty, what is neither a number nor a word is JSON."""
+    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({key: cell(value) for key, value in row.items()} for row in rows)
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Rows of such a file; an empty cell is None."""
+    return [{key: value(text) for key, text in row.items()} for row in csv_file.records(input_file.text(path))]
+
+
+def value(text: str) -> Any:
+    """Value of a cell: a number, JSON or words."""
+    try:
+        return json.loads(text) if text else None
+    except ValueError:
+        return text
+
+
+def cell(value: Any) -> Any:
+    """A value as it stands in the file."""
+    return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

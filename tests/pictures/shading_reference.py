@@ -7,19 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.pictures.foam import (
-    BENT,
-    FAINT,
-    FINE,
+    EDGE_SOFTNESS,
+    GRAIN_BEND,
+    GRAIN_SCALE,
+    HEAP_SCALES,
     HEAP_SLOPE,
-    HEAPS,
-    HOLLOWS,
-    MIDDLE,
-    SCALE,
-    SOFT,
-    SPREAD,
-    THICK,
-    THINNEST,
-    TURNED,
+    HOLLOW_SHADES,
+    MAX_FOOTPRINT,
+    MIN_SHARE,
+    MIN_WHITENESS,
+    OCTAVE_TURN,
+    PATCH_DEVIATION,
+    PATCH_MEAN,
+    WHOLE_SHARE,
 )
 from ocean_sim.pictures.ripples import (
     ACROSS,
@@ -304,13 +304,13 @@ def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.n
 
 def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps."""
-    x, z = SCALE * x, SCALE * z
+    x, z = GRAIN_SCALE * x, GRAIN_SCALE * z
     bend_x, bend_z = noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5, noise(0.6 * x + 23.0, 0.6 * z + 11.0)[0] - 0.5
-    x, z = x + BENT * bend_x, z + BENT * bend_z
+    x, z = x + GRAIN_BEND * bend_x, z + GRAIN_BEND * bend_z
     clumps = noise(0.45 * x, 0.45 * z)[0]
     grain, scale = 0.42 * clumps, 1.3
     for share in (0.30, 0.26, 0.20):
-        x, z = TURNED[0] * x - TURNED[1] * z, TURNED[1] * x + TURNED[0] * z
+        x, z = OCTAVE_TURN[0] * x - OCTAVE_TURN[1] * z, OCTAVE_TURN[1] * x + OCTAVE_TURN[0] * z
         ridge = 1.0 - np.abs(2.0 * noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
         grain, scale = grain + share * ridge * ridge, 2.1 * scale
     return grain
@@ -322,25 +322,25 @@ def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray
     The mean over an area stays the share's: patches are thresholded by their own distribution, the threads first and
     the bubbles last, and foam that is thin covers the more of the water, the less white it is.
     """
-    rank = 1.0 / (1.0 + np.exp(1.702 * (patches(x, z) - MIDDLE) / SPREAD))
-    thick = np.minimum(THINNEST + (1.0 - THINNEST) * share / THICK, 1.0)
+    rank = 1.0 / (1.0 + np.exp(1.702 * (patches(x, z) - PATCH_MEAN) / PATCH_DEVIATION))
+    thick = np.minimum(MIN_WHITENESS + (1.0 - MIN_WHITENESS) * share / WHOLE_SHARE, 1.0)
     covered = share / thick
-    soft = np.maximum(np.minimum(np.minimum(covered, 1.0 - covered), SOFT), 1e-3)
+    soft = np.maximum(np.minimum(np.minimum(covered, 1.0 - covered), EDGE_SOFTNESS), 1e-3)
     edge = np.clip((covered + soft - rank) / (2.0 * soft), 0.0, 1.0)
-    fine = np.clip(1.0 - footprint / FINE, 0.0, 1.0)
-    return np.where(share > FAINT, share + (thick * edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
+    fine = np.clip(1.0 - footprint / MAX_FOOTPRINT, 0.0, 1.0)
+    return np.where(share > MIN_SHARE, share + (thick * edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
 
 
 def heaps(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How thick foam lies at positions [m], as fine as a pixel of a footprint [m] shows: slopes of its heaps along x
     and z, and how bright they are, 1 in the mean: darker in hollows."""
     slope_x, slope_z, bright = np.zeros(np.shape(x)), np.zeros(np.shape(x)), np.ones(np.shape(x))
-    cos, sin = TURNED
-    for scale, depth in zip(HEAPS, HOLLOWS, strict=True):
+    cos, sin = OCTAVE_TURN
+    for scale, depth in zip(HEAP_SCALES, HOLLOW_SHADES, strict=True):
         fine = np.clip(1.5 - 3.0 * footprint * scale, 0.0, 1.0)
         value, u, v = noise(scale * (cos * x - sin * z) + 5.0, scale * (sin * x + cos * z) + 5.0)
         slope_x += HEAP_SLOPE * fine * (cos * u + sin * v)
         slope_z += HEAP_SLOPE * fine * (cos * v - sin * u)
         bright += depth * fine * (value - 0.5)
-        cos, sin = cos * TURNED[0] - sin * TURNED[1], sin * TURNED[0] + cos * TURNED[1]
+        cos, sin = cos * OCTAVE_TURN[0] - sin * OCTAVE_TURN[1], sin * OCTAVE_TURN[0] + cos * OCTAVE_TURN[1]
     return slope_x, slope_z, bright

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from ocean_sim.surface import Mesh
 
 
-SURFACE_FIELDS = 6 + foam.FINER**2  # elevation, how far foam was carried, velocity; foam
+SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
-BEFORE, BEFORE_EVERY = 2.0 * foam.LASTS, 0.25  # [s] for which foam is made before a run begins, and in steps of
+BEFORE, BEFORE_EVERY = 2.0 * foam.FADE_SECONDS, 0.25  # [s] for which foam is made before a run begins, and in steps of
 WHITE = 1.0e-7  # [s] of processor time of the foam at a point
 TICKED = (2.0e-3, 3.0e-7)  # [s] of the foam where its own clock ticks, and at each point more
 HEIGHTS = 4.0  # at a point in closed form: its own, and a velocity, as dear as three
@@ -76,7 +76,7 @@ class Config(PeriodicConfig):
         white = 0.0
         if preflight.tank.dimension == 3:
             each = (1.0 if fluid.made_of_particles else HEIGHTS) * each + WHITE
-            white = min(1.0, self.every / foam.TICK) * (TICKED[0] + TICKED[1] * points)
+            white = min(1.0, self.every / foam.BREAKING_INTERVAL) * (TICKED[0] + TICKED[1] * points)
         return [row._replace(seconds=row.seconds + white + points * each)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Frames":

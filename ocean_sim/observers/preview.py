@@ -28,7 +28,7 @@ from ocean_sim.simulation import Observer, PeriodicConfig
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-PANEL_WIDTH, PANEL_EDGE = 292, 10  # [pixels] of the panel at the left, and around it
+PANEL_WIDTH, PANEL_HEIGHT, PANEL_EDGE = 292, 500, 10  # [pixels] of the panel at the left, and around it
 SETTLING_PICTURES = 3  # thrown away
 LINE_WIDTH = 2.0  # [pixels]
 
@@ -217,7 +217,7 @@ class Screen:
             self.show_balls(balls, eye)
         if not panel.hidden:
             width, height = self.size
-            place = (PANEL_EDGE / width, PANEL_EDGE / height, PANEL_WIDTH / width, 1.0 - 2 * PANEL_EDGE / height)
+            place = (PANEL_EDGE / width, PANEL_EDGE / height, PANEL_WIDTH / width, PANEL_HEIGHT / height)
             with self.window.get_gui().sub_window("Ocean Sim", *place) as box:
                 box.text(panel.words(self.simulation, balls, pace))
 

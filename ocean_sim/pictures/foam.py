@@ -9,37 +9,40 @@ from ocean_sim.waves.orbits import falling
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
-BREAKING = 0.30
-MOST = 0.10  # share of the sea that may be white where none is asked for
-LASTS = 3.5  # [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
-RAMP = 0.3  # of the area that turns white: its edge, less than wholly white
-THICKEST = 1.25  # foam just born, over what is wholly white: ours, so that as much is white after 3.5 s as on the sea
-PATCH = 4.0  # cells of white water along a side of the least patch that a crest makes
-GATHERS = 3.0  # patches apart at which a crest breaks more readily, or less
-WANDERS = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
-APART = 3.0  # times its own cell that a fleck of foam covers before it thins out: a steep trough over the crest before
-SPREADS = 0.3  # of the cover that is born where there is none: what the first patches gain as they begin to move
-BESIDE = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
-SPENT = 0.3  # of its convergence that water lacks where it is white: crests break sooner where none has before
-RISES = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
-TICK = 0.2  # [s] after which crests are looked for that break
-FINER = 2  # cells of white water along a cell of the waves
-SETTLES = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
-MIDDLE, SPREAD = 0.550, 0.160  # mean and standard deviation of `patches`
-SCALE = 1.6  # of the grain of foam [1/m]
-TURNED = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
-BENT = 0.9  # by which the grain is bent, so that it follows no axis
-TORN = (0.5, 1.0)  # strain of the water from which, and at which wholly, the grain is moved as the mean around it is
-MEANS = 3.0  # cells of the waves over which that is
-SOFT = 0.40  # of a covered share: how far the edges of foam fade at most
-THINNEST, THICK = 0.40, 0.50  # how white foam is where it is thinnest, and the share from which it is wholly white
-FAINT = 0.005  # share of white water below which none is drawn
-FINE = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
-HEAPS, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of the heaps in which foam lies thick; slope of each, of noise's own
-HOLLOWS = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
-TOGETHER = 512  # points whose distances to a line are found together: they stay in the processor's cache
-STREAKS, THREADS = 3.0, 1.5  # along the wind over across it: how far edges are bent, and how long the grain is
-BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
+BREAKING_CONVERGENCE = 0.30
+MAX_COVER = 0.10  # share of the sea that may be white where none is asked for
+# [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
+FADE_SECONDS = 3.5
+EDGE_SHARE = 0.3  # of the area that turns white: its edge, less than wholly white
+FRESH_THICKNESS = 1.25  # of foam just born, over wholly white: ours, so that the white share lasts for 3.5 s
+PATCH_CELLS = 4.0  # cells of white water along a side of the least patch that a crest makes
+GATHERING_PATCHES = 3.0  # patches apart at which a crest breaks more readily, or less
+GATHERING_SPEED = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
+MAX_FLECK_SPREAD = (
+    3.0  # times its own cell that a fleck covers before it thins out: a steep trough over the crest before
+)
+FIRST_SPREAD_SHARE = 0.3  # of the cover born where there is none: what the first patches gain as they begin to move
+RIM_POWER = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
+SPENT_CONVERGENCE = 0.3  # share of convergence that white water lacks: crests break sooner where none has before
+RISE_SECONDS = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
+BREAKING_INTERVAL = 0.2  # [s] after which crests are looked for that break
+FLECKS_PER_CELL = 2  # cells of white water along a cell of the waves
+GRAIN_SECONDS = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
+PATCH_MEAN, PATCH_DEVIATION = 0.550, 0.160  # mean and standard deviation of the grain
+GRAIN_SCALE = 1.6  # of the grain of foam [1/m]
+OCTAVE_TURN = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
+GRAIN_BEND = 0.9  # by which the grain is bent, so that it follows no axis
+TEARING_STRAIN = (0.5, 1.0)  # of water, from which and at which wholly the grain moves as the mean around it
+TORN_MEAN_CELLS = 3.0  # cells of the waves over which that mean is
+EDGE_SOFTNESS = 0.40  # of a covered share: how far the edges of foam fade at most
+MIN_WHITENESS, WHOLE_SHARE = 0.40, 0.50  # of the thinnest foam, and the share from which foam is wholly white
+MIN_SHARE = 0.005  # share of white water below which none is drawn
+MAX_FOOTPRINT = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
+HEAP_SCALES, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of heaps of thick foam; slope of each, of noise's own
+HOLLOW_SHADES = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
+POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
+STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of bent edges, and of the grain
+EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
@@ -52,7 +55,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 def cover(drawn_together: np.ndarray) -> float:
     """The share of the sea that crests make white: where they fall faster than they can."""
-    return float(min((drawn_together > BREAKING).mean(), MOST))
+    return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
 def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
@@ -84,14 +87,14 @@ def smoothed(drawn_together: np.ndarray) -> np.ndarray:
     from scipy.ndimage import gaussian_filter
 
     whole = np.ones_like(drawn_together)
-    held, within = (gaussian_filter(of, PATCH, mode="constant") for of in (drawn_together, whole))
-    return np.asarray(held / within**BESIDE)
+    held, within = (gaussian_filter(of, PATCH_CELLS, mode="constant") for of in (drawn_together, whole))
+    return np.asarray(held / within**RIM_POWER)
 
 
 def called_for(drawn_together: np.ndarray, wind: float) -> float:
     """The share of the sea that is white where none is asked for: what a wind [m/s] calls for; without one, 0, what its
     crests do."""
-    return min(monahan(wind), MOST) if wind > 0.0 else cover(drawn_together)
+    return min(monahan(wind), MAX_COVER) if wind > 0.0 else cover(drawn_together)
 
 
 class Field:
@@ -99,7 +102,8 @@ class Field:
 
     Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
     has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is made of
-    flecks, each born on one of FINER cells along each of the waves': shares on a grid would blur as they are carried.
+    flecks, each born on one of FLECKS_PER_CELL cells along each of the waves':
+    shares on a grid would blur as they are carried.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
@@ -107,7 +111,7 @@ class Field:
         self.cell, self.time = cell, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
-        self.white = np.zeros((FINER * shape[0], FINER * shape[1]))  # share of each of its cells
+        self.white = np.zeros((FLECKS_PER_CELL * shape[0], FLECKS_PER_CELL * shape[1]))  # share of each of its cells
         self.ticked = 0.0  # time of the last tick [s]
         self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
         self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
@@ -117,7 +121,9 @@ class Field:
 
     def due(self, time: float) -> bool:
         """Whether the clock ticks by a time [s], so that crests are looked for."""
-        return not self.started or bool(np.floor(time / TICK + 1e-6) > np.floor(self.ticked / TICK + 1e-6))
+        return not self.started or bool(
+            np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
+        )
 
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
@@ -129,16 +135,16 @@ class Field:
         """
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
-            self.carried *= np.exp(-(time - self.time) / SETTLES)
+            self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
             self.fade(time - self.time)
             self.white = self.shown(self.flecks[2])
         if source is not None and wanted is None:
             made = finer(source)
-            fresh = np.where(made > self.white + FAINT, made, 0.0)
+            fresh = np.where(made > self.white + MIN_SHARE, made, 0.0)
             self.add(fresh, fresh)
         elif source is not None and wanted is not None and self.due(time):
             since = time - self.ticked if self.started else 0.0
-            self.call(wanted, np.exp(-since / LASTS) if self.started else 0.0)
+            self.call(wanted, np.exp(-since / FADE_SECONDS) if self.started else 0.0)
             born = self.broken(source, time, since)
             if born.any():
                 self.add(born, self.white if self.started else born)
@@ -155,8 +161,11 @@ class Field:
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
         """(nx, nz) how readily crests break at a time [s], here and there: a long one would else break all along in a
         line too thin to last. The law is ours."""
-        cells = (FINER * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
-        x, z = ((at + wanders * time) / (GATHERS * PATCH) for at, wanders in zip(cells, WANDERS, strict=True))
+        cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
+        x, z = (
+            (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
+            for at, wanders in zip(cells, GATHERING_SPEED, strict=True)
+        )
         return readily(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
@@ -167,23 +176,25 @@ class Field:
         steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
         where it is, and never age.
         """
-        white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH**2 / self.white.size
+        white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
-        self.owed = float(np.clip(self.owed + lacks * step / LASTS, -least, least))
+        self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
         gathered = finer(drawn_together * self.gathering(drawn_together.shape, time))
-        fresh = smoothed(gathered) * (1.0 - SPENT * white)
-        spreads = SPREADS * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
+        fresh = smoothed(gathered) * (1.0 - SPENT_CONVERGENCE * white)
+        spreads = FIRST_SPREAD_SHARE * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
         born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
         """Flecks on the cells of white water where they rise to more than 0, in place of those that lie there."""
-        cells = (np.floor(FINER * (along + 0.5)).astype(int) for along in self.flecks[:2])
+        cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
-        fresh = np.stack([(i + 0.5) / FINER - 0.5, (k + 0.5) / FINER - 0.5, thick[i, k], rises_to[i, k]])
+        fresh = np.stack(
+            [(i + 0.5) / FLECKS_PER_CELL - 0.5, (k + 0.5) / FLECKS_PER_CELL - 0.5, thick[i, k], rises_to[i, k]]
+        )
         self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
         self.white = self.shown(self.flecks[2])
 
@@ -191,15 +202,17 @@ class Field:
         """For a time [s] flecks fade, or rise to what they do; what is too thin to be seen is left out."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
-        thick = np.where(rising, np.minimum(rises_to, thick + step / RISES), thick * np.exp(-step / LASTS))
+        thick = np.where(
+            rising, np.minimum(rises_to, thick + step / RISE_SECONDS), thick * np.exp(-step / FADE_SECONDS)
+        )
         rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
-        self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > FAINT]
+        self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def shown(self, thick: np.ndarray) -> np.ndarray:
         """Shares of the cells of white water, of flecks of such a thickness (n,): its mean where they lie close, less
         where the water has drawn them apart."""
         rows, columns = self.white.shape
-        x, z = (FINER * (along + 0.5) - 0.5 for along in self.flecks[:2])
+        x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
         i, k = np.floor(x).astype(int), np.floor(z).astype(int)
         covered, held = np.zeros(self.white.size), np.zeros(self.white.size)
         for m, n in product((0, 1), repeat=2):
@@ -207,7 +220,7 @@ class Field:
             at = np.clip(i + m, 0, rows - 1) * columns + np.clip(k + n, 0, columns - 1)
             covered += np.bincount(at, near, covered.size)
             held += np.bincount(at, near * thick, held.size)
-        share = held * np.minimum(APART, 1.0 / np.maximum(covered, 1e-9))
+        share = held * np.minimum(MAX_FLECK_SPREAD, 1.0 / np.maximum(covered, 1e-9))
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
@@ -224,7 +237,7 @@ class Field:
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
-            self.white, self.carried = beyond(self.white, FINER * n, axis), beyond(self.carried, n, axis)
+            self.white, self.carried = beyond(self.white, FLECKS_PER_CELL * n, axis), beyond(self.carried, n, axis)
 
     def leave(self) -> None:
         """What is beyond the sides of the grid is given up."""
@@ -250,13 +263,15 @@ def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
 
 
 def finer(values: np.ndarray) -> np.ndarray:
-    """(FINER nx, FINER nz) of values (nx, nz) in the middles of cells, those in the middles of their halves: linear
-    between them, and beyond the outermost as these are."""
+    """Values (nx, nz) in the middles of cells as (FLECKS_PER_CELL nx, FLECKS_PER_CELL nz) in the middles of their
+    halves: linear between them, and beyond the outermost as these are."""
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
-    fine = np.empty((FINER * nx, FINER * nz))
-    for i, k in np.ndindex(FINER, FINER):  # which half along x and z; from the two cells there, the nearer by 3/4
-        fine[i::FINER, k::FINER] = sum(
+    fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
+    for i, k in np.ndindex(
+        FLECKS_PER_CELL, FLECKS_PER_CELL
+    ):  # which half along x and z; from the two cells there, the nearer by 3/4
+        fine[i::FLECKS_PER_CELL, k::FLECKS_PER_CELL] = sum(
             shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
             for m, n in np.ndindex(2, 2)
         )
@@ -283,11 +298,11 @@ def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     from scipy.ndimage import gaussian_filter
 
     strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
-    torn = np.clip((strain - TORN[0]) / (TORN[1] - TORN[0]), 0.0, 1.0)
+    torn = np.clip((strain - TEARING_STRAIN[0]) / (TEARING_STRAIN[1] - TEARING_STRAIN[0]), 0.0, 1.0)
     if not torn.any():
         return carried
-    share = np.minimum(2.0 * gaussian_filter(torn, MEANS), 1.0)[..., None]
-    return carried + share * (gaussian_filter(carried, (MEANS, MEANS, 0.0)) - carried)
+    share = np.minimum(2.0 * gaussian_filter(torn, TORN_MEAN_CELLS), 1.0)[..., None]
+    return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
 
 
 def read(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -306,7 +321,7 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     low, high = 0.0, 1.0
 
     def born(area: float) -> np.ndarray:
-        return THICKEST * np.clip((area - rank) / (RAMP * max(area, 1e-9)), 0.0, 1.0)
+        return FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
 
     for _ in range(24):
         area = 0.5 * (low + high)
@@ -315,67 +330,23 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     return born(high)
 
 
-def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps."""
-    x, z = SCALE * x, SCALE * z
-    bend_x, bend_z = noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5, noise(0.6 * x + 23.0, 0.6 * z + 11.0)[0] - 0.5
-    x, z = x + BENT * bend_x, z + BENT * bend_z
-    clumps = noise(0.45 * x, 0.45 * z)[0]
-    grain, scale = 0.42 * clumps, 1.3
-    for share in (0.30, 0.26, 0.20):
-        x, z = TURNED[0] * x - TURNED[1] * z, TURNED[1] * x + TURNED[0] * z
-        ridge = 1.0 - np.abs(2.0 * noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
-        grain, scale = grain + share * ridge * ridge, 2.1 * scale
-    return grain
-
-
-def white(share: np.ndarray, x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> np.ndarray:
-    """How white a pixel is: the share broken into patches where they are wider than its footprint [m].
-
-    The mean over an area stays the share's: patches are thresholded by their own distribution, the threads first and
-    the bubbles last, and foam that is thin covers the more of the water, the less white it is.
-    """
-    rank = 1.0 / (1.0 + np.exp(1.702 * (patches(x, z) - MIDDLE) / SPREAD))
-    thick = np.minimum(THINNEST + (1.0 - THINNEST) * share / THICK, 1.0)
-    covered = share / thick
-    soft = np.maximum(np.minimum(np.minimum(covered, 1.0 - covered), SOFT), 1e-3)
-    edge = np.clip((covered + soft - rank) / (2.0 * soft), 0.0, 1.0)
-    fine = np.clip(1.0 - footprint / FINE, 0.0, 1.0)
-    return np.where(share > FAINT, share + (thick * edge * edge * (3.0 - 2.0 * edge) - share) * fine, 0.0)
-
-
-def heaps(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How thick foam lies at positions [m], as fine as a pixel of a footprint [m] shows: slopes of its heaps along x
-    and z, and how bright they are, 1 in the mean: darker in hollows."""
-    slope_x, slope_z, bright = np.zeros(np.shape(x)), np.zeros(np.shape(x)), np.ones(np.shape(x))
-    cos, sin = TURNED
-    for scale, depth in zip(HEAPS, HOLLOWS, strict=True):
-        fine = np.clip(1.5 - 3.0 * footprint * scale, 0.0, 1.0)
-        value, u, v = noise(scale * (cos * x - sin * z) + 5.0, scale * (sin * x + cos * z) + 5.0)
-        slope_x += HEAP_SLOPE * fine * (cos * u + sin * v)
-        slope_z += HEAP_SLOPE * fine * (cos * v - sin * u)
-        bright += depth * fine * (value - 0.5)
-        cos, sin = cos * TURNED[0] - sin * TURNED[1], sin * TURNED[0] + cos * TURNED[1]
-    return slope_x, slope_z, bright
-
-
 def bent(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
     a few values apart a cell would make round blobs of it. Most along the wind, which goes to an `angle` [rad] from +x
     to +z and whose drift at the surface leaves streaks of it."""
     c, s = np.cos(angle), np.sin(angle)
-    along, across, way = (c * x + s * z) / STREAKS, c * z - s * x, np.zeros((2, len(x)))
-    for wave, far in BENDS:
+    along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
+    for wave, far in EDGE_BENDS:
         u, v = along / wave, across / wave
         way += far * (np.stack([noise(u + 3.0, v + 17.0)[0], noise(u + 29.0, v + 5.0)[0]]) - 0.5)
-    return np.stack([STREAKS * c * way[0] - s * way[1], STREAKS * s * way[0] + c * way[1]])
+    return np.stack([STREAK_STRETCH * c * way[0] - s * way[1], STREAK_STRETCH * s * way[0] + c * way[1]])
 
 
 def drawn_out(places: np.ndarray, angle: float) -> np.ndarray:
     """Places (n, 2) [m] by which foam finds its grain, nearer to each other along the wind, which goes to an `angle`
     [rad] from +x to +z: threads are the longer there."""
     way = np.array([np.cos(angle), np.sin(angle)])
-    return places - (1.0 - 1.0 / THREADS) * (places @ way)[:, None] * way
+    return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
@@ -413,7 +384,8 @@ def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) ->
 
 def distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
-    return np.concatenate([_distance(points[k : k + TOGETHER], segments) for k in range(0, len(points), TOGETHER)])
+    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
+    return np.concatenate([_distance(batch, segments) for batch in batches])
 
 
 def _distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Waves finer than the drawn mesh: octaves of noise that tilt normals, run with the wind, and fade with distance.
 
-What fades is not lost: the variance of its slopes widens the sun's glint. NumPy is the reference of `water_glsl.py`.
+What fades is not lost: the variance of its slopes widens the sun's glint. `water_glsl.py` draws them.
 """
 
 from typing import NamedTuple
@@ -41,44 +41,3 @@ def chance(i: np.ndarray, j: np.ndarray) -> np.ndarray:
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
     return (n >> 16) / 65535.0
-
-
-def slopes(
-    x: np.ndarray, z: np.ndarray, time: float, footprint: np.ndarray, wind: Wind, longest: float, variance: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Slopes along x and z, and the variance along each axis of those that are finer than the footprint [m] of a pixel.
-
-    `longest`: wavelength of the first octave [m]; `variance`: of all slopes, both axes together.
-    """
-    cos, sin = np.cos(wind.angle), np.sin(wind.angle)
-    steep = np.sqrt((1.0 - UNRESOLVED) * variance / (OCTAVES * GRADIENT_VARIANCE))
-    slope_x, slope_z = np.zeros(np.shape(x)), np.zeros(np.shape(x))
-    lost = np.full(np.shape(x), UNRESOLVED * variance)
-    for octave in range(OCTAVES):
-        wave = longest * LACUNARITY**octave
-        fade = np.clip((wave / footprint - 2.0) / 4.0, 0.0, 1.0)
-        along = (x * cos + z * sin) / wave + STEP * octave - time * SPEED / np.sqrt(wave)
-        across = ACROSS * (z * cos - x * sin) / wave + STEP * octave
-        _, a, b = noise(along, across)
-        turned = TURN[0] * along - TURN[1] * across, TURN[1] * along + TURN[0] * across
-        _, c, d = noise(STRETCH * turned[0] + SHIFT, STRETCH * turned[1] + SHIFT)
-        down = a + 0.8 * (TURN[0] * c + TURN[1] * d)
-        across = ACROSS * (b + 0.8 * (TURN[0] * d - TURN[1] * c))
-        slope_x += fade * steep * (down * cos - across * sin)
-        slope_z += fade * steep * (down * sin + across * cos)
-        lost += (1.0 - fade**2) * (1.0 - UNRESOLVED) * variance / OCTAVES
-    return slope_x, slope_z, 0.5 * lost
-
-
-def lengthened(footprint: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """The footprint [m] by which ripples fade, of pixels whose sides are that long in the geometric mean: water that is
-    seen flat, by its cosine to the normal, is longer in a pixel than it is broad, and ripples across the view would
-    leave streaks and grain on the crests of waves."""
-    return footprint * np.maximum(cosine, FLATTEST) ** -0.25
-
-
-def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.ndarray:
-    """Normals (n, 3) of a surface with these slopes on top of its own."""
-    up = np.maximum(normal[:, 1], 0.1)
-    steeper = np.stack([normal[:, 0] / up - slope_x, np.ones(len(up)), normal[:, 2] / up - slope_z], axis=1)
-    return steeper / np.linalg.norm(steeper, axis=1, keepdims=True)

@@ -11,11 +11,10 @@ from ocean_sim.pictures import far_sea, foam, ship_glsl, water_glsl
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures.camera import Vessel
 from ocean_sim.pictures.frame_files import Frame, ships_in
-from ocean_sim.pictures.mirror import SHARE, Mirror
 from ocean_sim.pictures.order import Order
 from ocean_sim.pictures.sea_state import SeaState
 from ocean_sim.pictures.sea_surface import SeaSurface
-from ocean_sim.pictures.ship import ShadedShip
+from ocean_sim.pictures.ship import MIRROR_SHARE, Mirror, ShadedShip
 from ocean_sim.pictures.ship_model import Model
 from ocean_sim.pictures.spray import Spray
 from ocean_sim.pictures.stage import Content, Stage
@@ -133,7 +132,7 @@ class Sea(Content):
         order, eye = self.order, self.stage.camera.eye
         pixel = self.pixel
         fine = pixel / SMOOTHED if order.quality == "final" else pixel
-        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=SHARE * pixel)
+        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=MIRROR_SHARE * pixel)
         self.dome.stand(eye)
         levels = [self.meet(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
         if levels:
@@ -197,7 +196,7 @@ class Sea(Content):
                 white = foam.shares(white + 1e-3 * fresh, asked)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
-        white = np.where(white < foam.FAINT, 0.0, np.minimum(white, 1.0))
+        white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
         traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)

@@ -132,7 +132,7 @@ class SeaSurface:
         from scipy.ndimage import map_coordinates, maximum_filter
 
         cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)
-        near = maximum_filter(kept, 2 * FARTHEST + 1) > foam.FAINT
+        near = maximum_filter(kept, 2 * FARTHEST + 1) > foam.MIN_SHARE
         rows, columns = (
             np.clip((nodes - self.lower[k]) / cell[k], 0, kept.shape[k] - 1).astype(int)
             for k, nodes in enumerate((self.x, self.z))

@@ -12,6 +12,9 @@ from ocean_sim.pictures.sky import Sky
 from ocean_sim.pictures.stage import Stage
 from ocean_sim.pictures.water_shading import EXPOSURE, FOG
 
+MIRROR_SHARE = 2  # pixels of the picture along each side of a pixel of the mirror's
+MIRROR_NEAR = 0.1  # [m] before the mirrored eye
+
 
 def kept_model(grid: Any, key: str) -> Model:
     """The model of a ship that frames keep under a key; raises RenderFailed."""
@@ -74,3 +77,43 @@ class ShadedShip:
         water_glsl.fill(self.map.GetInput(), depth)
         self.position, self.depth, self.across = position, depth, {"sunRight": right, "sunUp": up}
         self.shaded.set(shipAt=position, shipLength=self.shade.length, eyeW=eye, **self.across)
+
+
+class Mirror:
+    """Ships as the water mirrors them: a second plotter, its eye mirrored below the water, their wet parts cut off."""
+
+    def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
+        """`image`: the texture that the mirror's picture goes to."""
+        from vtkmodules.vtkCommonDataModel import vtkPlane
+
+        width, height = stage.size
+        self.stage, self.image = stage, image
+        self.size = width // MIRROR_SHARE, height // MIRROR_SHARE
+        self.plotter = stage.empty(self.size)
+        self.plotter.set_background("black")
+        self.water = vtkPlane()
+        self.water.SetNormal(0.0, 1.0, 0.0)
+        for ship in ships:
+            twin = ship.twin()
+            twin.GetMapper().AddClippingPlane(self.water)
+            self.plotter.add_actor(twin, reset_camera=False, render=False)
+
+    def show(self, level: float) -> np.ndarray:
+        """Draw the ships mirrored at a level [m]; returns the matrix (4, 4) from the world to the mirror's picture."""
+        eye, forward, up = self.stage.camera[:3]
+        flip = np.array([1.0, -1.0, 1.0])
+        camera, above = self.plotter.camera, self.stage.plotter.camera
+        below = eye * flip + [0.0, 2.0 * level, 0.0]
+        camera.position, camera.focal_point = tuple(below), tuple(below + forward * flip)
+        camera.up, camera.view_angle = tuple(-up * flip), above.view_angle
+        camera.clipping_range = (MIRROR_NEAR, above.clipping_range[1])
+        self.water.SetOrigin(0.0, level, 0.0)
+        self.plotter.render()
+        seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
+        water_glsl.fill(self.image.GetInput(), seen[::-1])
+        aspect = self.size[0] / self.size[1]
+        matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
+        return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+
+    def close(self) -> None:
+        self.plotter.close()

@@ -48,14 +48,18 @@ class Hull:
         """Antifouling up to the waterline at rest and a little above, boot top, topsides; the deck apart."""
         low, high = 0.04 * self.freeboard, 0.14 * self.freeboard
         sides = refined(self.values[~self.is_deck], self.length / 12.0)
-        bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
-        hull = banded(sides[:, :, :3], sides[:, :, 3:], self.over_water(sides[:, :, :3]), bands)
+        hull = self.banded(sides, [(low, antifouling), (high, boot_top), (np.inf, topsides)])
         if not self.is_deck.any():
             return hull
         return merged([hull, faceted(self.values[self.is_deck][:, :, :3], deck)])
 
+    def banded(self, values: np.ndarray, bands: Any) -> Mesh:
+        """Paint triangles (m, 3, 6) of points and normals by their height over the still water, as `ship_parts.banded`
+        does."""
+        return banded(values[:, :, :3], values[:, :, 3:], self.over_water(values[:, :, :3]), bands)
+
     def side(self, y: float, z: float) -> tuple[np.ndarray, np.ndarray]:
-        """The point of the port side at a height and a distance along the ship [m], and its normal."""
+        """Point of the port side at a height and a distance along the ship [m], and its normal."""
         a, b, c = (self.values[:, k, :3] for k in range(3))
         u, v, w = (b - a)[:, 1:], (c - a)[:, 1:], np.array([y, z]) - a[:, 1:]
         area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
@@ -119,7 +123,7 @@ class Sheer:
 
     def bulwark(self, colour: Any, inside: Any, cap: Any, thick: float) -> Mesh:
         """Its skins and its cap on both sides, and across ends that are not sharp."""
-        z = np.unique(np.concatenate([np.linspace(self.stern, self.bow, 49), self.z]))
+        z = self.stations
         foot, top, inner = self.foot(z), self.top(z), self.top(z, thick)
         inner_foot = np.column_stack([np.maximum(foot[:, 0] - thick, 0.0), foot[:, 1:]])
         strips = ((foot, top, colour), (inner, inner_foot, inside), (top, inner, cap))
@@ -133,6 +137,11 @@ class Sheer:
             strips = ((high, low, colour), (low + ahead, high + ahead, inside), (high + ahead, high, cap))
             parts += [smooth_strip(a, b, paint) for a, b, paint in strips]
         return merged(parts)
+
+    @property
+    def stations(self) -> np.ndarray:
+        """Distances along the ship [m] at which lines along the deck are drawn."""
+        return np.unique(np.concatenate([np.linspace(self.stern, self.bow, 49), self.z]))
 
     def rail(
         self, start: float, end: float, height: float, apart: float, radius: float, colour: Any, inwards: float
@@ -154,6 +163,12 @@ class Sheer:
             tube(a, b, radius, colour, 6) for a, b in zip(self.top(posts, inwards), self.top(posts, inwards, height))
         ]
         return both(merged(parts))
+
+
+def strake(port: np.ndarray, radius: float, colour: Any) -> Mesh:
+    """A round bar along a line (n, 3) on port, from the stern on, its mirror image, and across the stern."""
+    across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+    return merged([both(path(port, radius, colour, 8)), path(across, radius, colour, 8)])
 
 
 def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Any) -> Mesh:

@@ -75,17 +75,10 @@ class Sky:
         self.ambient = np.tensordot(weight, np.minimum(self.image, 4.0), axes=2) / weight.sum()  # mean from above
         many = HAZES[0] * HAZES[1]
         at = 4.0 * (np.arange(many) + 0.5) / many
-        x = np.where(at < 2.0, 1.0 - at, at - 3.0)  # as `hazy` finds them
+        x = np.where(at < 2.0, 1.0 - at, at - 3.0)  # as the shader finds them
         z = np.where(at < 2.0, 1.0, -1.0) * (1.0 - np.abs(x))
         around = self.sample(unit(np.stack([x, np.zeros(many), z], axis=1)), HAZY)
         self.haze = np.minimum(around, BRIGHTEST_HAZE).astype(np.float32).reshape(*HAZES, 3)
-
-    def hazy(self, away: np.ndarray) -> np.ndarray:
-        """(n, 3) radiance of fog in unit directions (n, 3): the sky's just above the horizon there."""
-        ahead = away[:, 0] / np.maximum(np.abs(away[:, 0]) + np.abs(away[:, 2]), 1e-6)
-        at = np.where(away[:, 2] < 0.0, 3.0 + ahead, 1.0 - ahead)
-        haze = self.haze.reshape(-1, 3)
-        return haze[(len(haze) / 4 * at).astype(int) % len(haze)]
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the

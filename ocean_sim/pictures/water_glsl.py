@@ -79,13 +79,13 @@ vec3 noise(vec2 p) {{
   return vec3(a + (b - a) * u.x + (c - a) * u.y + k * u.x * u.y, du * (vec2(b - a, c - a) + k * u.yx));
 }}
 float patches(vec2 q) {{
-  q *= {number(foam.SCALE)};
-  q += {number(foam.BENT)} * (vec2(noise(0.6 * q + vec2(3.0, 7.0)).x, noise(0.6 * q + vec2(23.0, 11.0)).x) - 0.5);
+  q *= {number(foam.GRAIN_SCALE)};
+  q += {number(foam.GRAIN_BEND)} * (vec2(noise(0.6 * q + vec2(3.0, 7.0)).x, noise(0.6 * q + vec2(23.0, 11.0)).x) - 0.5);
   float grain = 0.42 * noise(0.45 * q).x, scale = 1.3;
   vec3 shares = vec3(0.30, 0.26, 0.20);
   for (int o = 0; o < 3; o++) {{
-    q = vec2({number(foam.TURNED[0])} * q.x - {number(foam.TURNED[1])} * q.y,
-             {number(foam.TURNED[1])} * q.x + {number(foam.TURNED[0])} * q.y);
+    q = vec2({number(foam.OCTAVE_TURN[0])} * q.x - {number(foam.OCTAVE_TURN[1])} * q.y,
+             {number(foam.OCTAVE_TURN[1])} * q.x + {number(foam.OCTAVE_TURN[0])} * q.y);
     float ridge = 1.0 - abs(2.0 * noise(scale * q + 9.0).x - 1.0);
     grain += shares[o] * ridge * ridge;
     scale *= 2.1;
@@ -93,21 +93,22 @@ float patches(vec2 q) {{
   return grain;
 }}
 float white(float share, vec2 q, float footprint) {{
-  float fine = clamp(1.0 - footprint / {number(foam.FINE)}, 0.0, 1.0);
-  float result = share > {number(foam.FAINT)} ? share : 0.0;
+  float fine = clamp(1.0 - footprint / {number(foam.MAX_FOOTPRINT)}, 0.0, 1.0);
+  float result = share > {number(foam.MIN_SHARE)} ? share : 0.0;
   int turns = result > 0.0 && fine > 0.0 ? 1 : 0;
   for (int turn = 0; turn < turns; turn++) {{
-    float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - {number(foam.MIDDLE)}) / {number(foam.SPREAD)}));
-    float thick = min({number(foam.THINNEST)} + {number((1 - foam.THINNEST) / foam.THICK)} * share, 1.0);
-    float covered = share / thick, soft = max(min(min(covered, 1.0 - covered), {number(foam.SOFT)}), 0.001);
+    float rank = 1.0 / (1.0 + exp(1.702 * (patches(q) - {number(foam.PATCH_MEAN)}) / {number(foam.PATCH_DEVIATION)}));
+    float whiter = {number((1 - foam.MIN_WHITENESS) / foam.WHOLE_SHARE)} * share;
+    float thick = min({number(foam.MIN_WHITENESS)} + whiter, 1.0);
+    float covered = share / thick, soft = max(min(min(covered, 1.0 - covered), {number(foam.EDGE_SOFTNESS)}), 0.001);
     float edge = clamp((covered + soft - rank) / (2.0 * soft), 0.0, 1.0);
     result = mix(share, thick * edge * edge * (3.0 - 2.0 * edge), fine);
   }}
   return result;
 }}
 vec3 heaps(vec2 q, float footprint) {{
-  vec2 turned = vec2({number(foam.TURNED[0])}, {number(foam.TURNED[1])}), way = turned;
-  vec3 scales = {vector(foam.HEAPS)}, depths = {vector(foam.HOLLOWS)}, found = vec3(0.0, 0.0, 1.0);
+  vec2 turned = vec2({number(foam.OCTAVE_TURN[0])}, {number(foam.OCTAVE_TURN[1])}), way = turned;
+  vec3 scales = {vector(foam.HEAP_SCALES)}, depths = {vector(foam.HOLLOW_SHADES)}, found = vec3(0.0, 0.0, 1.0);
   for (int o = 0; o < 3; o++) {{
     float fine = clamp(1.5 - 3.0 * footprint * scales[o], 0.0, 1.0);
     vec3 a = noise(scales[o] * vec2(way.x * q.x - way.y * q.y, way.y * q.x + way.x * q.y) + 5.0);

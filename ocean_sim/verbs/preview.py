@@ -242,11 +242,8 @@ class Session:
             self.panel.message = f"no film, but its pictures are there: {missing}"
             console.complain(self.panel.message)
             return
-        render.join(
-            sorted(folder.glob("[0-9]*.png")),
-            folder / "film.mp4",
-            min(max(every, FILM_INTERVALS[0]), FILM_INTERVALS[1]),
-        )
+        shortest, longest = FILM_INTERVALS
+        render.join(sorted(folder.glob("[0-9]*.png")), folder / "film.mp4", min(max(every, shortest), longest))
 
     def close(self) -> None:
         self.cut()

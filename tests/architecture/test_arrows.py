@@ -224,7 +224,7 @@ def test_classes_of_kernels_are_marked_by_our_own_decorator():
         ("random", set()),
         ("aiohttp", {"ocean_sim.viewer.server"}),
         ("pyvista", {"ocean_sim.pictures.stage", "ocean_sim.pictures.export"}),
-        ("vtkmodules", {"ocean_sim.pictures.water_glsl", "ocean_sim.pictures.mirror"}),
+        ("vtkmodules", {"ocean_sim.pictures.water_glsl", "ocean_sim.pictures.ship"}),
         ("vtk", set()),
         ("imageio", {"ocean_sim.observers.render"}),
         ("imageio_ffmpeg", {"ocean_sim.observers.render"}),

@@ -10,7 +10,6 @@ import pytest
 from ocean_sim import basin
 from ocean_sim.fluid import Copied, Fluid, Totals
 from ocean_sim.parts import LedgerRow
-from ocean_sim.pictures import vulkan
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.wind.shared.drawing import NOTHING
 
@@ -178,10 +177,3 @@ def watched():
         return Watched(Sea(place), place, steps_of)
 
     return build
-
-
-@pytest.fixture(scope="session")
-def vulkan_there():
-    """Skips where there is no Vulkan; a process is started to see, so only where a test asks."""
-    if not vulkan.draws(show=False):
-        pytest.skip("no Vulkan on this machine")

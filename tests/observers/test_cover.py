@@ -42,8 +42,8 @@ def test_foam_is_born_beside_the_sides_of_a_basin_as_readily_as_in_its_middle():
 def test_a_known_wind_calls_for_what_was_counted_and_crests_only_where_none_is_known():
     steep = np.linspace(0.0, 0.31, 1000)
     assert foam.called_for(steep, 12.0) == foam.monahan(12.0)
-    assert foam.called_for(steep, 60.0) == foam.called_for(np.ones(10), 0.0) == foam.MOST
-    assert 0.0 < foam.called_for(steep, 0.0) < foam.MOST and foam.called_for(0.5 * steep, 0.0) == 0.0
+    assert foam.called_for(steep, 60.0) == foam.called_for(np.ones(10), 0.0) == foam.MAX_COVER
+    assert 0.0 < foam.called_for(steep, 0.0) < foam.MAX_COVER and foam.called_for(0.5 * steep, 0.0) == 0.0
 
 
 def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():

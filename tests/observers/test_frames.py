@@ -189,7 +189,7 @@ def test_water_at_rest_is_not_white_however_steep_its_edge(tmp_path):
     kept = let_go(tmp_path / "run", COLUMN, duration=0.3) / "frames"
     first, later = (np.load(kept / f"frame_{k:05d}.npz") for k in (0, 3))
     assert not first["velocity"].any() and not first["foam"].any() and first["cover"] == 0.0
-    assert foam.convergence(first["elevation"].astype(float), 0.1, 0.1).max() > foam.BREAKING
+    assert foam.convergence(first["elevation"].astype(float), 0.1, 0.1).max() > foam.BREAKING_CONVERGENCE
     assert later["foam"].any() and later["cover"] > 0.0
 
 

@@ -214,7 +214,7 @@ def test_white_crests_cover_what_steepness_calls_for():
     steep = gentle * 0.45 / gentle.max()
     assert not surface.foam(gentle * 0.25 / gentle.max()).any()
     wanted = foam.cover(steep)
-    assert 0.0 < wanted <= foam.MOST
+    assert 0.0 < wanted <= foam.MAX_COVER
     assert surface.foam(steep).mean() == pytest.approx(wanted, rel=0.1)
 
 
@@ -489,7 +489,9 @@ def test_foam_turns_white_and_moves_as_evenly_between_the_ticks_of_its_clock_as_
     x = points_module.middles(-20.0, 20.0, 1.25)
     often, _ = whitened(x, x, spectrum(), np.full(150, 0.03), step=0.1 / 3.0)
     changes = np.abs(np.diff(often[30:], axis=0)).mean(axis=(1, 2))
-    around = median_filter(changes, 2 * round(foam.TICK * 30.0) + 1)  # as crests come and go, more or less breaks
+    around = median_filter(
+        changes, 2 * round(foam.BREAKING_INTERVAL * 30.0) + 1
+    )  # as crests come and go, more or less breaks
     assert (changes / around).max() < 1.5 and changes.max() < 3.0 * np.median(changes)
 
 
@@ -543,16 +545,16 @@ def test_foam_is_drawn_out_along_the_wind_and_its_cover_stays():
         way = np.array([np.cos(angle), np.sin(angle)])
         bent = foam.bent(x, z, angle)
         along, across = way @ bent, np.array([-way[1], way[0]]) @ bent
-        assert along.std() == pytest.approx(foam.STREAKS * across.std(), rel=0.1)
+        assert along.std() == pytest.approx(foam.STREAK_STRETCH * across.std(), rel=0.1)
         gone = foam.drawn_out(np.stack([x, z], axis=1), angle)
-        np.testing.assert_allclose(gone @ way, (way[0] * x + way[1] * z) / foam.THREADS, atol=1e-9)
+        np.testing.assert_allclose(gone @ way, (way[0] * x + way[1] * z) / foam.THREAD_STRETCH, atol=1e-9)
         np.testing.assert_allclose(gone @ [-way[1], way[0]], way[0] * z - way[1] * x, atol=1e-9)
 
 
 def test_foam_between_the_middles_of_cells_is_scipy_s_byte_for_byte():
     cells = np.random.default_rng(2).normal(size=(20, 31))
     cells[3:6] = 0.0
-    expected = zoom(cells, foam.FINER, order=1, mode="nearest", grid_mode=True)
+    expected = zoom(cells, foam.FLECKS_PER_CELL, order=1, mode="nearest", grid_mode=True)
     assert foam.finer(cells).tobytes() == expected.tobytes()
 
 
@@ -564,12 +566,12 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
     field.advance(0.0, velocity, spot, None)
     for n in range(1, 31):
         field.advance(0.1 * n, velocity, np.zeros_like(spot), None)
-    carried = np.exp(-((x - 10.5) ** 2 + (z - 5.5) ** 2)) * np.exp(-3.0 / foam.LASTS)
+    carried = np.exp(-((x - 10.5) ** 2 + (z - 5.5) ** 2)) * np.exp(-3.0 / foam.FADE_SECONDS)
     assert np.abs(field.white - foam.finer(carried)).max() < 0.03
     np.testing.assert_allclose(foam.coarser(foam.finer(carried), x.shape).sum(), carried.sum(), rtol=1e-3)
-    expected = (1.5 * foam.SETTLES) * (1.0 - np.exp(-3.0 / foam.SETTLES))
+    expected = (1.5 * foam.GRAIN_SECONDS) * (1.0 - np.exp(-3.0 / foam.GRAIN_SECONDS))
     np.testing.assert_allclose(field.carried[20, 15, 0], expected, rtol=0.03)
-    before, (i, k) = field.white.copy(), foam.FINER * np.array([3, 2])
+    before, (i, k) = field.white.copy(), foam.FLECKS_PER_CELL * np.array([3, 2])
     field.shift(np.array([3, -2]))
     np.testing.assert_array_equal(field.white[:-i, k:], before[i:, :-k])
     assert not field.white[-i:].any() and not field.white[:, :k].any()
@@ -631,7 +633,7 @@ def test_patches_that_turn_white_go_with_the_water():
     field.add(patch, np.zeros_like(patch))
     for time in (0.1, 0.2):
         field.advance(time, np.broadcast_to([2.5, 0.0], (40, 40, 2)), np.zeros((40, 40)), None)
-        assert (field.white > 0.05).sum() == 64 and field.white.max() == pytest.approx(time / foam.RISES)
+        assert (field.white > 0.05).sum() == 64 and field.white.max() == pytest.approx(time / foam.RISE_SECONDS)
     np.testing.assert_array_equal(np.argwhere(field.white).min(axis=0), [22, 20])
 
 
@@ -641,11 +643,11 @@ def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
     field, still = foam.Field((10, 10), np.array([1.0, 1.0])), np.zeros((10, 10, 2))
     field.advance(0.0, still, np.zeros((10, 10)), 0.0)
     patch = np.zeros((20, 20))
-    patch[8:12, 8:12] = foam.THICKEST
+    patch[8:12, 8:12] = foam.FRESH_THICKNESS
     field.add(patch, patch)
     for after in (0.5, 1.0, 3.5):
         field.advance(after, still, np.zeros((10, 10)), 0.0)
-        expected = min(foam.THICKEST * np.exp(-after / foam.LASTS), 1.0)
+        expected = min(foam.FRESH_THICKNESS * np.exp(-after / foam.FADE_SECONDS), 1.0)
         np.testing.assert_allclose(field.white[9:11, 9:11], expected, rtol=1e-9)
     assert field.white[9, 9] > 0.3 and not field.white[:8].any()
     place = field.flecks[0].copy()

@@ -8,6 +8,7 @@ from pathlib import Path
 import _shaded_plane as plane
 import numpy as np
 import pytest
+import shading_reference as reference
 
 from ocean_sim.pictures import foam as foam_module
 from ocean_sim.pictures import opengl, ripples, water_glsl
@@ -41,7 +42,7 @@ def test_fresnel_in_cosines_is_the_thesis_s_formula_in_angles_and_has_a_value_at
     np.testing.assert_allclose(ends, [((w.REFRACTIVE_INDEX - 1) / (w.REFRACTIVE_INDEX + 1)) ** 2, 1.0], atol=1e-12)
     share = w.fresnel(np.cos(np.radians(np.linspace(0.0, 90.0, 9001))))
     assert np.isfinite(share).all() and (np.diff(share) > -1e-12).all()
-    np.testing.assert_allclose(w.fresnel(np.cos(angle)) + w.transmitted(np.cos(angle)), 1.0)
+    np.testing.assert_allclose(w.fresnel(np.cos(angle)) + reference.transmitted(np.cos(angle)), 1.0)
 
 
 def test_the_widest_refracted_angle_is_that_of_snell():
@@ -52,8 +53,8 @@ def test_the_widest_refracted_angle_is_that_of_snell():
 def test_the_mirrored_ray_makes_the_angle_of_the_eye_with_the_normal():
     rng = np.random.default_rng(0)
     eye, normal = (sky_module.unit(rng.normal(size=(200, 3))) for _ in range(2))
-    ray = w.reflected(eye, normal)
-    np.testing.assert_allclose(w.cosine(ray, normal), w.cosine(eye, normal), atol=1e-12)
+    ray = reference.reflected(eye, normal)
+    np.testing.assert_allclose(reference.cosine(ray, normal), reference.cosine(eye, normal), atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ray, axis=1), 1.0, atol=1e-12)
     np.testing.assert_allclose(np.cross(eye, normal), np.cross(normal, ray), atol=1e-12)  # in one plane
 
@@ -61,18 +62,18 @@ def test_the_mirrored_ray_makes_the_angle_of_the_eye_with_the_normal():
 def test_lights_of_a_surface_towards_the_sun_and_away_from_it():
     sun = np.array([0.0, 1.0, 0.0])
     one = np.ones(3)
-    np.testing.assert_allclose(w.diffuse(one, one, np.array([[0.0, 0.5, 0.75**0.5]]), sun), 0.5)
-    np.testing.assert_allclose(w.diffuse(one, one, -UP, sun), 0.0)
-    np.testing.assert_allclose(w.specular(1.0, one, UP, UP, sun, w.SHININESS), 1.0)
-    np.testing.assert_allclose(w.specular(1.0, one, -UP, UP, sun, w.SHININESS), 0.0)
-    np.testing.assert_allclose(w.ambient(0.3 * one, one), 0.3)
+    np.testing.assert_allclose(reference.diffuse(one, one, np.array([[0.0, 0.5, 0.75**0.5]]), sun), 0.5)
+    np.testing.assert_allclose(reference.diffuse(one, one, -UP, sun), 0.0)
+    np.testing.assert_allclose(reference.specular(1.0, one, UP, UP, sun, reference.SHININESS), 1.0)
+    np.testing.assert_allclose(reference.specular(1.0, one, -UP, UP, sun, reference.SHININESS), 0.0)
+    np.testing.assert_allclose(reference.ambient(0.3 * one, one), 0.3)
 
 
 def test_the_imitative_range_lifts_only_what_is_brighter_than_the_threshold():
     dim, bright = np.full((1, 3), 0.9), np.full((1, 3), 1.2)
-    np.testing.assert_array_equal(w.hdr(dim), dim)
-    np.testing.assert_allclose(w.hdr(bright), 1.2 * (1.0 + w.HDR_FACTOR * 0.3))
-    np.testing.assert_allclose(w.hdr(np.full((1, 3), 1.0), factor=100.0), 11.0)  # the thesis's own factor
+    np.testing.assert_array_equal(reference.hdr(dim), dim)
+    np.testing.assert_allclose(reference.hdr(bright), 1.2 * (1.0 + w.HDR_FACTOR * 0.3))
+    np.testing.assert_allclose(reference.hdr(np.full((1, 3), 1.0), factor=100.0), 11.0)  # the thesis's own factor
 
 
 @pytest.mark.parametrize("variance", [0.002, 0.01, 0.03])
@@ -87,34 +88,36 @@ def test_no_colour_is_not_a_number_straight_down_or_along_the_water():
     sky = plane.smooth_sky()
     for eye in (UP, sky_module.unit(np.array([[1.0, 1e-9, 0.0]])), np.array([[1.0, 0.0, 0.0]])):
         for terms in plane.CASES.values():
-            seen = w.Water(UP, eye, np.array([10.0]), np.zeros(1), np.full(1, 0.004), np.ones(1))
-            assert np.isfinite(w.final_colour(seen, sky, terms)).all()
+            seen = reference.Water(UP, eye, np.array([10.0]), np.zeros(1), np.full(1, 0.004), np.ones(1))
+            assert np.isfinite(reference.final_colour(seen, sky, terms)).all()
 
 
 def test_switching_a_term_off_changes_the_picture():
     sky, seen = plane.smooth_sky(), plane.water(np.array(plane.EYES["aslant"]), foam=0.3)
-    whole = w.final_colour(seen, sky)
+    whole = reference.final_colour(seen, sky)
     for terms in (w.Terms(fresnel=False), w.Terms(foam=False), w.Terms(body=False), w.Terms(reflection=False)):
-        assert np.abs(w.final_colour(seen, sky, terms) - whole).mean() > 0.01
+        assert np.abs(reference.final_colour(seen, sky, terms) - whole).mean() > 0.01
 
 
 def test_algorithm_6_is_the_sum_of_its_terms():
     """Golden numbers by hand: flat water under an even sky, seen from straight above, the sun at the zenith."""
     sky = sky_module.Sky(np.full((8, 8, 3), 0.5), np.array([0.0, 1.0, 0.0]), np.ones(3))
-    seen = w.Water(UP, UP, np.array([5.0]), np.zeros(1), np.zeros(1), np.zeros(1))
+    seen = reference.Water(UP, UP, np.array([5.0]), np.zeros(1), np.zeros(1), np.zeros(1))
     share = ((w.REFRACTIVE_INDEX - 1) / (w.REFRACTIVE_INDEX + 1)) ** 2
     expected = w.DEEP + (1.0 - share) * w.CREST + share * 0.5 + 1.0
-    np.testing.assert_allclose(w.algorithm_6(seen, sky), expected[None], rtol=1e-6)
-    np.testing.assert_allclose(w.algorithm_6(seen._replace(foam=np.ones(1)), sky), w.FOAM[None])
+    np.testing.assert_allclose(reference.algorithm_6(seen, sky), expected[None], rtol=1e-6)
+    np.testing.assert_allclose(reference.algorithm_6(seen._replace(foam=np.ones(1)), sky), w.FOAM[None])
     without = w.Terms(fresnel=False, glint=None)
-    np.testing.assert_allclose(w.algorithm_6(seen, sky, without), (w.DEEP + 0.6 * w.CREST + 0.2)[None], rtol=1e-6)
+    np.testing.assert_allclose(
+        reference.algorithm_6(seen, sky, without), (w.DEEP + 0.6 * w.CREST + 0.2)[None], rtol=1e-6
+    )
 
 
 @with_opengl
 @pytest.mark.parametrize("at", plane.EYES)
 @pytest.mark.parametrize("case", plane.CASES)
 def test_the_program_draws_what_numpy_says(drawn, case, at):
-    colours = w.final_colour(plane.water(np.array(plane.EYES[at])), plane.smooth_sky(), plane.CASES[case])
+    colours = reference.final_colour(plane.water(np.array(plane.EYES[at])), plane.smooth_sky(), plane.CASES[case])
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     picture = drawn[f"{case} {at}"]
     assert picture.mean() > 5.0 and picture.std() > 1.0  # something was drawn
@@ -124,7 +127,7 @@ def test_the_program_draws_what_numpy_says(drawn, case, at):
 @with_opengl
 def test_the_comparison_sees_a_wrong_refractive_index(drawn, monkeypatch):
     monkeypatch.setattr(w.fresnel, "__defaults__", (1.5,))
-    colours = w.final_colour(plane.water(np.array(plane.EYES["above"])), plane.smooth_sky(), w.Terms())
+    colours = reference.final_colour(plane.water(np.array(plane.EYES["above"])), plane.smooth_sky(), w.Terms())
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn["all above"] - expected).max() > 2
 
@@ -146,10 +149,12 @@ def test_no_direction_below_the_horizon_shows_the_nadir():
 def test_ripples_of_the_program_are_numpy_s(drawn):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.positions().reshape(-1, 3)
-    footprint = ripples.lengthened(plane.footprints(water), w.cosine(water.to_eye, water.normal))
-    x, z, lost = ripples.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
-    water = water._replace(normal=ripples.tilted(water.normal, x, z), variance=water.variance + lost)
-    expected = w.display(w.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3)
+    footprint = reference.lengthened(plane.footprints(water), reference.cosine(water.to_eye, water.normal))
+    x, z, lost = reference.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
+    water = water._replace(normal=reference.tilted(water.normal, x, z), variance=water.variance + lost)
+    expected = w.display(reference.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(
+        plane.PIXELS, plane.PIXELS, 3
+    )
     difference = np.abs(drawn["ripples"] - expected.astype(int))
     assert difference.mean() < 0.5 and np.quantile(difference, 0.99) <= 4  # 32-bit places in the finest octaves
     assert np.abs(drawn["all above"] - expected.astype(int)).mean() > 4.0  # ripples do something
@@ -160,7 +165,7 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
     variance = w.slope_variance(7.0)
     assert variance == pytest.approx(0.0388, abs=1e-4)
     for footprint in (1e-3, 0.1, 0.5, 50.0):
-        along, across, lost = ripples.slopes(
+        along, across, lost = reference.slopes(
             x, z, 3.0, np.full(x.shape, footprint), ripples.Wind(7.0, 0.4), 2.5, variance
         )
         seen = (along**2 + across**2).mean()
@@ -171,7 +176,7 @@ def test_ripples_have_the_slopes_of_cox_and_munk_whether_seen_or_not():
 def test_ripples_are_steeper_along_the_wind_than_across_it():
     x, z = np.random.default_rng(2).uniform(-200.0, 200.0, (2, 100_000))
     for angle in (0.0, 1.1):
-        a, b, _ = ripples.slopes(x, z, 0.0, np.full(x.shape, 1e-3), ripples.Wind(7.0, angle), 2.5, 0.04)
+        a, b, _ = reference.slopes(x, z, 0.0, np.full(x.shape, 1e-3), ripples.Wind(7.0, angle), 2.5, 0.04)
         along, across = a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle)
         assert along.var() > 1.4 * across.var()
 
@@ -184,7 +189,7 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
     share = foam_module.shares(crests, cover)
     assert share.mean() == pytest.approx(cover, rel=0.05)
     for footprint in (0.01, 0.2, 2.0):
-        white = foam_module.white(share, x, z, np.full(x.shape, footprint))
+        white = reference.white(share, x, z, np.full(x.shape, footprint))
         assert white.mean() == pytest.approx(cover, rel=0.2)
         assert ((white >= 0.0) & (white <= 1.0)).all()
 
@@ -192,9 +197,9 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
 @pytest.mark.parametrize("share", [0.05, 0.15, 0.3, 0.6])
 def test_foam_is_lace_that_covers_as_much_as_is_white_and_is_grey_where_it_is_thin(share):
     x, z = (a.ravel() for a in np.meshgrid(np.arange(0.0, 150.0, 0.25), np.arange(0.0, 150.0, 0.25)))
-    white = foam_module.white(np.full(x.shape, share), x, z, np.full(x.shape, 1e-6))
+    white = reference.white(np.full(x.shape, share), x, z, np.full(x.shape, 1e-6))
     assert white.mean() == pytest.approx(share, rel=0.1)
-    threads = foam_module.patches(x, z)
+    threads = reference.patches(x, z)
     assert threads[white > 0.3].min() > threads[white < 0.01].max()  # white on the threads, water in the bubbles
     assert white.max() == pytest.approx(min(0.4 + 1.2 * share, 1.0), abs=0.02)
 
@@ -205,10 +210,10 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
     water = plane.water(np.array(plane.EYES["above"]))
     points = plane.positions().reshape(-1, 3)
     footprint = plane.footprints(water)
-    white = foam_module.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
-    heap = np.stack(foam_module.heaps(points[:, 0], points[:, 2], footprint), axis=1)
+    white = reference.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
+    heap = np.stack(reference.heaps(points[:, 0], points[:, 2], footprint), axis=1)
     water = water._replace(foam=white, bubbles=share, heap=heap)
-    colours = w.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
+    colours = reference.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
     expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn[f"foam {share}"] - expected).max() <= 2
 
@@ -217,10 +222,10 @@ def test_thick_foam_is_no_plain_sheet_and_is_as_bright_as_one():
     sky = plane.smooth_sky()
     seen = plane.water(np.array(plane.EYES["above"]), foam=1.0)
     points = plane.positions().reshape(-1, 3)
-    flat = w.final_colour(seen, sky, w.Terms(glint=None))
+    flat = reference.final_colour(seen, sky, w.Terms(glint=None))
     for footprint, least, most in ((0.004, 0.04, 0.3), (0.2, 0.02, 0.15), (2.0, 0.0, 1e-9)):
-        heap = np.stack(foam_module.heaps(points[:, 0], points[:, 2], np.full(len(points), footprint)), axis=1)
-        ratio = (w.final_colour(seen._replace(heap=heap), sky, w.Terms(glint=None)) / flat)[:, 1]
+        heap = np.stack(reference.heaps(points[:, 0], points[:, 2], np.full(len(points), footprint)), axis=1)
+        ratio = (reference.final_colour(seen._replace(heap=heap), sky, w.Terms(glint=None)) / flat)[:, 1]
         assert least <= ratio.std() <= most
         assert ratio.mean() == pytest.approx(1.0, abs=0.06)
 
@@ -229,7 +234,9 @@ def test_calm_water_has_no_foam_by_either_rule():
     assert not foam_module.shares(np.zeros((9, 9)), 0.05).any() and foam_module.cover(np.zeros((9, 9))) == 0.0
     ripples, far = np.linspace(0.0, 1.0, 500), np.array([0.5, 2.0])  # beyond the basin one is stronger than any inside
     assert not foam_module.shares(far, 1e-12, ripples).any() and foam_module.shares(far, 0.05, ripples)[1] == 1.0
-    np.testing.assert_allclose(w.foam_by_height(np.array([-1.0, 0.0, 0.2, 0.8, 2.0])), [0.0, 0.0, 0.375, 1.0, 1.0])
+    np.testing.assert_allclose(
+        reference.foam_by_height(np.array([-1.0, 0.0, 0.2, 0.8, 2.0])), [0.0, 0.0, 0.375, 1.0, 1.0]
+    )
 
 
 def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():

@@ -1,4 +1,4 @@
-"""Draws test planes with the water's program and saves their pixels: `python -m tests.observers._shaded_plane OUT`.
+"""Draws test planes with the water's program and saves their pixels: `python -m tests.pictures._shaded_plane OUT`.
 
 The camera looks straight down in parallel projection, so that each pixel's place is known; the eye that the program is
 told of is elsewhere.
@@ -7,6 +7,7 @@ told of is elsewhere.
 import sys
 
 import numpy as np
+import shading_reference as reference
 
 from ocean_sim.pictures import sky as sky_module
 from ocean_sim.pictures import water_glsl
@@ -56,18 +57,20 @@ def six_colours() -> sky_module.Sky:
     return sky_module.Sky(image, SUN)
 
 
-def water(eye: np.ndarray, foam: float = 0.0) -> w.Water:
+def water(eye: np.ndarray, foam: float = 0.0) -> reference.Water:
     points = positions().reshape(-1, 3)
     away = points - eye
     distance = np.linalg.norm(away, axis=1)
     n = len(points)
     height, variance, white = np.full(n, 0.4), np.full(n, VARIANCE), np.full(n, foam)
-    return w.Water(sky_module.unit(normals(points)), -away / distance[:, None], distance, height, variance, white)
+    return reference.Water(
+        sky_module.unit(normals(points)), -away / distance[:, None], distance, height, variance, white
+    )
 
 
-def footprints(seen: w.Water) -> np.ndarray:
+def footprints(seen: reference.Water) -> np.ndarray:
     """(n,) of the pixels on the water [m], as the program has them."""
-    slant = np.sqrt(np.maximum(w.cosine(seen.to_eye, seen.normal), 0.06))
+    slant = np.sqrt(np.maximum(reference.cosine(seen.to_eye, seen.normal), 0.06))
     return np.maximum(PIXEL * seen.distance / slant, 0.004)
 
 

@@ -37,8 +37,8 @@ VERBS = {  # by name, in the order of `--help`, with their lines there
     "bench-one": "One scene of `bench`, measured in this process.",
     "render": "Pictures and a film from a finished run, without simulating again.",
     "export": "Files for ParaView and Blender.",
-    "preview": "A window to look and steer in, or the same pictures without a window; `--browser` has sliders and plots, "
-    "too.",
+    "preview": "A window to look and steer in, or the same pictures without a window; `--browser` has sliders "
+    "and plots, too.",
     "serve": "A page in the browser: play with a scene, or look at a finished run; prints its address.",
     "report": "A page with the replay of a run, or of two side by side: one file that opens without a server.",
     "waves": "Waves from the gauges of a run: heights, periods, spectrum, zero crossings.",

@@ -292,8 +292,8 @@ class FloatingConfig(VesselConfig):
                 found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
         if self.helm is not None and self.propeller is not None and self.propeller.force(1.0, self.helm.speed) <= 0.0:
             found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
-        logged = getattr(preflight.parts.get("motion"), "point", None)
-        if unasked := self.points.keys() - {"helm", logged, *(mooring.fairlead for mooring in self.moorings)}:
+        logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
+        if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
             found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
         if any(preflight.fluid.steady_force):
             found.append(

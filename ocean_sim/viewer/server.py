@@ -251,7 +251,7 @@ class Server:
             last.push_async_callback(runner.cleanup)
             for port in [self.port] if self.port is not None else [PORT, 0]:
                 try:
-                    most = max(1, self.connections.limit // 2)  # taken at once, before any is closed
+                    most = max(1, self.connections.limit // 8)  # taken at once, up to three times before any is closed
                     make = self.loop.create_server
                     line = await make(self.connections, self.host, port, reuse_address=True, backlog=most)
                     break

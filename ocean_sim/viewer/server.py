@@ -10,6 +10,7 @@ import errno
 import hmac
 import json
 import logging
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -260,6 +261,9 @@ class Server:
             else:
                 return
             last.callback(line.close)
+            for each in line.sockets:
+                with socket.fromfd(each.fileno(), each.family, each.type) as own:
+                    own.listen(self.connections.limit)  # that many wait to be taken
             self.port, self.failure = line.sockets[0].getsockname()[1], ""
             self.ready.set()
             last.callback(asyncio.create_task(self.connections.watch()).cancel)

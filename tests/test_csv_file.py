@@ -134,3 +134,45 @@ def test_times_are_dates_or_seconds_and_rise(file):
     for cells in (["2024-03-01", "2024-03-02"], ["2024-03-01T12:00:00", "2"], ["12:00", "2024-03-01T12:00:00"]):
         with pytest.raises(Unreadable, match=f"time_s is '{cells[0]}' in row 1"):
             csv_file.Table(file("time_s,x_m\n" + "".join(f"{cell},1\n" for cell in cells))).series("x_m")
+
+
+@pytest.mark.parametrize("codec", ["utf-8", "utf-16-le", "utf-16-be", "utf-32-le", "utf-32-be"])
+def test_text_with_a_byte_order_mark_is_read_in_every_reader(tmp_path, codec):
+    """Tables as spreadsheets save "Unicode text", scenes as shells of Windows write them, records and meshes."""
+    import trimesh
+
+    from ocean_sim.files import yaml_file
+    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.waves.exchange import of_openfast
+
+    box = trimesh.creation.box((1.0, 2.0, 3.0))
+    files = {
+        "t.csv": "a,b\n1,2\n",
+        "scene.yaml": "title: \u00dcber\n",
+        "sea.Elev": "Time WaveElev\n0 1\n1 2\n2 3\n",
+        "a.stl": trimesh.exchange.stl.export_stl_ascii(box),
+        "a.obj": trimesh.exchange.obj.export_obj(box, header=""),  # the mark stands before a corner
+        "a.ply": trimesh.exchange.ply.export_ply(box, encoding="ascii").decode(),
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_bytes(("\ufeff" + text.lstrip()).encode(codec))
+    assert csv_file.Table(tmp_path / "t.csv")["a"].tolist() == [1.0]
+    assert csv_file.columns(tmp_path / "t.csv")["b"].tolist() == [2.0]
+    assert yaml_file.read(tmp_path / "scene.yaml").plain()["title"] == "\u00dcber"
+    assert of_openfast(tmp_path / "sea.Elev")[1].tolist() == [1.0, 2.0, 3.0]
+    for name in ("a.stl", "a.obj", "a.ply"):
+        assert MeshFile(kind="mesh", file=str(tmp_path / name)).closed().volume == pytest.approx(6.0)
+
+
+def test_text_that_is_not_what_its_mark_says_is_refused_by_its_codec(tmp_path):
+    (tmp_path / "t.csv").write_bytes("a,b\n1,2\n".encode("utf-16") + b"3")
+    with pytest.raises(Unreadable, match="this is not UTF-16-LE text"):
+        csv_file.Table(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize("angles, warned", [("0.1 3.1", True), ("0 5", False), ("0.1 90", False), ("word 1.1", False)])
+def test_angles_in_degrees_that_could_be_radians_are_told(file, angles, warned):
+    table = csv_file.Table(file("yaw_deg,yaw_rad\n" + "".join(f"{angle},0.5\n" for angle in angles.split())))
+    assert [name for name in table if any(f"is {name} in radians?" in told for told in table.like_radians())] == [
+        "yaw_deg"
+    ] * warned

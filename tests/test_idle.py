@@ -228,3 +228,26 @@ def test_no_shipped_scene_gives_a_key_without_effect(profile):
 def test_settings_are_read_as_the_command_reads_them():
     key, value = setting("wind.noise_every=0.1")
     assert said(GUSTS, {key: value})
+
+
+@pytest.mark.parametrize("angle, told", [(1.5708, True), (-3.14, True), (0.785, True), (5.5, False), (90.0, False)])
+def test_an_angle_in_degrees_that_is_a_part_of_pi_is_said(angle, told):
+    found = load(YACHT, {"ship.heading_deg": angle, "fluid.heading_deg": 30.0}).warnings()
+    said = [sentence for sentence in found if "radians" in sentence]
+    assert len(said) == told and all(sentence.startswith("ship.heading_deg is ") for sentence in said)
+
+
+@pytest.mark.parametrize(
+    "asking",
+    [
+        {"motion": {"every": 0.1, "point": "bow"}},
+        {"ship.moorings": [{"from": "bow", "to": [0.0, 0.0, 19.0], "stiffness": 1e4}]},
+    ],
+)
+def test_a_point_that_nothing_asks_for_is_said(asking):
+    named = {"ship.points": {"bow": [0.0, 2.0, 5.0]}}
+    for given, said in ((named, True), (named | asking, False)):
+        found = load(
+            YACHT | {"motion": given.get("motion", {"every": 0.1})}, {k: v for k, v in given.items() if k != "motion"}
+        )
+        assert any("motion.point asks for bow" in sentence for sentence in found.warnings()) is said

@@ -261,3 +261,17 @@ def test_a_slice_has_no_gravity_along_z():
     basin = {"length": 1.0, "depth": 0.5, "gravity": [0.0, 0.0, -9.81]}
     with pytest.raises(SceneError, match=r"basin\.gravity: a slice, in x-y, has no gravity along z; y is up"):
         ocean_sim.load({"basin": basin, "fluid": {"kind": "ballistic", "spacing": 0.2}})
+
+
+def test_a_recorded_roll_that_may_be_in_radians_and_an_axis_given_twice_are_said(tmp_path):
+    """0.07 under `roll_z_deg` are hardly degrees; under `roll_z_rad` they are 4 degrees."""
+    times = np.linspace(0.0, 2.0, 41)
+    for names, warned in ((["roll_z_deg"], True), (["roll_z_rad"], False), (["roll_z_deg", "roll_z_rad"], None)):
+        rows = [[t, *[0.07 * np.sin(np.pi * t) ** 2] * len(names)] for t in times]
+        file = tmp_path / "roll.csv"
+        file.write_text("\n".join([",".join(["time_s", *names]), *(",".join(map(str, row)) for row in rows)]))
+        if warned is None:
+            (problem,) = motion(file=str(file)).problems(SLICE)
+            assert "columns roll_z_deg and roll_z_rad" in problem[1]
+        else:
+            assert any("is roll_z_deg in radians?" in w for w in motion(file=str(file)).warnings(2.0)) is warned

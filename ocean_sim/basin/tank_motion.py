@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, radians, sin
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -25,6 +25,7 @@ Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement,
 Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
 SAMPLES = 4000  # of a recorded motion, for its mean frequency
+SMALL_ROLL = 0.5  # [deg] of a tank, which usually rolls by some degrees
 JOLT = 0.05  # of the highest speed of a recorded motion: more than that at one of its ends is a jump
 FEWEST_ROWS = 4  # of a cubic spline
 ONE_AXIS = Rule("it has the column of one axis, such as x_m, roll_z_rad or roll_z_deg, or `axis` says which")
@@ -181,16 +182,14 @@ class Recorded(Tank):
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
         table = csv_file.Table(self.file)
-        names = {re.sub("(?<=roll_[xyz])_deg$|_rad$|_m$", "", name): name for name in table}
-        axes: list[Axis] = [axis for axis in Axis.__args__ if axis in names]  # type: ignore[attr-defined]
-        if self.axis is not None:
-            axes = [axis for axis in axes if axis == self.axis]
-        if len(axes) != 1:
-            there = f"columns of {' and '.join(axes)}" if axes else f"no column of {self.axis or 'an axis'}"
+        axes = {name: re.sub("(?<=roll_[xyz])_deg$|_rad$|_m$", "", name) for name in table}
+        wanted = Axis.__args__ if self.axis is None else (self.axis,)  # type: ignore[attr-defined]
+        names = [name for name in table if axes[name] in wanted]
+        if len(names) != 1:
+            there = f"columns {' and '.join(names)}" if names else f"no column of {self.axis or 'an axis'}"
             raise ONE_AXIS.broken(self.file, f"it has {there}")
-        name = names[axes[0]]
-        times, moved = table.series(name, fewest=FEWEST_ROWS)
-        return axes[0], times, np.radians(moved) if name.endswith("_deg") else moved
+        times, moved = table.series(names[0], fewest=FEWEST_ROWS)
+        return cast(Axis, axes[names[0]]), times, np.radians(moved) if names[0].endswith("_deg") else moved
 
     @property
     def mean_frequency(self) -> float:
@@ -215,6 +214,9 @@ class Recorded(Tank):
         unit = "rad/s" if axis.startswith("roll") else "m/s"
         found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
         found += overturned(axis, float(np.abs(moved).max()))
+        most = float(np.degrees(np.abs(moved).max()))
+        if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in csv_file.Table(self.file):
+            found.append(f"the tank rolls by {most:.3g} deg at most: is {axis}_deg in radians?")
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
             if 0.0 < time < duration and abs(speed) > JOLT * fastest:

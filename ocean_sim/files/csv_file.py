@@ -41,11 +41,12 @@ NAMED = Rule("the columns that are needed are there, by their names with units")
 NUMBERS = Rule("every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)")
 RISING = Rule("times rise from row to row, each once")
 REACHED = Rule("times count from the beginning of the run, and reach into it")
+DEGREES = Rule("columns that end in _deg are in degrees")
 
 CHECKS = (
     Checked("Every table", (WHOLE, DIALECT, NAMED, NUMBERS)),
     Checked("Every table over time", (RISING,)),
-    Checked("Every table over time that a scene names, by a warning", (REACHED,)),
+    Checked("Every table that a scene names, by a warning", (REACHED, DEGREES)),
 )
 
 
@@ -131,6 +132,12 @@ class Table(dict[str, np.ndarray]):
             k = int(back[0])
             raise RISING.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in row {k + 2}")
         return [time, *found]
+
+    def like_radians(self) -> list[str]:
+        """A warning of each column in degrees that could be radians: within a turn of 2 pi, and not all whole."""
+        angles = {name: values for name, values in self.items() if name.endswith("_deg")}
+        found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
+        return [f"{input_file.shown(self.path)}: is {name} in radians? {DEGREES.sentence}" for name in found]
 
 
 def unreached(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:

@@ -25,6 +25,8 @@ from ocean_sim.conventions import Refused
 MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
 NUMBERS, WORDS = "iuf", "SO"  # kinds of NumPy types in HDF5 files
 MAX_WORDS = 1000  # of a data set
+MARK = "\ufeff"  # of the order of bytes, at the beginning of text
+CODECS = ("utf-8", "utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be")  # the mark of UTF-32 begins as that of UTF-16
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -59,10 +61,10 @@ class Checked(NamedTuple):
 REGULAR = Rule(
     f"a file is a regular one, not a folder, a pipe or a device, of at most {MOST_BYTES / 1e6:g} MB, unpacked"
 )
-TEXT = Rule("text is in UTF-8")
 DECLARED = Rule(
     f"a data set lies in the file itself, holds what its name says and unpacks to at most {MOST_BYTES / 1e6:g} MB"
 )
+TEXT = Rule("text is in UTF-8, or in UTF-16 or UTF-32 with a byte order mark")
 
 CHECKS = (Checked("Every file", (REGULAR, TEXT)),)
 
@@ -102,13 +104,19 @@ def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
         raise Unreadable(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
+def marked_codec(data: bytes) -> str | None:
+    """Codec of text by its byte order mark; None where it has none."""
+    return next((codec for codec in CODECS if data.startswith(MARK.encode(codec))), None)
+
+
 def text(path: str | Path, most: int = MOST_BYTES) -> str:
-    """A file in UTF-8, with or without a byte order mark; raises Unreadable."""
+    """Text of a file without its byte order mark; in UTF-8 where it has none. Raises Unreadable."""
     data = content(path, most)
+    codec = marked_codec(data) or "utf-8"
     try:
-        return data.decode("utf-8-sig")
+        return data.decode(codec).removeprefix(MARK)
     except UnicodeDecodeError as error:
-        raise Unreadable(path, f"this is not UTF-8 text (byte {error.start})") from None
+        raise Unreadable(path, f"this is not {codec.upper()} text (byte {error.start})") from None
 
 
 def document(path: str | Path) -> Any:

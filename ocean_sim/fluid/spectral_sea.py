@@ -135,7 +135,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         tile = self.tile_of(preflight.tank)
-        found: list[str] = []
+        found = self.like_radians()
         if self.highest is not None:
             found += waves.cut_short(preflight.duration, self.growing(self.sea_of(preflight.tank)).ramp)
         if self.order == 3:

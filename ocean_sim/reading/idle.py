@@ -1,10 +1,12 @@
-"""Keys that are given and change nothing, because another key or part is missing, zero, or stands in their place.
+"""Keys that change nothing, because another key or part is missing, zero or in their place; angles in wrong units.
 
 A key counts as given where its value is not its default.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
+
+import numpy as np
 
 from ocean_sim.basin.tank_motion import Harmonic
 from ocean_sim.conventions import Motions
@@ -30,6 +32,7 @@ def gives(mapping: Any, key: str) -> bool:
     return key in type(mapping).model_fields and getattr(mapping, key) is not None
 
 
+PART_OF_PI, DIGITS = np.pi / 12.0, 0.008  # [rad], and the share of it by which 3.14 differs from pi, but no 5.5 from 21
 SEEDED = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
 # Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
@@ -99,19 +102,30 @@ def models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, s
             yield from models(entry, path, f"{place}.{key}")
 
 
+def like_radians(mapping: Model) -> Iterator[str]:
+    """Key and a sentence of each angle in degrees that is a whole part of pi, to three digits."""
+    for key in [key for key in type(mapping).model_fields if key.endswith("_deg") and getattr(mapping, key)]:
+        turns = np.abs(getattr(mapping, key)) / PART_OF_PI
+        if ((turns > 0.5) & (turns < 24.5) & (np.abs(turns - np.rint(turns)) < DIGITS)).any():
+            meant = np.degrees(getattr(mapping, key)).round(1).tolist()
+            yield f"{key} is {getattr(mapping, key)} degrees; if it is in radians, write {meant}"
+
+
 def seeds(scene: Model) -> set[int]:
     """Seeds of all spectra in a scene."""
     return {model.seed for _, _, model in models(scene) if isinstance(model, Spectrum)}
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
-    """A sentence for each key of a scene and its parts that is given and changes nothing."""
+    """A sentence for each key of a scene and its parts that is given and changes nothing, or may be in radians."""
     for root, part in parts.items():
         rules = RULES
         if isinstance(part, FluidConfig):
             unread = f"water of kind {part.kind} does not read it"
             rules = [*RULES, ("fluid", " ".join(part.unheeded), lambda h, *_: False, unread)]
         for path, place, mapping in models(part, slot_of(root), root):
+            if root != "scene":  # which has all parts
+                yield from (f"{place}.{sentence}" for sentence in like_radians(mapping))
             fields = type(mapping).model_fields
             for where, keys, has_effect, reason in rules:
                 for key in keys.split() if where == path else ():

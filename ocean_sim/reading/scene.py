@@ -134,7 +134,7 @@ class SceneConfig(Heading):
         return sorted({name for each in self.observers.values() for name in each.files_of(self.preflight)})
 
     def warnings(self) -> list[str]:
-        """The warnings of every part, and keys that have no effect."""
+        """The warnings of every part, keys that have no effect, and angles that may be in radians."""
         preflight, parts = self.preflight, self.parts()
         told = [
             f"{key}: {sentence}" if slot_of(key) != key else sentence

@@ -28,6 +28,7 @@ from ocean_sim.waves.record import (
     elevations,
     evenly,
     measured,
+    missing_samples,
     sampling_error,
     slow_part,
     spectra,
@@ -90,23 +91,20 @@ def waves(
         columns = {"time_s": surface.time, "circulation_m2_s": surface.circulation, "white_cap_cover": surface.cover}
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
     run_files.add(path.parent, files)
+    treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | gain(path)
-        treated: dict[str, dict[str, Any]] = {}
-        for name, height in heights.items():
-            warning = slow_part(*evenly(time, height), treatment)
-            treated[name] = treatment_of(treatment, time, height) | ({"warnings": [warning]} if warning else {})
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     show(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
     for sentence in sampling([sampling_error(treatment.deviation(evenly(time, height)[1])) for height in steady]):
         console.say(sentence)
-    for name, height in heights.items():
-        if warning := slow_part(*evenly(time, height), treatment):
+    for name, done in treated.items():
+        for warning in done.get("warnings", ()):
             console.say(f"{name}: {warning}")
-    for name, height in heights.items() if treatment.detrended else ():
-        console.say(f"{name}: less a trend of {trend(*evenly(time, height)):.3g} m/s")
+        if treatment.detrended:
+            console.say(f"{name}: less a trend of {done['trend_m_s']:.3g} m/s")
     if surface is not None:
         console.say(surface_sentence(surface))
     tracers = path.parent / "tracers.csv"
@@ -175,10 +173,12 @@ def record(run: Path) -> Path:
     return path
 
 
-def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, float]:
-    """Numbers of the treatment of a record; none where it was left as it was."""
-    found = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
-    return found | ({"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {})
+def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
+    """Numbers of what was done to a record, and warnings of what it lacks; nothing of a whole one as it was."""
+    warnings = [*filter(None, (missing_samples(time), slow_part(*evenly(time, height), treatment)))]
+    found: dict[str, Any] = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
+    found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
+    return found | ({"warnings": warnings} if warnings else {})
 
 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:

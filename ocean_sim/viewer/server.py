@@ -10,6 +10,7 @@ import errno
 import hmac
 import json
 import logging
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -247,7 +248,7 @@ class Server:
             last.push_async_callback(runner.cleanup)
             for port in [self.port] if self.port is not None else [PORT, 0]:
                 try:
-                    most = max(1, self.connections.limit // 2)  # taken at once, before any is closed
+                    most = max(1, self.connections.limit // 8)  # taken at once, up to three times before any is closed
                     make = self.loop.create_server
                     line = await make(self.connections, self.host, port, reuse_address=True, backlog=most)
                     break
@@ -256,6 +257,9 @@ class Server:
             else:
                 return
             last.callback(line.close)
+            for each in line.sockets:
+                with socket.fromfd(each.fileno(), each.family, each.type) as own:
+                    own.listen(self.connections.limit)  # that many wait to be taken
             self.port, self.failure = line.sockets[0].getsockname()[1], ""
             self.ready.set()
             last.callback(asyncio.create_task(self.connections.watch()).cancel)

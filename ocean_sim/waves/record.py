@@ -36,6 +36,7 @@ STILL = 1e-9  # [m] a range within which a record counts as constant
 TALLEST = 50.0  # [m] from the median; 29 m is the highest measured (Holliday et al. 2006, Geophys. Res. Lett. 33)
 UNLIKE = 10.0  # times the usual distance from the median: a wave is within 6
 RAISED = 2.0**0.5  # times the height of the waves alone: beyond it half of the variance is a trend or a tide
+MISSING = 1.5  # intervals of a record from one sample to the next: beyond it one is missing
 SLOWEST_WAVE = 300.0  # [s] period beyond which the water's level moves, not its waves
 
 LIKE_A_SEA = Rule(
@@ -115,6 +116,16 @@ def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
         even = time[0] + interval * np.arange(int((time[-1] - time[0]) / interval + 1e-6) + 1)
         return interval, np.interp(even, time, height)
     return float((time[-1] - time[0]) / (len(time) - 1)), np.asarray(height, dtype=float)
+
+
+def missing_samples(time: np.ndarray) -> str | None:
+    """A sentence on the times (n,) [s] of a record that lacks samples between others, or None."""
+    steps = np.diff(time) / np.median(np.diff(time))
+    gaps = np.flatnonzero(steps > MISSING)
+    if not len(gaps):
+        return None
+    count, k = int(np.rint(steps[gaps] - 1.0).sum()), int(gaps[0])
+    return f"missing samples, filled by straight lines: {count}, the first after {time[k]:.12g} s (row {k + 1})"
 
 
 def trend(interval: float, values: np.ndarray) -> float:

@@ -99,6 +99,11 @@ class Seas(waves.OpenTrain):
             found.append(waves.Components(table["amplitude_m"], k[:, None] * ahead, phase, depth, g))
         return waves.together(found, depth, g)
 
+    def like_radians(self) -> list[str]:
+        """Warnings of angles in the table of `components` that could be radians."""
+        table = self.table()
+        return table.like_radians() if isinstance(table, csv_file.Table) else []
+
     def impossible(self, basin: waves.Tank) -> Problems:
         """What is wrong with them in this basin."""
         found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]

@@ -398,6 +398,10 @@ def test_a_file_of_components_is_the_sea_that_it_says(sea, tmp_path):
     path.write_text("amplitude_m,period_s,heading_deg,phase_deg\n0.2,5.0,90.0,30.0\n0.1,3.0,0.0,0.0\n")
     fluid = sea(components=str(path))
     assert fluid.elevations(np.zeros((1, 2)))[0] == pytest.approx(0.2 * np.cos(np.radians(30.0)) + 0.1)
+    assert not Config(components=str(path)).like_radians()
+    path.write_text("amplitude_m,period_s,heading_deg,phase_deg\n0.2,5.0,0.0,3.05\n0.1,3.0,2.0,0.3\n")
+    told = load({"duration": 60.0, "basin": BAY, "fluid": {"kind": "spectral_sea", "components": str(path)}}).warnings()
+    assert any("sea.csv: is phase_deg in radians?" in sentence for sentence in told)
     path.write_text("amplitude_m,period_s\n0.2,5.0\n")
     (problem,) = Config(components=str(path)).problems(Preflight({}, BasinConfig(**BAY).build(), 8, 1.0))
     assert problem[0] == ("components",) and "heading_deg" in problem[1]

@@ -95,7 +95,7 @@ def test_other_units_and_frames_are_named(tmp_path):
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
         read(path)
-    path.write_bytes(b"\xff\xfe\x00")
+    path.write_bytes(b"\xff\x00")
     with pytest.raises(ValueError, match="is not UTF-8 text"):
         read(path)
 

@@ -96,6 +96,10 @@ def test_orders_that_come_when_the_run_is_over_are_told(tmp_path):
     path.write_text("time_s,throttle,rudder_rad\n1700000000,0.5,0.1\n1700000100,0.8,0.0\n")
     said = "controls begins at 1700000000 s, when the run of 200 s is over: only its first row holds"
     assert any(said in warning for warning in load(at_sea({"controls": {"file": str(path)}})).warnings())
+    bounded = {"thrust": 1.0e4, "zero_thrust_speed": 6.0, "wake": 0.25}  # at 8 m/s
+    ships = [{"propeller": bounded, "helm": {"heading_deg": 0.0, "speed": speed}} for speed in (7.9, 8.1)]
+    fast = [load(at_sea(ship)).warnings() for ship in ships]
+    assert [any("at which her propeller gives no thrust" in told for told in found) for found in fast] == [False, True]
     rows = [{"time": 199.0, "throttle": 0.5}]
     assert not any("controls" in warning for warning in load(at_sea({"controls": rows})).warnings())
 

@@ -382,6 +382,19 @@ def test_the_command_says_what_is_missing(tmp_path, capsys):
     assert answered(["waves", str(run), "--begin", "9"]) == 2 and "before --begin" in capsys.readouterr().err
 
 
+def test_samples_that_a_record_lacks_are_counted(tmp_path, capsys):
+    """Without two samples after 39.9 s, and one after 79.9 s."""
+    time, height = six_cosines(0.1)
+    kept = np.delete(np.arange(len(time)), [400, 401, 800])
+    run = gauges_file(tmp_path / "run", {"time_s": time[kept], "mid_m": height[kept]})
+    said = "missing samples, filled by straight lines: 3, the first after 39.9 s (row 400)"
+    assert answered(["waves", str(run)]) == 0 and said in capsys.readouterr().out
+    assert answered(["waves", str(run), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["mid"]["warnings"] == [said]
+    whole = gauges_file(tmp_path / "whole", {"time_s": time, "mid_m": height})
+    assert answered(["waves", str(whole)]) == 0 and "missing" not in capsys.readouterr().out
+
+
 def frames_of(folder, turning: float, height: float):
     """Frames of water that turns as a whole [rad/s] about the vertical, under a long-crested wave of 20 m."""
     (folder / "frames").mkdir(parents=True)

@@ -168,6 +168,9 @@ def test_a_schedule_that_does_not_reach_over_the_run_is_told(tmp_path):
     assert any(said in sentence for sentence in told({"schedule": {"file": str(path)}}))
     path.write_text("time_s,speed_m_s,heading_deg\n0,5,90\n60,12,270\n")
     assert not any("ends at" in said or "schedule" in said for said in told({"schedule": {"file": str(path)}}))
+    path.write_text("time_s,speed_m_s,heading_deg\n0,5,1.571\n60,12,4.712\n")
+    (said,) = [said for said in told({"schedule": {"file": str(path)}}) if "radians" in said]
+    assert "wind.csv: is heading_deg in radians?" in said
 
 
 def test_a_schedule_that_blows_across_a_slice_is_told():

@@ -31,3 +31,6 @@ class Written(Seas, SeaConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         return self.impossible(preflight.tank) or super().problems(preflight)
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return self.like_radians() + super().warnings(preflight)

@@ -291,6 +291,11 @@ class FloatingConfig(VesselConfig):
         for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
             if moved and getattr(self, lacks) is None:
                 found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
+        if self.helm is not None and self.propeller is not None and self.propeller.force(1.0, self.helm.speed) <= 0.0:
+            found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
+        logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
+        if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
+            found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
         if any(preflight.fluid.steady_force):
             found.append(
                 "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.input_file import shown
+from ocean_sim.files.input_file import MARK, Checked, Rule, Unreadable, marked_codec
 
 MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 MAX_UNITS = 1.0e30  # of a coordinate, whose powers stay finite
@@ -26,12 +26,17 @@ SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = 
 UPRIGHT_BUOYANCY = 0.49  # of the draught: least height of the centre of buoyancy of sections that do not narrow upwards
 MAX_PROBES = 64  # corners of a skin of which is asked whether others enclose them
 
+TRIANGLES = Rule(f"a hull is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
+CLOSED = Rule("faces close around a volume: at every edge as many turn one way as the other way")
+AXES = Rule("`up` and `bow` are two axes of the file")
+CHECKS = (Checked("A hull's mesh, `hull.shape.file` and `ocean-sim hull FILE`", (TRIANGLES, CLOSED, AXES)),)
+
 
 class BadMesh(ValueError):
     """A mesh that is no hull; `problems` are sentences: what is wrong and where."""
 
-    def __init__(self, file: str, *problems: str) -> None:
-        self.problems = [f"{shown(file)}: {problem}" for problem in problems]
+    def __init__(self, *problems: Unreadable) -> None:
+        self.problems = [str(problem) for problem in problems]
         super().__init__("; ".join(self.problems))
 
 
@@ -160,11 +165,11 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
     vertices, faces = read(file, data)
     problems = flaws(vertices, faces)
     if problems:
-        raise BadMesh(file, *problems)
+        raise BadMesh(*(CLOSED.broken(file, problem) for problem in problems))
     faces, skins = turned_outwards(vertices, faces)
     scale, up, bow = guessed(vertices[faces], scale, up, bow)
     if up[-1] == bow[-1]:
-        raise BadMesh(file, f"up and bow are the same axis, {up[-1]}")
+        raise BadMesh(AXES.broken(file, f"up and bow are the same axis, {up[-1]}"))
     upwards, ahead = axis_vector(up), axis_vector(bow)
     turn = np.stack([np.cross(upwards, ahead), upwards, ahead])  # rows: port, up, bow in the file's axes
     vertices = scale * vertices @ turn.T
@@ -179,9 +184,11 @@ def read(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
 
     kind = file.lower().rpartition(".")[2]
     if kind not in ("stl", "obj", "ply"):
-        raise BadMesh(file, "a hull is an STL, OBJ or PLY file")
+        raise BadMesh(TRIANGLES.broken(file, "its name has another ending"))
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # what is wrong is told here
     try:  # from its bytes: materials that an OBJ names are not looked for
+        if kind != "stl" and (codec := marked_codec(data)):  # an STL may be binary under any first bytes
+            data = data.decode(codec).removeprefix(MARK).encode()
         with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
             mesh: Any = trimesh.load(BytesIO(data), file_type=kind, force="mesh")
             if len(getattr(mesh, "faces", ())):
@@ -190,23 +197,21 @@ def read(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
                 mesh.merge_vertices(merge_tex=True, merge_norm=True)
     except Exception as error:
         line = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
-        line = line if len(line) <= 100 else f"{line[:97]}..."
-        raise BadMesh(file, f"cannot be read as a mesh ({line})") from None
+        raise BadMesh(TRIANGLES.broken(file, f"cannot be read as a mesh ({line:.100})")) from None
     faces = np.array(getattr(mesh, "faces", ()), dtype=int).reshape(-1, 3)
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     if len(faces) == 0:
-        raise BadMesh(file, "holds no triangles")
-    return np.array(mesh.vertices, dtype=float), faces
+        raise BadMesh(TRIANGLES.broken(file, "holds no triangles"))
+    vertices = np.array(mesh.vertices, dtype=float)
+    farthest = np.abs(vertices[np.unique(faces)]).max()
+    if not farthest <= MAX_UNITS:
+        raise BadMesh(TRIANGLES.broken(file, f"some vertices lie {farthest:.2g} units away"))
+    return vertices, faces
 
 
 def flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
     """Sentences on why a mesh bounds no volume, with positions in the file's own units."""
-    used = vertices[np.unique(faces)]
-    if not np.isfinite(used).all():
-        return ["some vertices are not numbers"]
-    if np.abs(used).max() > MAX_UNITS:
-        return [f"some vertices lie {np.abs(used).max():.2g} units away; at most {MAX_UNITS:g} are read"]
-    found = []
+    used, found = vertices[np.unique(faces)], []
     edges, count, balance = edge_uses(faces)
     wrong = balance != 0  # an edge that faces use as often one way as the other bounds nothing
     for which, what in ((count == 1, "a hole"), (count > 2, "a seam of more than two faces")):

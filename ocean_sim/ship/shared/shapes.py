@@ -180,7 +180,7 @@ class MeshFile(HullShape):
         try:
             return closed_mesh(self.file, content(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
-            raise BadMesh(self.file, error.reason) from None
+            raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
         return self.closed().bounds

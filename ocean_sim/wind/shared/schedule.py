@@ -118,14 +118,14 @@ class Scheduled(Timed):
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
 
     def held(self, duration: float) -> list[str]:
-        """Warn of a schedule whose rows do not reach over a run of this duration [s]."""
+        """Warn of a schedule whose rows do not reach over a run of this duration [s], or are in radians."""
         if self.course is None:
             return []
         last = float(self.course.time[-1])
         found = csv_file.unreached("the schedule", self.course.time, duration, "only its {} row blows")
         if not found and isinstance(self.schedule, File) and last < duration:
-            return [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
-        return found
+            found = [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
+        return found + (csv_file.Table(self.schedule.file).like_radians() if isinstance(self.schedule, File) else [])
 
     def unscheduled(self) -> Problems:
         """A problem where the schedule cannot be followed."""

@@ -93,7 +93,8 @@ class Health(Concluding):
         self.stiffness = 0.0  # speed of sound [m/s] since which the balance counts
         self.reported: list[str] = []  # events of which one is enough
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        self.last: dict[str, float] = {}  # times of the last of events that may come again and again [s], by kind
+        of_ships = [f"{kind} of {name}" for kind in ("grounding", "flight") for name in simulation.ships]
+        self.last = dict.fromkeys(["limit", "clipped", *of_ships], -QUIET)  # [s] last events that may come again
         self.limit, self.clipped = "", 0
         self.groundings = dict.fromkeys(simulation.ships, 0)
         self.airborne = dict.fromkeys(simulation.ships, False)
@@ -235,7 +236,7 @@ class Health(Concluding):
 
     def seldom(self, kind: str, name: str, **facts: object) -> bool:
         """An event that comes at least QUIET after the last of its kind; True if it does."""
-        if self.simulation.time < self.last.get(kind, -QUIET) + QUIET:
+        if self.simulation.time < self.last[kind] + QUIET:
             return False
         self.event(name, **facts)
         self.last[kind] = self.simulation.time

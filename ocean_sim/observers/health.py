@@ -399,7 +399,7 @@ class Health(Concluding):
     def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
-            self.last.pop("clipped", None)
+            self.last["clipped"] = -QUIET
         if clipped > self.clipped:
             facts = {"particles": int(clipped - self.clipped), "since_start": int(clipped)}
             if self.seldom("clipped", "clipped", **facts):

@@ -222,7 +222,7 @@ def read_at(sensor: Sensor, points: int) -> str:
 
 
 def lowered(simulation: Simulation) -> dict[str, object]:
-    """How far the water's own weight lowers what the gauges read, for the heading of the table; nothing where it does
+    """How far the water's own weight lowers its surface, for the heading of the table; nothing where it does
     not."""
     if not simulation.fluid.sunk:
         return {}

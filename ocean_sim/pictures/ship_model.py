@@ -15,6 +15,7 @@ from ocean_sim.pictures.ship_parts import Block, Mesh, both, box, merged, outlin
 WHITE, CREAM, GREY, STEEL = (0.80, 0.80, 0.77), (0.74, 0.64, 0.42), (0.30, 0.32, 0.34), (0.55, 0.57, 0.58)
 BLACK, RUBBER, GLASS = (0.018, 0.019, 0.021), (0.030, 0.029, 0.028), (0.010, 0.014, 0.018)
 NAVY, GREEN, OXIDE, RED = (0.014, 0.030, 0.105), (0.012, 0.075, 0.055), (0.26, 0.050, 0.028), (0.42, 0.030, 0.022)
+SEAM = (0.11, 0.055, 0.024)  # pitch between planks
 TEAK, WOOD, ORANGE, YELLOW = (0.46, 0.27, 0.12), (0.28, 0.115, 0.038), (0.78, 0.24, 0.020), (0.80, 0.52, 0.030)
 CARGO = ((0.0, 0.165, 0.445), (0.665, 0.115, 0.0), (0.0, 0.342, 0.171), (0.55, 0.53, 0.48), (0.42, 0.17, 0.03))
 
@@ -88,6 +89,8 @@ def yacht(hull: Hull, helm: np.ndarray | None) -> Model:
         *(bridge.panes(k, 1, 0.62, 1.12, GLASS, 0.06) for k in (1, 2, 3)),
         coach.mesh(WHITE, TEAK),
         *(coach.panes(k, 4, 0.30, 0.72, GLASS, 0.5) for k in (0, 4)),
+        seams(coach.top, 0.16 * u, SEAM),
+        hatch(0.0, deck + 0.36 * u, 0.5 * (end + nose), 0.36 * u),
         tube([0.0, roof, rear], [0.0, masthead, rear - 0.12 * u], (0.085 * u, 0.045 * u), WHITE),
         tube([0.0, roof + 1.0 * u, rear], boom_end, (0.05 * u, 0.035 * u), WOOD),
         tube([0.0, masthead - 0.1 * u, rear - 0.1 * u], boom_end, 0.010 * u, STEEL, 5),
@@ -204,6 +207,26 @@ def portholes(hull: Hull, y: float, stations: np.ndarray, radius: float) -> Mesh
             for wide, far, colour in looks
         )
     )
+
+
+def hatch(x: float, y: float, z: float, half: float) -> Mesh:
+    """Square hatch with a dark pane."""
+    frame = box((x - half, y, z - half), (x + half, y + 0.25 * half, z + half), STEEL)
+    low, high = y + 0.25 * half, y + 0.31 * half
+    pane = box((x - 0.8 * half, low, z - 0.8 * half), (x + 0.8 * half, high, z + 0.8 * half), GLASS)
+    return merged([frame, pane])
+
+
+def seams(top: np.ndarray, apart: float, colour: Any) -> Mesh:
+    """Thin lines along the planks of a roof (k, 3) that tapers to the bow."""
+    half = top[top[:, 0] > 0.0]
+    half = half[np.argsort(half[:, 2])]
+    start, y, thin = float(half[0, 2]), float(half[0, 1]), 0.03 * apart
+    parts = []
+    for x in np.arange(0.5 * apart, 0.97 * float(half[:, 0].max()), apart):
+        end = float(np.interp(-x, -half[:, 0], half[:, 2])) - thin
+        parts.append(box((x - thin, y, start + thin), (x + thin, y + 0.4 * thin, end), colour))
+    return both(merged(parts))
 
 
 def house_rail(roof: np.ndarray, height: float, radius: float) -> list[Mesh]:

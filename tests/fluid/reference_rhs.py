@@ -140,6 +140,11 @@ def mueller(water: Water, k: float, left_out: str = "") -> dict[str, np.ndarray]
     return {"density": rho, "acceleration": total / rho[:, None] + w.gravity}
 
 
+def equation_of_state(excess: np.ndarray, c: float, gamma: int) -> np.ndarray:
+    """p = c^2 rho0 / gamma ((rho / rho0)^gamma - 1) of the density less that at rest."""
+    return c**2 * RHO_0 / gamma * ((1.0 + excess / RHO_0) ** gamma - 1.0)
+
+
 def delta_momentum(water: Water, pressing: np.ndarray, alpha: float, left_out: str = "") -> np.ndarray:
     """Acceleration (n, 3) of `delta_sph`; `pressing`: damped pressure over the square of the density."""
     w, h, c = water, 0.4 * water.support, water.c

@@ -84,8 +84,7 @@ def test_delta_sph_is_its_formulas(water):
     h, c = 0.4 * middle.support, middle.c
     middle.x = middle.x + 0.5 * DT * middle.v
     excess = excess + 0.5 * DT * rate
-    pressure = c**2 * reference.RHO_0 / 7.0 * ((1.0 + excess / reference.RHO_0) ** 7 - 1.0)
-    damped = pressure + min(0.7 * c * h, 0.42 * h**2 / DT) * rate
+    damped = reference.equation_of_state(excess, c, 7) + min(0.7 * c * h, 0.42 * h**2 / DT) * rate
     pressing = damped / (reference.RHO_0 + excess) ** 2
     assert (pressing < 0.0).any() and (pressing > 0.0).any(), "some water is under tension"
     gained = (arrays(fluid, *fluid.particles.velocity) - middle.v) / DT

@@ -2,9 +2,9 @@
 
 A normalised sum over neighbours (Shepard 1968), corrected so that it also returns what grows linearly with position
 (moving least squares; Liu & Liu 2006, Appl. Numer. Math. 56). Pressures are summed without the weight of still water,
-p - rho0 g . x, so still water is exact at every point, also at its walls; walls are mirrors, for velocities free slip
-or no slip. Where the smoothed share of water is below one half, which is how the free surface is found, it is dry:
-pressure and velocity are 0 there.
+p - rho0 g . x, so a pressure of rho0 g . x is exact at every point, also at walls. Walls are mirrors, for velocities
+free slip or no slip. Where the smoothed share of water is below one half, which is how the free surface is found, it is
+dry: pressure and velocity are 0 there.
 """
 
 from typing import TYPE_CHECKING

@@ -17,6 +17,9 @@ from typing import Any
 import pytest
 
 from ocean_sim import runtime
+from ocean_sim.__main__ import answered
+from ocean_sim.reading.scene import load
+from ocean_sim.simulation import Simulation
 from ocean_sim.state.walk import Restorer, Snapshot
 
 TABLE, COLUMNS = os.environ.get("OCEAN_SIM_SLOW"), ("test", "seconds", "outcome", "day")
@@ -55,6 +58,28 @@ def pytest_sessionfinish() -> None:
 def quickly(first: Any, *others: Any) -> list[Any]:
     """Parameters of a test: the first in every run, the others with -m slow."""
     return [first, *(pytest.param(other, marks=pytest.mark.slow) for other in others)]
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """A yacht on some hundred particles under a gust, started once for all tests; they leave it as they found it."""
+    overrides = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
+    with Simulation(load("showcase", overrides)) as simulation:
+        simulation.run(0.2)
+        yield simulation
+
+
+@pytest.fixture
+def ask(capsys):
+    """Answer of a command line: exit code, standard output, standard error."""
+
+    def asked(*words: object) -> tuple[int, str, str]:
+        code = answered([str(word) for word in words])
+        said = capsys.readouterr()
+        assert "Traceback" not in said.out + said.err
+        return code, said.out, said.err
+
+    return asked
 
 
 class Start:

@@ -37,19 +37,6 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.fixture
-def ask(capsys):
-    """What a command line answers: exit code, standard output, standard error."""
-
-    def asked(*words: str) -> tuple[int, str, str]:
-        code = answered(list(words))
-        said = capsys.readouterr()
-        assert "Traceback" not in said.out + said.err
-        return code, said.out, said.err
-
-    return asked
-
-
 def test_a_run_leaves_its_folder_and_says_what_it_was(ask):
     code, out, _ = ask("run", "small.yaml", "--out", "there")
     assert code == 0

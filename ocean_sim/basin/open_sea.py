@@ -1,4 +1,4 @@
-"""Where a sea goes on beyond the basin: sides before which waves are absorbed, and a basin that is a patch of open sea,
+"""A sea that goes on beyond the basin: sides before which waves are absorbed, and a basin that is a patch of open sea,
 whose sides are periodic, and whose water is that of the sea opposite the ship."""
 
 from collections.abc import Iterator
@@ -49,7 +49,7 @@ class Absorbing(Model):
     """The motion that the zone leaves alone; null: rest."""
 
     def problems(self, basin: waves.Tank, size: float) -> Problems:
-        """What is wrong with it in a basin that is so long [m] along its axis."""
+        """Faults of it in a basin that is so long [m] along its axis."""
         if self.length is not None and self.length > size:
             yield ("length",), f"a zone of {self.length:g} m is longer than the basin, {size:g} m"
         if self.target is None:

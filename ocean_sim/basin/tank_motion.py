@@ -179,9 +179,14 @@ class Recorded(Tank):
     axis: Axis | None = None
     """Which of several columns; by default the only one."""
 
+    @cached_property
+    def table(self) -> csv_file.Table:
+        """The file, read; raises Unreadable."""
+        return csv_file.Table(self.file)
+
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
         """Axis, times [s] and displacements [m or rad]; raises Unreadable."""
-        table = csv_file.Table(self.file)
+        table = self.table
         axes = {name: re.sub("(?<=roll_[xyz])_deg$|_rad$|_m$", "", name) for name in table}
         wanted = Axis.__args__ if self.axis is None else (self.axis,)  # type: ignore[attr-defined]
         names = [name for name in table if axes[name] in wanted]
@@ -215,7 +220,7 @@ class Recorded(Tank):
         found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
         found += overturned(axis, float(np.abs(moved).max()))
         most = float(np.degrees(np.abs(moved).max()))
-        if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in csv_file.Table(self.file):
+        if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in self.table:
             found.append(f"the tank rolls by {most:.3g} deg at most: is {axis}_deg in radians?")
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
@@ -279,7 +284,7 @@ class Wavemaker(waves.WaveTrain):
     """Time over which the motion grows; by default one period (of a spectrum its peak period)."""
 
     def problems(self, basin: waves.Tank, side: str) -> Problems:
-        """What is wrong with this wavemaker in this basin, whose wall there is of the kind `side`."""
+        """Faults of this wavemaker in this basin, whose wall there is of the kind `side`."""
         found = [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))

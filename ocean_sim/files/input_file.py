@@ -26,7 +26,8 @@ MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any
 NUMBERS, WORDS = "iuf", "SO"  # kinds of NumPy types in HDF5 files
 MAX_WORDS = 1000  # of a data set
 MARK = "\ufeff"  # of the order of bytes, at the beginning of text
-CODECS = ("utf-8", "utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be")  # the mark of UTF-32 begins as that of UTF-16
+# The mark of UTF-32 begins as that of UTF-16.
+MARKED_CODECS = ("utf-8", "utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be")
 FOLDER = "folder"  # the key of the scene's folder in pydantic's context
 
 
@@ -106,7 +107,7 @@ def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
 
 def marked_codec(data: bytes) -> str | None:
     """Codec of text by its byte order mark; None where it has none."""
-    return next((codec for codec in CODECS if data.startswith(MARK.encode(codec))), None)
+    return next((codec for codec in MARKED_CODECS if data.startswith(MARK.encode(codec))), None)
 
 
 def text(path: str | Path, most: int = MOST_BYTES) -> str:

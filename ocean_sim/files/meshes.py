@@ -17,11 +17,12 @@ from ocean_sim.files.whole_file import must_have_room, whole
 
 PLY_TYPES = {"<f4": "float", "<i4": "int", "|u1": "uchar"}
 AXES = "xyz"
-FLOAT, INDEX = 5126, 5125  # component types of glTF
+FLOAT_TYPE, INDEX_TYPE = 5126, 5125  # component types of glTF
 SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
 HELD_BACK = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
-BEGINS = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")  # where in the arrays a moment begins
+# Numbers by which a moment is found in the arrays.
+OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
@@ -86,7 +87,7 @@ class Glb:
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
         views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
         self.data += values.tobytes()
-        kind = INDEX if values.dtype == np.uint32 else FLOAT
+        kind = INDEX_TYPE if values.dtype == np.uint32 else FLOAT_TYPE
         shape = SHAPES[1 if values.ndim == 1 else values.shape[1]]
         found = {"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": shape}
         if bounds:
@@ -174,7 +175,7 @@ class Series:
         self.cells: np.ndarray | None = None
         self.times: list[float] = []
         self.parts = 0  # sets of cells written
-        self.steps: dict[str, list[Any]] = {name: [] for name in BEGINS}
+        self.steps: dict[str, list[Any]] = {name: [] for name in OFFSET_NAMES}
         self.fields: list[str] = []
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:

@@ -21,7 +21,7 @@ from ocean_sim.files.whole_file import RESERVE, UNFINISHED, write_facts
 
 LOCK, MANIFEST = ".lock", "manifest.json"
 MAX_FILES_NAMED = 3  # of those that are in the way
-TRIES = 1000  # times that others may remove a folder just before it is claimed
+MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it is claimed
 UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
     *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
     *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
@@ -30,12 +30,12 @@ UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an
 
 
 def unfinished(name: str) -> bool:
-    """Whether a file has the name of one that a killed writer left."""
+    """True if a file has the name of one that a killed writer left."""
     return re.fullmatch(UNFINISHED, name) is not None or name == RESERVE
 
 
 def foreign(folder: Path, *ours: str) -> list[str]:
-    """What a folder holds beside what fits one of the patterns `ours`; nothing where there is none, or where a run, or
+    """Names in a folder that fit none of the patterns `ours`; nothing where there is none, or where a run, or
     the first of `ours`, shows that it has been written into before."""
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST, *ours[:1])):
         return []
@@ -93,7 +93,7 @@ class Claim:
     def locked(self) -> int:
         """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
         none."""
-        for _ in range(TRIES):
+        for _ in range(MAX_CLAIM_TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
                 file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -117,7 +117,7 @@ class Claim:
         raise Refused(f"{self.folder}: no folder can be made here")
 
     def holder(self) -> str:
-        """Who holds the lock, in words."""
+        """Holder of the lock, in words."""
         try:
             return input_file.content(self.path).decode(errors="replace") or "another process"
         except input_file.Unreadable:

@@ -59,7 +59,7 @@ from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 PARTICLE, PAIR = 1.5e-6, 6.0e-9  # [s] of processor time, and a neighbour, with some ten iterations a step
-ROW = Columns(position=3, velocity=3, pressure=1)  # of the forces
+FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
 SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
@@ -144,7 +144,7 @@ class Config(SphConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(self.began(preflight), preflight.arch, ROW.size, 1)
+        sizes = self.sized(self.began(preflight), preflight.arch, FORCE_ROW.size, 1)
         neighbours = self.neighbours_kept(basin)
         numbers = 27 + self.enclosed(basin)
         if preflight.sums_impulses:
@@ -216,7 +216,7 @@ class Forces(Force):
     """All forces but pressure, and the pressures of the last step, from which the solver for the divergence starts."""
 
     fluid: "Dfsph"
-    row = ROW
+    row = FORCE_ROW
 
     def __init__(self, fluid: "Dfsph", viscosity: float) -> None:
         self.viscous = viscosity > 0.0
@@ -321,7 +321,7 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), arch(), ROW.size, 1)
+        sizes = config.sized(config.lattice(basin), arch(), FORCE_ROW.size, 1)
         super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, how far foam was carried, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
-BEFORE, BEFORE_EVERY = 2.0 * foam.FADE_SECONDS, 0.25  # [s] for which foam is made before a run begins, and in steps of
+FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # for which foam is made before a run begins
+FOAM_LEAD_STEP = 0.25  # [s] of it
 WHITE = 1.0e-7  # [s] of processor time of the foam at a point
 TICKED = (2.0e-3, 3.0e-7)  # [s] of the foam where its own clock ticks, and at each point more
 HEIGHTS = 4.0  # at a point in closed form: its own, and a velocity, as dear as three
@@ -225,7 +226,7 @@ class Frames(Observer):
         if sea is None or sea.grown(begins) < 1.0:
             return
         wind = self.wind_speed or raised_by(sea, begins)
-        for time in begins + np.arange(-BEFORE, 0.0, BEFORE_EVERY):
+        for time in begins + np.arange(-FOAM_LEAD_SECONDS, 0.0, FOAM_LEAD_STEP):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
             velocity = waves.surface_velocity(sea, points, float(time)).reshape(*self.shape, 3)
             self.whiten(time, elevation, velocity, wind)

@@ -14,24 +14,15 @@ import numpy as np
 import pytest
 
 from benchmarks import another_python, peers, pysph_dam, splishsplash
-from ocean_sim.__main__ import answered
 from ocean_sim.verbs import bench
 
 PEER_PYTHON = os.environ.get("OCEAN_SIM_PEER_PYTHON")
 
 
-@pytest.fixture
-def ask(capsys, tmp_path, monkeypatch):
-    """What a command line answers in an empty folder: exit code, standard output, standard error."""
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path, monkeypatch):
+    """Every test runs in a folder of its own."""
     monkeypatch.chdir(tmp_path)
-
-    def asked(*words: str) -> tuple[int, str, str]:
-        code = answered(list(words))
-        said = capsys.readouterr()
-        assert "Traceback" not in said.out + said.err
-        return code, said.out, said.err
-
-    return asked
 
 
 @pytest.fixture

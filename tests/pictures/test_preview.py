@@ -23,7 +23,6 @@ from ocean_sim.pictures.panel import Panel
 from ocean_sim.pictures.preview_scene import PreviewScene, backdrop, speed_colours
 from ocean_sim.platform.shared.packets import unpacked
 from ocean_sim.reading.scene import load
-from ocean_sim.simulation import Simulation
 from ocean_sim.verbs import preview as verb
 
 with_vulkan = pytest.mark.usefixtures("vulkan_there")
@@ -38,15 +37,6 @@ class Wheel:
 
     def give(self, throttle, rudder):
         self.throttle, self.rudder = min(max(throttle, -1.0), 1.0), min(max(rudder, -0.6), 0.6)
-
-
-@pytest.fixture(scope="module")
-def coarse():
-    """A yacht on some hundred particles under a gust, started once for all tests; they leave it as they found it."""
-    overrides = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
-    with Simulation(load("showcase", overrides)) as simulation:
-        simulation.run(0.2)
-        yield simulation
 
 
 def test_keys_of_the_panel():

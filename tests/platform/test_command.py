@@ -1,11 +1,11 @@
 """`ocean-sim platform`: what it writes, answers and refuses."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
-from ocean_sim.__main__ import answered
 from ocean_sim.files.csv_file import columns as read_columns
 from ocean_sim.platform import COLUMNS
 from ocean_sim.platform.hexapod import Config
@@ -17,17 +17,10 @@ PICTURES = {"motion.png", "legs.png", "workspace.png", "strips.png"}
 
 
 @pytest.fixture
-def ask(capsys, tmp_path, monkeypatch):
-    """What a command line answers: exit code, standard output, standard error."""
+def ask(ask, tmp_path, monkeypatch):
+    """Answer of `ocean-sim platform` in an empty folder."""
     monkeypatch.chdir(tmp_path)
-
-    def asked(*words):
-        code = answered(["platform", *map(str, words)])
-        said = capsys.readouterr()
-        assert "Traceback" not in said.out + said.err
-        return code, said.out, said.err
-
-    return asked
+    return partial(ask, "platform")
 
 
 @pytest.fixture

@@ -4,18 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import runtime
-from ocean_sim.reading.scene import load
-from ocean_sim.simulation import Simulation
 from ocean_sim.viewer.sliders import Slider, bound, sliders_of
-
-
-@pytest.fixture(scope="module")
-def coarse():
-    """A yacht on some hundred particles under a gust, started once for all tests; they leave it as they found it."""
-    overrides = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
-    with Simulation(load("showcase", overrides)) as simulation:
-        simulation.run(0.2)
-        yield simulation
 
 
 def kernels():

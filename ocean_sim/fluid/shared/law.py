@@ -4,7 +4,7 @@ A law is a sum over the neighbours j of each particle i,
 
     total_i = sum_j pair(own_i, other_j),
 
-which `finish` multiplies by its `prefactor` and puts to use. A law has these ten names and no others.
+which `finish` multiplies by its `prefactor` and puts to use. A law fills in at most ten names.
 """
 
 from abc import ABC, abstractmethod

@@ -107,12 +107,18 @@ class Scheduled(Timed):
     """Rows of time, speed and heading_deg, or {file: ...csv}; in place of a constant speed and heading."""
 
     @cached_property
+    def table(self) -> csv_file.Table | None:
+        """The file of the schedule, read; None where the schedule is in no file. Raises Unreadable."""
+        return csv_file.Table(self.schedule.file) if isinstance(self.schedule, File) else None
+
+    @cached_property
     def course(self) -> Schedule | None:
         """The schedule, read; raises ValueError."""
         if self.schedule is None:
             return None
-        if isinstance(self.schedule, File):
-            return Schedule(*csv_file.Table(self.schedule.file).series("speed_m_s", "heading_deg"))
+        if self.table is not None:
+            return Schedule(*self.table.series("speed_m_s", "heading_deg"))
+        assert not isinstance(self.schedule, File)
         if not self.schedule:
             raise ValueError("needs at least one row")
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
@@ -125,7 +131,7 @@ class Scheduled(Timed):
         found = csv_file.unreached("the schedule", self.course.time, duration, "only its {} row blows")
         if not found and isinstance(self.schedule, File) and last < duration:
             found = [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
-        return found + (csv_file.Table(self.schedule.file).like_radians() if isinstance(self.schedule, File) else [])
+        return found + (self.table.like_radians() if self.table is not None else [])
 
     def unscheduled(self) -> Problems:
         """A problem where the schedule cannot be followed."""

@@ -287,8 +287,7 @@ def all_kinds() -> str:
         "Taken from the source: what a module computes, after whom, and what it is known to do badly.\n",
     ]
     for slot in SLOTS:
-        modules = [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot / "shared").glob("[!_]*.py"))]
-        modules += sorted((PACKAGE / slot / "washout").glob("[!_]*.py")) if slot == "platform" else []
+        modules = [*sorted((PACKAGE / slot).glob("[!_]*.py")), *sorted((PACKAGE / slot).glob("*/[!_]*.py"))]
         text.append(f"## {slot}\n")
         for path in modules:
             words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))

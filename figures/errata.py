@@ -17,16 +17,16 @@ from _paper import BLUE, GREY, INK, PALE, SOFT, keep, paper, table
 
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.fluid import with_particles
-from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import PACKAGE
-from ocean_sim.pictures.water_shading import REFRACTIVE_INDEX, fresnel
+from ocean_sim.pictures.water.water_shading import REFRACTIVE_INDEX, fresnel
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.reading.scene import load
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.hydrostatics import UP
-from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, angles, oriented
+from ocean_sim.ship.body.rigid_body import RigidBody, advanced, angles, oriented
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.naval.hydrostatics import UP
 from ocean_sim.simulation import Simulation
 from ocean_sim.surface.shared.mesh import sheet
 from ocean_sim.wind.shared.air_load import drag, drag_coefficient, lift, stress

@@ -13,7 +13,7 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREY, INK, PALE, RED, keep, paper, table
 
-from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.sph.smoothing import Smoothing
 
 SPEED, SWING, PERIOD = 3.0, 1.1, 12.0  # of the wind [m/s], its part across [m/s], time of a swing [s]
 RISE, RISES = 1.0, 4.0  # of fresh smoke [m/s], and how long [s]

@@ -10,7 +10,7 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREY, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.pictures.water_shading import REFRACTIVE_INDEX, fresnel
+from ocean_sim.pictures.water.water_shading import REFRACTIVE_INDEX, fresnel
 
 MARKED = (0.0, 45.0, 60.0, 80.0)  # [deg]
 

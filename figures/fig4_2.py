@@ -15,7 +15,7 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, RED, SKY, keep, paper, table
 
-from ocean_sim.ship.shared.rigid_body import cross
+from ocean_sim.ship.body.rigid_body import cross
 
 SPACING, RADIUS = 1.25, 4.0  # [m]
 CENTRE = np.array([0.0, -0.9, 0.0])  # of the ball [m]

@@ -14,9 +14,9 @@ from _options import options
 from _paper import BLUE, GREEN, INK, ORANGE, RED, keep, paper, table
 
 from ocean_sim.conventions import Motions, to_frame
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.rigid_body import matrix, oriented
-from ocean_sim.ship.shared.shapes import drawn as drawn_hull
+from ocean_sim.ship.body.rigid_body import matrix, oriented
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.hull.shapes import drawn as drawn_hull
 
 HULL, SHIFT, TURN = "yacht", 2.0, 15.0  # [m], [deg]
 COLOURS = (RED, GREEN, BLUE)  # of x, y, z

@@ -11,8 +11,8 @@ import numpy as np
 from _options import options
 from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.hydrostatics import UP, Hydrostatics
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.naval.hydrostatics import UP, Hydrostatics
 
 HULL, DENSITY, GRAVITY = "yacht", 1000.0, 9.81  # [kg/m3], [m/s2]
 FEW, CELLS = 3.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # cubes over the draught: of the picture, of the curve

@@ -21,7 +21,7 @@ from _options import options, progress
 from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.foam import monahan, shares
+from ocean_sim.pictures.water.foam import monahan, shares
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.waves import COMPONENTS, Components, Spectrum, wavenumber
 

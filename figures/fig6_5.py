@@ -18,7 +18,7 @@ from _kept import BARE, grey, kept, save, shots
 from _options import options, progress
 from _paper import keep, paper, table
 
-from ocean_sim.pictures.foam import monahan
+from ocean_sim.pictures.water.foam import monahan
 
 WIND = 14.0  # [m/s]
 SCENE: dict[str, Any] = {

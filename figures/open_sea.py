@@ -2,8 +2,8 @@
 
 Slices of three wavelengths under delta_sph, 40 particles to the wave, steepness ka 0.05; with the feed, and without it
 at the speed of the wave's own energy, where no rim can renew it. Dots: least squares of the velocities in windows of
-half a wavelength, over the last five periods of 25; lines: the equation of one line in `fluid/shared/band.py`, in which
-a wave without a feed that keeps up with the rim is lost outside it.
+half a wavelength, over the last five periods of 25; lines: the equation of one line in
+`fluid/patch/relaxation_zone.py`, in which a wave without a feed that keeps up with the rim is lost outside it.
 
 python figures/open_sea.py [--fast] [--out DIR]
 """
@@ -14,7 +14,7 @@ import numpy as np
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.fluid.shared.band import band
+from ocean_sim.fluid.patch.relaxation_zone import band
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.open_sea_waves import A_PERIOD, COARSE, FINE, GROUP, PATCH, PERIOD, K, around, patch

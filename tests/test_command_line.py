@@ -352,7 +352,7 @@ def test_a_frame_that_is_cut_short_is_named(ask):
 
 def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
     from ocean_sim.observers import render
-    from ocean_sim.pictures import opengl
+    from ocean_sim.pictures.stage import opengl
 
     def missing(*_: object, **__: object) -> None:
         raise opengl.OpenGLMissing

@@ -142,7 +142,7 @@ def test_text_with_a_byte_order_mark_is_read_in_every_reader(tmp_path, codec):
     import trimesh
 
     from ocean_sim.files import yaml_file
-    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.ship.hull.shapes import MeshFile
     from ocean_sim.waves.exchange import of_openfast
 
     box = trimesh.creation.box((1.0, 2.0, 3.0))

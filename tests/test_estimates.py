@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import render
-from ocean_sim.pictures import opengl
+from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.check import memory_taken, preflight, wall_time

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from ocean_sim import kernel_library, runtime
-from ocean_sim.pictures import vulkan
+from ocean_sim.pictures.live import vulkan
 
 TANK = {"basin": {"length": 2.0, "width": 1.2, "depth": 0.5}, "duration": 1.0}
 TANK |= {"time_step": {"kind": "fixed", "dt": 0.002}}

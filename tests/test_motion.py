@@ -208,7 +208,7 @@ def test_what_cannot_be_is_said():
 def test_rows_that_a_run_does_not_reach_are_said(tmp_path, begin):
     """Of every file with times that a scene names; a run that reaches into its rows is told nothing."""
     from ocean_sim.basin.gate import Gate
-    from ocean_sim.ship.shared.propulsion import Helm
+    from ocean_sim.ship.forces.propulsion import Helm
 
     place = "ends at -9" if begin < 0.0 else f"begins at {begin:.12g} s, when the run of 5 s is over"
     for first, said in ((begin, place), (0.0, None)):

@@ -1,8 +1,8 @@
 """The smallest law of pairs: particles per volume around each particle [1/m3], the sum of W over its neighbours."""
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.shared.law import Law
-from ocean_sim.fluid.shared.sph import Sph
+from ocean_sim.fluid.sph.law import Law
+from ocean_sim.fluid.sph.sph import Sph
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 

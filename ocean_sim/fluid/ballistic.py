@@ -6,12 +6,12 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid.shared.field import Field
-from ocean_sim.fluid.shared.grid_size import GridSize
-from ocean_sim.fluid.shared.particle_water import ParticleWater
-from ocean_sim.fluid.shared.walk_plan import PLANS, of_accounts
-from ocean_sim.fluid.shared.water import WaterConfig, free_fall_speed
+from ocean_sim.fluid.budget.field import Field
+from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, of_accounts
+from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.sph.particle_water import ParticleWater
+from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array, arch, in_kernels

@@ -24,19 +24,19 @@ from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import DIFFUSION, PRESSURE, VISCOSITY
-from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
-from ocean_sim.fluid.shared.grid import STATE
-from ocean_sim.fluid.shared.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
-from ocean_sim.fluid.shared.law import Law, WalkOptions
-from ocean_sim.fluid.shared.list_size import ListSize
-from ocean_sim.fluid.shared.pair_sph import MomentumLaw
-from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive, smaller
-from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
-from ocean_sim.fluid.shared.staggered import staggered
-from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
-from ocean_sim.fluid.shared.water import Lattice
+from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.neighbours.list_size import ListSize
+from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
+from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
+from ocean_sim.fluid.sph.law import Law, WalkOptions
+from ocean_sim.fluid.sph.pair_sph import MomentumLaw
+from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive, smaller
+from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight

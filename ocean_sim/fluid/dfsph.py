@@ -29,7 +29,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.accounts import (
+from ocean_sim.fluid.budget.momentum_budget import (
     BED,
     GRAVITY,
     PRESSURE,
@@ -42,16 +42,16 @@ from ocean_sim.fluid.shared.accounts import (
     absent,
     pushing,
 )
-from ocean_sim.fluid.shared.attenuation import Attenuation, Delay
-from ocean_sim.fluid.shared.law import Law, WalkOptions
-from ocean_sim.fluid.shared.pair_sph import Force
-from ocean_sim.fluid.shared.particles import Components
-from ocean_sim.fluid.shared.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
-from ocean_sim.fluid.shared.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
-from ocean_sim.fluid.shared.sph import Sph, SphConfig, limits, rows
-from ocean_sim.fluid.shared.staggered import staggered
-from ocean_sim.fluid.shared.stencil import Stencil, of_rigidity
-from ocean_sim.fluid.shared.tasks import Rows
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.neighbours.thread_tasks import Rows
+from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
+from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
+from ocean_sim.fluid.sph.law import Law, WalkOptions
+from ocean_sim.fluid.sph.pair_sph import Force
+from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
+from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight

@@ -8,7 +8,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.shared.open_water import (
+from ocean_sim.fluid.open_sea.open_water import (
     ADVANCE,
     POINT,
     POINTS_PER_WAVE,
@@ -17,8 +17,8 @@ from ocean_sim.fluid.shared.open_water import (
     OpenWater,
     status_of,
 )
-from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
-from ocean_sim.fluid.shared.window import Window
+from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
+from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems

@@ -14,12 +14,12 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
-from ocean_sim.fluid.shared.attenuation import Attenuation
-from ocean_sim.fluid.shared.law import Law
-from ocean_sim.fluid.shared.pair_sph import MomentumLaw, PairSph
-from ocean_sim.fluid.shared.smoothing import positive
-from ocean_sim.fluid.shared.sph import SphConfig, rows
-from ocean_sim.fluid.shared.staggered import staggered
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.patch.attenuation import Attenuation
+from ocean_sim.fluid.sph.law import Law
+from ocean_sim.fluid.sph.pair_sph import MomentumLaw, PairSph
+from ocean_sim.fluid.sph.smoothing import positive
+from ocean_sim.fluid.sph.sph import SphConfig, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight

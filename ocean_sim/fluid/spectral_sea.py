@@ -19,10 +19,10 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
-from ocean_sim.fluid.shared.air_pressure import AirPressure
-from ocean_sim.fluid.shared.breaking import Breaking
-from ocean_sim.fluid.shared.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
-from ocean_sim.fluid.shared.open_water import (
+from ocean_sim.fluid.open_sea.air_pressure import AirPressure
+from ocean_sim.fluid.open_sea.breaking import Breaking
+from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
+from ocean_sim.fluid.open_sea.open_water import (
     ADVANCE,
     POINT,
     POINTS_PER_WAVE,
@@ -32,10 +32,10 @@ from ocean_sim.fluid.shared.open_water import (
     OpenWater,
     status_of,
 )
-from ocean_sim.fluid.shared.plane_waves import NO_DRIFT, PlaneWaves
-from ocean_sim.fluid.shared.sheet import WORDS, Sheet
-from ocean_sim.fluid.shared.tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
-from ocean_sim.fluid.shared.window import Window
+from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
+from ocean_sim.fluid.open_sea.wave_sheet import WORDS, Sheet
+from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
+from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
 from ocean_sim.runtime import in_kernels

@@ -17,8 +17,8 @@ from ocean_sim.fluid import Copied, Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
-from ocean_sim.pictures import foam
-from ocean_sim.pictures.far_sea import raised_by
+from ocean_sim.pictures.water import foam
+from ocean_sim.pictures.water.far_sea import raised_by
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 

@@ -12,7 +12,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion, heading, takers
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
-from ocean_sim.ship.shared.track import (
+from ocean_sim.ship.body.track import (
     UNKNOWN,
     Between,
     Track,
@@ -26,7 +26,7 @@ from ocean_sim.ship.shared.track import (
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
-    from ocean_sim.ship.shared.rigid_body import RigidBody
+    from ocean_sim.ship.body.rigid_body import RigidBody
 
 LINES, TURNS = Motions._fields[:3], Motions._fields[3:]
 AXES = {

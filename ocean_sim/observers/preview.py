@@ -19,10 +19,10 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.pictures.panel import HELM, Panel, after
-from ocean_sim.pictures.preview_eye import Eye, Frame, Orbit, seen
-from ocean_sim.pictures.preview_scene import Balls, Patch, PreviewScene, backdrop
-from ocean_sim.pictures.vulkan import VulkanMissing, require
+from ocean_sim.pictures.live.panel import HELM, Panel, after
+from ocean_sim.pictures.live.preview_eye import Eye, Frame, Orbit, seen
+from ocean_sim.pictures.live.preview_scene import Balls, Patch, PreviewScene, backdrop
+from ocean_sim.pictures.live.vulkan import VulkanMissing, require
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:

@@ -29,8 +29,6 @@ from ocean_sim.machine import cores, end_led, outlive_no_parent, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
-from ocean_sim.pictures import opengl
-from ocean_sim.pictures.camera import ABOARD, Name
 from ocean_sim.pictures.frame_files import (
     Frame,
     Log,
@@ -42,10 +40,12 @@ from ocean_sim.pictures.frame_files import (
     ships_in,
     survey,
 )
-from ocean_sim.pictures.moments import Moments
-from ocean_sim.pictures.order import Order, Quality, RenderFailed
-from ocean_sim.pictures.picture import MAPS, SAMPLES, Picture, Shot, foreseen
-from ocean_sim.pictures.sea_state import DRY, FITTINGS, scene_of
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.stage.camera import ABOARD, Name
+from ocean_sim.pictures.stage.film_strip import Moments
+from ocean_sim.pictures.stage.picture import MAPS, SAMPLES, Picture, Shot, foreseen
+from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
+from ocean_sim.pictures.water.sea_state import DRY, FITTINGS, scene_of
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress, Simulation
 
 PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality

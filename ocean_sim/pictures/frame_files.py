@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib.npyio import NpzFile
 
 from ocean_sim.files.input_file import Unreadable, size_of
-from ocean_sim.pictures.camera import Track
+from ocean_sim.pictures.stage.camera import Track
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
 DAMAGED = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, MemoryError, BadZipFile, BadStream)

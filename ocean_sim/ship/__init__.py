@@ -11,8 +11,8 @@ from ocean_sim.basin import whole_sides
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Fluid, Limits
-    from ocean_sim.ship.shared.propulsion import Helmsman, Person
-    from ocean_sim.ship.shared.rigid_body import RigidBody
+    from ocean_sim.ship.body.rigid_body import RigidBody
+    from ocean_sim.ship.forces.propulsion import Helmsman, Person
     from ocean_sim.surface import Surface
     from ocean_sim.wind import Wind
 

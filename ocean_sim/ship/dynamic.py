@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
-from ocean_sim.ship.shared.seakeeping import SeakeepingConfig, SeakeepingShip
+from ocean_sim.ship.body.seakeeping import SeakeepingConfig, SeakeepingShip
 
 
 class Config(SeakeepingConfig):

@@ -13,12 +13,12 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid
 from ocean_sim.ship import Ship
-from ocean_sim.ship.shared.added_mass import Slamming, by_rule
-from ocean_sim.ship.shared.damping import Damping, Resistance
-from ocean_sim.ship.shared.floating import FloatingConfig
-from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.rigid_body import to_world
+from ocean_sim.ship.body.floating import FloatingConfig
+from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.rigid_body import to_world
+from ocean_sim.ship.forces.added_mass import Slamming, by_rule
+from ocean_sim.ship.forces.damping import Damping, Resistance
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
 
 class Config(FloatingConfig):

@@ -16,9 +16,9 @@ from ocean_sim.conventions import from_frame, to_frame
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.ship import Load, Ship
-from ocean_sim.ship.shared.hydrostatics import Matter
-from ocean_sim.ship.shared.rigid_body import oriented
-from ocean_sim.ship.shared.vessel import Actuators, Vessel, VesselConfig
+from ocean_sim.ship.body.rigid_body import oriented
+from ocean_sim.ship.body.vessel import Actuators, Vessel, VesselConfig
+from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 

@@ -15,13 +15,13 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
-from ocean_sim.ship.shared.added_mass import by_rule
-from ocean_sim.ship.shared.floating import FloatingConfig, afloat_pose
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
-from ocean_sim.ship.shared.moorings import Moorings
-from ocean_sim.ship.shared.rigid_body import RigidBody, held, to_world
-from ocean_sim.ship.shared.solid import Solid
-from ocean_sim.ship.shared.vessel import Actuators, Vessel
+from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
+from ocean_sim.ship.body.rigid_body import RigidBody, held, to_world
+from ocean_sim.ship.body.vessel import Actuators, Vessel
+from ocean_sim.ship.forces.added_mass import by_rule
+from ocean_sim.ship.forces.moorings import Moorings
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
+from ocean_sim.ship.water.solid import Solid
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 

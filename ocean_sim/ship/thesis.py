@@ -16,11 +16,11 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship
-from ocean_sim.ship.shared.floating import FloatingConfig
-from ocean_sim.ship.shared.floating_ship import FloatingShip, Immersion
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.rigid_body import RigidBody, thesis_advanced
-from ocean_sim.ship.shared.water import SurroundingSea, SurroundingWater
+from ocean_sim.ship.body.floating import FloatingConfig
+from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advanced
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
 from ocean_sim.surface import Surface
 
 NODES = 32  # along the basin, as `getWaveHeight` counts them

@@ -15,7 +15,7 @@ from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.sea import SCHEMES, G, going, risen, scene, sea_of
 
 if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.tile import Tile
+    from ocean_sim.fluid.open_sea.wave_tile import Tile
 
 PERIODS, STEPS = 100, 40
 ON_TILE = (6, 8)  # waves on the tile, of which it is asked how much comes back
@@ -35,7 +35,7 @@ def kept() -> Problem:
     phase = Promise("phase after 100 periods, error [rad]", "rad", "omega^2 = g k", {"spectral_sea": 1e-9})
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.shared.tile import Layer
+        from ocean_sim.fluid.open_sea.wave_tile import Layer
 
         tile = sea_of(simulation).tile
         layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
@@ -61,7 +61,7 @@ def returned() -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.shared.tile import Tile
+        from ocean_sim.fluid.open_sea.wave_tile import Tile
 
         small = sea_of(simulation).tile
         large = Tile(LARGE * small.side, LARGE * small.cells, 1, small.depth, small.gravity)
@@ -79,7 +79,7 @@ def returned() -> Problem:
 
 def radiated(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     """Complex amplitude [m] around an oscillating pressure as long as a wave of wavenumber k, where no rim is."""
-    from ocean_sim.fluid.shared.tile import Layer
+    from ocean_sim.fluid.open_sea.wave_tile import Layer
 
     layer, omega = Layer(tile, rim), np.sqrt(G * k)
     dt, source = 2.0 * np.pi / omega / STEPS, tile.waves(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])

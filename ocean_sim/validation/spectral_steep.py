@@ -33,7 +33,7 @@ def running() -> Problem:
     }
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.shared.high_order import HighOrder
+        from ocean_sim.fluid.open_sea.high_order import HighOrder
 
         tile, found = sea_of(simulation).tile, {}
         k = 2.0 * np.pi * WAVES / tile.side
@@ -59,7 +59,7 @@ def growing() -> Problem:
     promise = Promise("growth of side-bands [1/s]", "%", "Dysthe 1979", {"spectral_sea": 10.0})
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.shared.high_order import HighOrder
+        from ocean_sim.fluid.open_sea.high_order import HighOrder
 
         tile, s, delta = sea_of(simulation).tile, 0.1, 1.0 / CARRIERS
         k = 2.0 * np.pi * CARRIERS / tile.side

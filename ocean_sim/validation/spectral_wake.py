@@ -55,7 +55,7 @@ def havelock(u: float) -> float:
 
 def towed(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
     """Mean resistance [N] of the steady state, and the elevation at its end (cells, rows) [m]."""
-    from ocean_sim.fluid.shared.tile import Layer
+    from ocean_sim.fluid.open_sea.wave_tile import Layer
 
     tile = sea_of(simulation).tile
     layer, steps, found = Layer(tile), round(END / STEP), []

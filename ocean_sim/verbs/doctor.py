@@ -20,7 +20,7 @@ from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
 print(cache_directory())
 """
-PREVIEW = "from ocean_sim.pictures.vulkan import require; require(show=False)"
+PREVIEW = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
 FILM = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
@@ -104,7 +104,7 @@ def probed(script: str) -> dict[str, Any]:
 
 def opengl() -> dict[str, Any]:
     """Fact about drawing pictures without a screen."""
-    script = "from ocean_sim.pictures.opengl import probe, window; print(json.dumps([probe(), window()]))"
+    script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = probed(f"import json; {script}")
     if not fact["ok"]:
         return fact

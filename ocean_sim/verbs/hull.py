@@ -14,9 +14,9 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, number_list
 
 if TYPE_CHECKING:
-    from ocean_sim.ship.shared.hull import Hull
-    from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-    from ocean_sim.ship.shared.stability import Loading, Stability
+    from ocean_sim.ship.hull.hull import Hull
+    from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+    from ocean_sim.ship.naval.stability import Loading, Stability
 
 HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
 SWINGS = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
@@ -101,8 +101,8 @@ def hull(
     as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    from ocean_sim.ship.shared.hull import explained
-    from ocean_sim.ship.shared.mesh import BadMesh
+    from ocean_sim.ship.hull.hull import explained
+    from ocean_sim.ship.hull.mesh import BadMesh
 
     at = number_list("--cg", cg)
     if at is not None and len(at) != 3:
@@ -143,7 +143,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, the density of
     its water [kg/m3], and length and breadth of its bilge keels [m]; raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
-    from ocean_sim.ship.shared.hull import MESHES, hull_of
+    from ocean_sim.ship.hull.hull import MESHES, hull_of
 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
@@ -156,7 +156,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
         return hull_of(name, asked.up, asked.bow, asked.scale), WATER_DENSITY, None
     from ocean_sim.reading.scene import load, packaged_scenes
     from ocean_sim.reading.translation import likeliest
-    from ocean_sim.ship.shared.floating import FloatingConfig
+    from ocean_sim.ship.body.floating import FloatingConfig
 
     if not scene and name not in named("ship"):
         hulls, ships = ", ".join(named("hull")), ", ".join(named("ship"))
@@ -188,7 +188,7 @@ def condition_of(path: Path) -> "Loading":
     """A loading condition; raises SceneError."""
     from ocean_sim.files.yaml_file import Problem, SceneError, read
     from ocean_sim.reading.translation import validated
-    from ocean_sim.ship.shared.stability import Loading
+    from ocean_sim.ship.naval.stability import Loading
 
     problems: list[Problem] = []
     found = validated(Loading, read(path), (), problems)
@@ -199,7 +199,7 @@ def condition_of(path: Path) -> "Loading":
 
 def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
     """The hull with its mass and its centre as asked for; what is said of neither is told in the notes."""
-    from ocean_sim.ship.shared.voxels import voxels
+    from ocean_sim.ship.hull.voxels import voxels
 
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
     lower, upper = shape.shape.bounds()
@@ -211,7 +211,7 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
         mass = mass_at(shape, asked)
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
-        from ocean_sim.ship.shared.hull import COARSE
+        from ocean_sim.ship.hull.hull import COARSE
 
         mass = HALF * density_of(asked) * voxels(shape.shape, height / COARSE).volume
         notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
@@ -231,7 +231,7 @@ def density_of(asked: Asked) -> float:
 
 def mass_at(shape: "Hull", asked: Asked) -> float:
     """Mass that the hull carries upright at the draught asked for [kg]; raises Refused."""
-    from ocean_sim.ship.shared.hydrostatics import UP
+    from ocean_sim.ship.naval.hydrostatics import UP
 
     assert asked.draught is not None
     height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
@@ -244,10 +244,10 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """Answer of `hull`, and sentences for people."""
-    from ocean_sim.ship.shared.hull import ENOUGH
-    from ocean_sim.ship.shared.hydrostatics import metacentric_heights
-    from ocean_sim.ship.shared.stability import Stability
-    from ocean_sim.ship.shared.voxels import MISSED_SHARE
+    from ocean_sim.ship.hull.hull import ENOUGH
+    from ocean_sim.ship.hull.voxels import MISSED_SHARE
+    from ocean_sim.ship.naval.hydrostatics import metacentric_heights
+    from ocean_sim.ship.naval.stability import Stability
 
     notes: list[str] = []
     problems: list[str] = []
@@ -300,7 +300,7 @@ def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None")
 
 def troubles(stability: "Stability") -> list[str]:
     """Why a ship would not stay as she is put into the water, in words."""
-    from ocean_sim.ship.shared.floating import LEAN, at_rest
+    from ocean_sim.ship.body.floating import LEAN, at_rest
 
     found = []
     if stability.gm <= 0.0:
@@ -319,8 +319,8 @@ def troubles(stability: "Stability") -> list[str]:
 def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
     """Roll damping by components (Ikeda) at some amplitudes, as shares of critical, and where the hull is beyond their
     regressions."""
-    from ocean_sim.ship.shared.added_mass import by_rule
-    from ocean_sim.ship.shared.roll_damping import BilgeKeels, Ikeda, RollDamping
+    from ocean_sim.ship.forces.added_mass import by_rule
+    from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
 
     keels = None if asked.bilge_keels is None else BilgeKeels(length=asked.bilge_keels[0], breadth=asked.bilge_keels[1])
     if keels is not None and keels.length > afloat.length:
@@ -343,7 +343,7 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     theory is not for her. Raises Refused."""
     from math import degrees, sqrt
 
-    from ocean_sim.ship.shared.hydrostatics import slender, squat
+    from ocean_sim.ship.naval.hydrostatics import slender, squat
 
     if depth is None:
         return [], []
@@ -363,9 +363,9 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
 
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
     """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
-    from ocean_sim.ship.shared.added_mass import by_rule
-    from ocean_sim.ship.shared.hydrostatics import HEELS
-    from ocean_sim.ship.shared.stability import CROSS
+    from ocean_sim.ship.forces.added_mass import by_rule
+    from ocean_sim.ship.naval.hydrostatics import HEELS
+    from ocean_sim.ship.naval.stability import CROSS
 
     kb = afloat.kb
     added = by_rule(afloat)
@@ -408,7 +408,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
     she has no pose at rest."""
     from math import asin, degrees
 
-    from ocean_sim.ship.shared.floating import at_rest, matrix_of
+    from ocean_sim.ship.body.floating import at_rest, matrix_of
 
     angles, names = at_rest(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
     if angles is None:
@@ -422,7 +422,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """Print the answer of `hull` for people."""
-    from ocean_sim.ship.shared.stability import LAST
+    from ocean_sim.ship.naval.stability import LAST
 
     console.say(name)
     for note in notes:
@@ -479,7 +479,7 @@ def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Three views of the hull with its waterline, and its righting lever."""
     from matplotlib.figure import Figure
 
-    from ocean_sim.ship.shared.voxels import voxels
+    from ocean_sim.ship.hull.voxels import voxels
 
     lower, upper = shape.shape.bounds()
     cubes = voxels(shape.shape, float((upper - lower)[1]) / 24.0)

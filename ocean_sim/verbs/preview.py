@@ -15,7 +15,7 @@ from ocean_sim.machine import extra_missing
 from ocean_sim.observers import checkpoint, render
 from ocean_sim.observers.preview import Config, Screen, require, write
 from ocean_sim.parts import named
-from ocean_sim.pictures.panel import Panel
+from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import serve

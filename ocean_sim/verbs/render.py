@@ -134,7 +134,7 @@ def export(
     if scene == "glb" and z_up:
         raise console.Refused("--z-up: in glTF y is up; readers turn it")
     require_frames(run)
-    from ocean_sim.pictures.export import export_run
+    from ocean_sim.pictures.export.paraview import export_run
 
     with console.claim(out or run / "export") as written:
         files = export_run(run, out=written, **asked)

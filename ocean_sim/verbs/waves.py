@@ -12,7 +12,7 @@ import typer
 from ocean_sim.files import run_files
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened
-from ocean_sim.pictures.sea_state import scene_of
+from ocean_sim.pictures.water.sea_state import scene_of
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json

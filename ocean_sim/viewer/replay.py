@@ -10,8 +10,8 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import document
 from ocean_sim.files.whole_file import whole
-from ocean_sim.pictures.foam import coarser
 from ocean_sim.pictures.frame_files import Frame, frame_files, opened, ships_in
+from ocean_sim.pictures.water.foam import coarser
 from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
 from ocean_sim.viewer.still import Setting, Vessel, page, sky_packet
 from ocean_sim.viewer.watch import CELLS, elevation_gauges

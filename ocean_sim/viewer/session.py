@@ -15,7 +15,7 @@ from ocean_sim.files.run_files import Claim
 from ocean_sim.files.whole_file import whole
 from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, mapping, setting
 from ocean_sim.parts import library, named
-from ocean_sim.pictures.panel import Panel
+from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
@@ -27,7 +27,7 @@ from ocean_sim.viewer.watch import Audience, Watch
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
-    from ocean_sim.ship.shared.propulsion import Helmsman, Person
+    from ocean_sim.ship.forces.propulsion import Helmsman, Person
 
 BUDGET = 0.04  # [s] of steps between two looks at what has come in
 NAP = 0.05  # [s] to wait for commands where there is nothing to do

@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures import foam, light, sky, water_glsl, water_shading
-from ocean_sim.pictures.preview_scene import SPEEDS
-from ocean_sim.pictures.sea_state import wind_of
-from ocean_sim.pictures.ship_hull import Hull
-from ocean_sim.pictures.ship_model import modelled
+from ocean_sim.pictures.live.preview_scene import SPEEDS
+from ocean_sim.pictures.ships.ship_hull import Hull
+from ocean_sim.pictures.ships.ship_model import modelled
+from ocean_sim.pictures.stage import light, sky
+from ocean_sim.pictures.water import foam, water_glsl, water_shading
+from ocean_sim.pictures.water.sea_state import wind_of
 from ocean_sim.viewer.protocol import VERSION, boxed, packet
 from ocean_sim.waves import Components
 

@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim.basin.points import middles, pairs
 from ocean_sim.fluid import Particles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
-from ocean_sim.pictures.preview_scene import PreviewScene
+from ocean_sim.pictures.live.preview_scene import PreviewScene
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation

@@ -88,7 +88,7 @@ class Wind(ABC):
 
         `key` is its number, by which noise is drawn; `position` [m] and `velocity` [m/s] are its own; `area` is the
         exposed area times its outward normal [m2], zero inside the water; `bend` is the change of the surface's slope
-        over the depth at which exposed areas lie (`fluid/shared/exposure.py`); `mass` [kg]."""
+        over the depth at which exposed areas lie (`fluid/bodies/exposure.py`); `mass` [kg]."""
 
 
 @in_kernels

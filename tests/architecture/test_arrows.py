@@ -25,7 +25,7 @@ FOUNDATION = (
     "waves",
     "basin",
 )
-OPEN = ("motion_log", "datagrams", "packets", "track")  # of platform.shared and ship.shared: what those who write and
+OPEN = ("motion_log", "datagrams", "packets", "track")  # of platform.shared and ship.body: what those who write and
 # read motion logs use, too
 
 
@@ -223,8 +223,8 @@ def test_classes_of_kernels_are_marked_by_our_own_decorator():
         ("yaml", {"ocean_sim.files.yaml_file"}),
         ("random", set()),
         ("aiohttp", {"ocean_sim.viewer.server"}),
-        ("pyvista", {"ocean_sim.pictures.stage", "ocean_sim.pictures.export"}),
-        ("vtkmodules", {"ocean_sim.pictures.water_glsl", "ocean_sim.pictures.ship"}),
+        ("pyvista", {"ocean_sim.pictures.stage.plotter", "ocean_sim.pictures.export.paraview"}),
+        ("vtkmodules", {"ocean_sim.pictures.water.water_glsl", "ocean_sim.pictures.ships.ship"}),
         ("vtk", set()),
         ("imageio", {"ocean_sim.observers.render"}),
         ("imageio_ffmpeg", {"ocean_sim.observers.render"}),

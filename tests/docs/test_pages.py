@@ -14,7 +14,7 @@ from ocean_sim.__main__ import answered, command_of
 from ocean_sim.files.yaml_file import Location, SceneError, parsed
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.scene import load, load_text
-from ocean_sim.ship.shared.stability import Loading
+from ocean_sim.ship.naval.stability import Loading
 
 ROOT = library("scenes").parent
 PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]

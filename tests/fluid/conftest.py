@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
+from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of
 from ocean_sim.wind.still import Config as Still

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ocean_sim
-from ocean_sim.fluid.shared.initial import of_patch
+from ocean_sim.fluid.sph.initial_state import of_patch
 from ocean_sim.validation import problems
 
 QUIET = {"accuracy": None, "health": None, "timings": None}

@@ -8,7 +8,7 @@ import pytest
 
 from ocean_sim import load
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.shared.boundary import Boundary
+from ocean_sim.fluid.bodies.boundary import Boundary
 from ocean_sim.observers.shared.checks import beyond
 from ocean_sim.reading.scene import SceneError
 from tests.conftest import quickly
@@ -291,6 +291,6 @@ def test_without_obstacles_nothing_of_this_is_imported():
     code = (
         "import sys, ocean_sim; s = ocean_sim.load({'basin': {'length': 1.0, 'depth': 0.5}, 'duration': 1.0,"
         " 'fluid': {'kind': 'mueller', 'spacing': 0.1}, 'render': None}); ocean_sim.Simulation(s);"
-        " print('ocean_sim.fluid.shared.boundary' in sys.modules)"
+        " print('ocean_sim.fluid.bodies.boundary' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.split()[-1] == "False"

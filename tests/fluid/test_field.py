@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.shared.field import Field
+from ocean_sim.fluid.budget.field import Field
 from tests.fluid.conftest import put
 
 GRAVITIES = np.array([0.0, -GRAVITY, 0.0])

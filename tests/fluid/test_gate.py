@@ -10,7 +10,7 @@ from ocean_sim import load
 from ocean_sim.__main__ import answered
 from ocean_sim.basin.gate import Gate
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.shared.boundary import MOTION
+from ocean_sim.fluid.bodies.boundary import MOTION
 from ocean_sim.observers.shared.checks import beyond
 from ocean_sim.reading.scene import SceneError
 from ocean_sim.simulation import Simulation

@@ -10,7 +10,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.shared.initial import Initial, carried, fitted, given_positions, problems, started
+from ocean_sim.fluid.sph.initial_state import Initial, carried, fitted, given_positions, problems, started
 
 TANK = {"length": 2.0, "depth": 1.0, "gravity": (0.0, -1.0, 0.0)}  # Colagrossi et al. 2013, with H = g = 1
 FLUME = {"length": 2.0 * 2.0944, "depth": 0.5, "walls": {"x": "periodic"}}  # two waves of 1.21738 s

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.shared.law import Law
+from ocean_sim.fluid.sph.law import Law
 from ocean_sim.parts import config_of, kinds, library
 from ocean_sim.wind.stress import Config as Stress
 

@@ -7,10 +7,10 @@ import pytest
 
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid.shared.emitter import MOST_PARTICLES
-from ocean_sim.fluid.shared.grid import STATE
-from ocean_sim.fluid.shared.law import Law, WalkOptions
-from ocean_sim.fluid.shared.staggered import PAGE
+from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
+from ocean_sim.fluid.neighbours.cache_layout import PAGE
+from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, kept, put
 

@@ -12,12 +12,12 @@ from ocean_sim.basin import shifts
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.shared import initial
-from ocean_sim.fluid.shared.band import Band, band, stokes
-from ocean_sim.fluid.shared.initial import of_patch
-from ocean_sim.fluid.shared.sea_rim import nodes
-from ocean_sim.fluid.shared.sea_source import Depths, PlaneWaveSource
-from ocean_sim.fluid.shared.steep_source import SteepSource
+from ocean_sim.fluid.patch.relaxation_zone import Band, band, stokes
+from ocean_sim.fluid.patch.sea_patch import nodes
+from ocean_sim.fluid.patch.sea_source import Depths, PlaneWaveSource
+from ocean_sim.fluid.patch.steep_source import SteepSource
+from ocean_sim.fluid.sph import initial_state
+from ocean_sim.fluid.sph.initial_state import of_patch
 from ocean_sim.kernel_library import ti
 from ocean_sim.observers.shared.energy import kinetic, total
 from ocean_sim.reading.scene import load
@@ -201,7 +201,7 @@ def moving(until: float) -> float:
 def test_waves_too_short_for_particles_hold_no_energy_up(monkeypatch):
     """They are left out (1.16); fed, they grow too high (1.56)."""
     assert moving(20.0) < 1.25
-    monkeypatch.setattr(initial, "CARRIED", 4.0)
+    monkeypatch.setattr(initial_state, "CARRIED", 4.0)
     assert moving(20.0) > 1.45
 
 

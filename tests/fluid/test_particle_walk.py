@@ -5,8 +5,8 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import Lacking
-from ocean_sim.fluid.shared.particle_walk import BLOCK, levels
-from ocean_sim.fluid.shared.walk_plan import PARTICLES, PLANS
+from ocean_sim.fluid.neighbours.backend_plan import PARTICLES, PLANS
+from ocean_sim.fluid.neighbours.particle_walk import BLOCK, levels
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import allocated_bytes
 from tests.fluid.conftest import by_id, put

@@ -8,8 +8,8 @@ import pytest
 
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.fluid import delta_sph, dfsph
-from ocean_sim.fluid.shared.smoothing import NEUTRAL, WENDLAND, Kernel, Smoothing
-from ocean_sim.fluid.shared.stencil import Stencil
+from ocean_sim.fluid.sph.lattice_moments import Stencil
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, WENDLAND, Kernel, Smoothing
 from ocean_sim.kernel_library import ti, tm
 
 SUPPORT = 0.7

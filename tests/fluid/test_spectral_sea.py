@@ -9,8 +9,8 @@ from pydantic import ValidationError
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.basin.points import pairs
-from ocean_sim.fluid.shared.high_order import HighOrder
-from ocean_sim.fluid.shared.tile import Layer, Tile
+from ocean_sim.fluid.open_sea.high_order import HighOrder
+from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
 from ocean_sim.fluid.spectral_sea import Config, snapped
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight

@@ -57,8 +57,8 @@ def log_text() -> bytes:
 def test_a_spoilt_hull_is_refused_or_is_one(kind, tmp_path, monkeypatch):
     import trimesh
 
-    from ocean_sim.ship.shared.mesh import BadMesh
-    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.ship.hull.mesh import BadMesh
+    from ocean_sim.ship.hull.shapes import MeshFile
 
     monkeypatch.chdir(tmp_path)
     whole = trimesh.creation.box((0.4, 0.3, 1.0)).export(file_type=kind)
@@ -89,8 +89,8 @@ def box(kind: str) -> bytes:
 
 def hull_judged(data, folder: Path) -> None:
     """A decayed mesh is refused in a sentence, or has the size of a thing."""
-    from ocean_sim.ship.shared.mesh import BadMesh
-    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.ship.hull.mesh import BadMesh
+    from ocean_sim.ship.hull.shapes import MeshFile
 
     kind = data.draw(st.sampled_from(["stl", "obj", "ply"]))
     broken = data.draw(decayed(box(kind)))
@@ -137,7 +137,7 @@ def test_many_decayed_hulls_and_logs(place, judged, data):
 
 
 def test_materials_that_a_mesh_names_are_not_looked_for(tmp_path):
-    from ocean_sim.ship.shared.shapes import MeshFile
+    from ocean_sim.ship.hull.shapes import MeshFile
 
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     faces = "usemtl x\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -252,7 +252,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     from ocean_sim.observers.shared.page import picture
     from ocean_sim.observers.shared.run_report import Run
     from ocean_sim.pictures.frame_files import Frame
-    from ocean_sim.pictures.sea_state import scene_of
+    from ocean_sim.pictures.water.sea_state import scene_of
     from ocean_sim.result import Result
     from ocean_sim.state import file as checkpoints
     from ocean_sim.studies.shared import study as table

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from ocean_sim.pictures import foam
+from ocean_sim.pictures.water import foam
 
 WHITE = 0.3  # share from which water counts as white
 

@@ -11,9 +11,9 @@ from _white_water import followed
 from ocean_sim import result, waves
 from ocean_sim.basin.points import grid, middles, pairs
 from ocean_sim.fluid import spectral_sea
-from ocean_sim.pictures import far_sea, foam, sea_surface
-from ocean_sim.pictures.ripples import Wind
-from ocean_sim.pictures.sea_state import Now
+from ocean_sim.pictures.water import far_sea, foam, sea_surface
+from ocean_sim.pictures.water.ripples import Wind
+from ocean_sim.pictures.water.sea_state import Now
 from ocean_sim.reading.scene import load
 
 HERE = np.zeros(2)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import obstacles, opengl, wake, water_shading, wind_marks
-from ocean_sim.pictures.camera import Track, Vessel
+from ocean_sim.pictures.stage import obstacles, opengl, wind_marks
+from ocean_sim.pictures.stage.camera import Track, Vessel
+from ocean_sim.pictures.water import wake, water_shading
 from ocean_sim.wind.shared import shapes
 from ocean_sim.wind.shared.drawing import Drawing, joined
 

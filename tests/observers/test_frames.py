@@ -13,7 +13,8 @@ from ocean_sim.basin import shifts
 from ocean_sim.basin.points import pairs
 from ocean_sim.observers import frames, manifest, render
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures import foam, opengl
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.water import foam
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
 

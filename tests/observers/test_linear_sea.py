@@ -9,7 +9,7 @@ from ocean_sim import waves
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import SurfaceConfig
-from ocean_sim.pictures.export import NothingToExport, export_run
+from ocean_sim.pictures.export.paraview import NothingToExport, export_run
 from ocean_sim.reading import composition, scene
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene

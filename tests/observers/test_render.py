@@ -18,9 +18,11 @@ from pydantic import ValidationError
 import ocean_sim
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import camera as camera_module
-from ocean_sim.pictures import frame_files, opengl, water_mesh, water_shading
-from ocean_sim.pictures import sky as sky_module
+from ocean_sim.pictures import frame_files
+from ocean_sim.pictures.stage import camera as camera_module
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.water import water_mesh, water_shading
 from ocean_sim.reading.scene import load
 from tests.processes import alive, children, end
 

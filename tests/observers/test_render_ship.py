@@ -12,9 +12,10 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import render
-from ocean_sim.pictures import frame_files, opengl
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.shapes import drawn
+from ocean_sim.pictures import frame_files
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.hull.shapes import drawn
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -182,7 +183,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
 MEMORY = """
 import json, sys, threading
 from ocean_sim.observers import render
-from ocean_sim.pictures.order import Order
+from ocean_sim.pictures.stage.render_order import Order
 def resident():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
 over = threading.Event()

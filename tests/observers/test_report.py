@@ -24,7 +24,7 @@ from ocean_sim.observers.shared.page import (
     thinned,
     ticks,
 )
-from ocean_sim.pictures.moments import Moments
+from ocean_sim.pictures.stage.film_strip import Moments
 
 VOID = {"meta", "img", "br", "hr", "link"}
 

@@ -14,9 +14,11 @@ from scipy.ndimage import median_filter, zoom
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures import far_sea, foam, frame_files, marks, opengl, sea_state, sea_surface, spray, water
-from ocean_sim.pictures import ripples as ripples_module
-from ocean_sim.pictures.picture import Picture
+from ocean_sim.pictures import frame_files
+from ocean_sim.pictures.stage import opengl, overlays
+from ocean_sim.pictures.stage.picture import Picture
+from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, spray, water_surface
+from ocean_sim.pictures.water import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 LOWER, UPPER = np.array([-20.0, -7.5, -15.0]), np.array([20.0, 0.0, 15.0])
@@ -402,15 +404,15 @@ def test_words_and_the_scale_bar_are_as_large_in_every_quality(picture, quality)
 @with_opengl
 def test_a_map_tells_which_colour_is_which_height(picture):
     marked, bare = (picture(camera="top", scale_bar=on, caption=False) for on in (True, False))
-    left = 320 - marks.BAR_LEFT
-    bar = marked[56:124, left : left + marks.BAR_WIDTH].mean(axis=1)
+    left = 320 - overlays.BAR_LEFT
+    bar = marked[56:124, left : left + overlays.BAR_WIDTH].mean(axis=1)
     assert (np.diff(bar.sum(axis=1)) <= 1e-9).all() and np.ptp(bar.sum(axis=1)) > 200.0  # crests are pale
     assert (np.abs(marked - bare).max(axis=2)[50:130, 230:320] > 40.0).sum() > 60  # heights in metres
     assert not np.abs(marked - bare)[:, : left - 3].any()
 
 
 def test_heights_of_a_map_end_at_round_numbers_that_hold_them():
-    assert [water.round_above(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
+    assert [water_surface.round_above(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
         [0.015, 0.15, 1.0, 1.5, 2.0, 80.0]
     )
 

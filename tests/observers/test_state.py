@@ -9,7 +9,7 @@ import pytest
 from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled
 from ocean_sim.platform.shared.washing import Filter
-from ocean_sim.ship.shared.rigid_body import RigidBody
+from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.state import fields as state_fields
 from ocean_sim.state.fields import Contents, parted, shape
 from ocean_sim.state.walk import Mismatch, Restorer, Snapshot

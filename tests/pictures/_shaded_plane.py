@@ -9,9 +9,9 @@ import sys
 import numpy as np
 import shading_reference as reference
 
-from ocean_sim.pictures import sky as sky_module
-from ocean_sim.pictures import water_glsl
-from ocean_sim.pictures import water_shading as w
+from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.water import water_glsl
+from ocean_sim.pictures.water import water_shading as w
 
 PIXELS, HALF = 48, 6.0  # pixels along a side, half a side [m]
 CASES = {

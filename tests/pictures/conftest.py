@@ -2,7 +2,7 @@
 
 import pytest
 
-from ocean_sim.pictures import vulkan
+from ocean_sim.pictures.live import vulkan
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.pictures.foam import (
+from ocean_sim.pictures.stage.sky import Sky, unit
+from ocean_sim.pictures.water.foam import (
     EDGE_SOFTNESS,
     GRAIN_BEND,
     GRAIN_SCALE,
@@ -21,7 +22,7 @@ from ocean_sim.pictures.foam import (
     PATCH_MEAN,
     WHOLE_SHARE,
 )
-from ocean_sim.pictures.ripples import (
+from ocean_sim.pictures.water.ripples import (
     ACROSS,
     FLATTEST,
     GRADIENT_VARIANCE,
@@ -36,8 +37,7 @@ from ocean_sim.pictures.ripples import (
     Wind,
     noise,
 )
-from ocean_sim.pictures.sky import Sky, unit
-from ocean_sim.pictures.water_shading import (
+from ocean_sim.pictures.water.water_shading import (
     BLURS,
     BODY,
     BRIGHTEST,

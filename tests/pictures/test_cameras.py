@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ocean_sim.pictures import camera as camera_module
-from ocean_sim.pictures.camera import Operator, Track, Vessel
-from ocean_sim.pictures.picture import swept
+from ocean_sim.pictures.stage import camera as camera_module
+from ocean_sim.pictures.stage.camera import Operator, Track, Vessel
+from ocean_sim.pictures.stage.picture import swept
 
 LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
 LENGTH, SPEED, STEP = 15.0, 4.0, 0.05

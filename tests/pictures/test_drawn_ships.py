@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ocean_sim.pictures import light, ship_glsl, ship_hull, ship_parts
-from ocean_sim.pictures.ship_model import BLACK, OXIDE, WHITE, modelled
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.shapes import drawn
+from ocean_sim.pictures.ships import ship_glsl, ship_hull, ship_parts
+from ocean_sim.pictures.ships.ship_model import BLACK, OXIDE, WHITE, modelled
+from ocean_sim.pictures.stage import light
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.hull.shapes import drawn
 
 NOWHERE = np.full(3, np.nan)
 HULLS = {
@@ -151,7 +152,7 @@ def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
 
 
 def test_light_is_finite_and_brighter_towards_the_sun():
-    from ocean_sim.pictures import sky
+    from ocean_sim.pictures.stage import sky
 
     normals = np.stack([sky.SUN, -sky.SUN])
     colours = light.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))

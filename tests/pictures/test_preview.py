@@ -17,10 +17,10 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.observers import preview
 from ocean_sim.parts import PACKAGE
-from ocean_sim.pictures import panel as panel_module
-from ocean_sim.pictures import preview_eye, vulkan
-from ocean_sim.pictures.panel import Panel
-from ocean_sim.pictures.preview_scene import PreviewScene, backdrop, speed_colours
+from ocean_sim.pictures.live import panel as panel_module
+from ocean_sim.pictures.live import preview_eye, vulkan
+from ocean_sim.pictures.live.panel import Panel
+from ocean_sim.pictures.live.preview_scene import PreviewScene, backdrop, speed_colours
 from ocean_sim.platform.shared.packets import unpacked
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import preview as verb

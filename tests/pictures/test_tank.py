@@ -3,10 +3,21 @@
 import numpy as np
 import pytest
 
-from ocean_sim.pictures import vessel
-from ocean_sim.pictures.smoothed_mesh import low_pass, smoothed
-from ocean_sim.pictures.splash import at_vertices, born, drops, floors, flying, risen, set_off, spheres, splash, stirred
-from ocean_sim.pictures.water_mesh import triangles
+from ocean_sim.pictures.water import tank_walls
+from ocean_sim.pictures.water.smoothed_mesh import low_pass, smoothed
+from ocean_sim.pictures.water.splash import (
+    at_vertices,
+    born,
+    drops,
+    floors,
+    flying,
+    risen,
+    set_off,
+    spheres,
+    splash,
+    stirred,
+)
+from ocean_sim.pictures.water.water_mesh import triangles
 from ocean_sim.surface import Mesh
 
 SPACING = 0.04  # [m] of particles; edges of a mesh are half as long
@@ -148,15 +159,15 @@ def test_a_vertex_has_the_mean_of_what_particles_around_it_have():
 
 def test_bed_and_walls_of_a_tank_look_inwards_and_are_darker_where_they_meet():
     low, up = np.array([-1.0, -1.0, -0.5]), np.array([2.0, 0.2, 0.5])
-    whole = vessel.panels(low, up)
+    whole = tank_walls.panels(low, up)
     assert len(whole) == 5 and not any(panel.axis == 1 and panel.inwards < 0.0 for panel in whole)  # it is open above
     for panel in whole:
         first, second = ((panel.axis + n) % 3 for n in (1, 2))
         u, v = (np.linspace(low[k], up[k], 5) for k in (first, second))
-        points, faces = vessel.sheet(panel, u, v, 0.01)
+        points, faces = tank_walls.sheet(panel, u, v, 0.01)
         corners = points[faces]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         assert (panel.inwards * normal[:, panel.axis] > 0.0).all()
         np.testing.assert_allclose(panel.inwards * (panel.at - points[:, panel.axis]), 0.01)
-        bright = vessel.light(points, panel, whole, 1.2).reshape(5, 5)
+        bright = tank_walls.light(points, panel, whole, 1.2).reshape(5, 5)
         assert bright[0, 0] < bright[0, 2] < bright[2, 2] <= 1.2

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import shading_reference as reference
 
-from ocean_sim.pictures import foam as foam_module
-from ocean_sim.pictures import opengl, ripples, water_glsl
-from ocean_sim.pictures import sky as sky_module
-from ocean_sim.pictures import water_shading as w
+from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.water import foam as foam_module
+from ocean_sim.pictures.water import ripples, water_glsl
+from ocean_sim.pictures.water import water_shading as w
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 UP = np.array([[0.0, 1.0, 0.0]])

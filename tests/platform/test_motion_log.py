@@ -16,7 +16,7 @@ from ocean_sim.platform.shared.motion_log import (
     ride_of,
 )
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.shared.track import Turned
+from ocean_sim.ship.body.track import Turned
 from tests.platform.conftest import G, columns, write
 
 

@@ -11,7 +11,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
-from ocean_sim.ship.shared.hydrostatics import slender, squat
+from ocean_sim.ship.naval.hydrostatics import slender, squat
 
 QUIET = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 DEPTH = 2.3

@@ -7,12 +7,12 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import named
-from ocean_sim.ship.shared.added_mass import by_rule, slenderness
-from ocean_sim.ship.shared.hull import Hull, hull_of
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics, Matter
-from ocean_sim.ship.shared.mesh import BadMesh
-from ocean_sim.ship.shared.rigid_body import RigidBody, about
-from ocean_sim.ship.shared.voxels import voxels
+from ocean_sim.ship.body.rigid_body import RigidBody, about
+from ocean_sim.ship.forces.added_mass import by_rule, slenderness
+from ocean_sim.ship.hull.hull import Hull, hull_of
+from ocean_sim.ship.hull.mesh import BadMesh
+from ocean_sim.ship.hull.voxels import voxels
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
 WATER = (1000.0, 9.81)
 
@@ -199,7 +199,8 @@ def test_the_command_answers_with_the_agreed_keys_and_a_picture(capsys, tmp_path
 
 def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_path, monkeypatch):
     """The second time nothing is worked out anew; another place, lattice or shape is another entry."""
-    from ocean_sim.ship.shared import shapes, solid
+    from ocean_sim.ship.hull import shapes
+    from ocean_sim.ship.water import solid
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     shape = hull_of("wigley").shape

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.stability import CROSS, Loading, Stability
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.naval.stability import CROSS, Loading, Stability
 
 BREADTH, DRAUGHT, KG = 8.0, 2.0, 2.5  # [m] of barge20, which is 20 m long and 4 m high
 GM = DRAUGHT / 2.0 + BREADTH**2 / 12.0 / DRAUGHT - KG

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.ship.shared.added_mass import by_rule
-from ocean_sim.ship.shared.damping import Damping, Resistance
-from ocean_sim.ship.shared.hull import Hull, hull_of
-from ocean_sim.ship.shared.propulsion import SWIFT, Propeller, Rudder
+from ocean_sim.ship.forces.added_mass import by_rule
+from ocean_sim.ship.forces.damping import Damping, Resistance
+from ocean_sim.ship.forces.propulsion import SWIFT, Propeller, Rudder
+from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.simulation import Simulation
 from tests.conftest import quickly
 

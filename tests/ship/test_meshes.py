@@ -8,9 +8,9 @@ import pytest
 import trimesh
 
 from ocean_sim.__main__ import answered
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.mesh import BadMesh
-from ocean_sim.ship.shared.shapes import MeshFile
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.hull.mesh import BadMesh
+from ocean_sim.ship.hull.shapes import MeshFile
 
 
 @pytest.fixture(autouse=True, scope="module")

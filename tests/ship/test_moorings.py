@@ -9,8 +9,8 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import motion as motion_observer
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.shared.moorings import Mooring, Moorings
-from ocean_sim.ship.shared.rigid_body import RigidBody, oriented
+from ocean_sim.ship.body.rigid_body import RigidBody, oriented
+from ocean_sim.ship.forces.moorings import Mooring, Moorings
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}

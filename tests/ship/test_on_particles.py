@@ -10,9 +10,9 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import pressure
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.rigid_body import RigidBody
-from ocean_sim.ship.shared.solid import Solid
+from ocean_sim.ship.body.rigid_body import RigidBody
+from ocean_sim.ship.hull.hull import hull_of
+from ocean_sim.ship.water.solid import Solid
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ocean_sim.ship.shared import plain
-from ocean_sim.ship.shared.damping import CrossFlow
+from ocean_sim.ship.body import small_linalg
+from ocean_sim.ship.forces.damping import CrossFlow
 
 ROUNDING = 1e-13  # a few hundred units in the last place of numbers about 1
 
@@ -20,26 +20,26 @@ def test_vectors_and_matrices_are_numpys(drawn):
     m, a, b = drawn
     rows, x, y = m.tolist(), a.tolist(), b.tolist()
     for found, wanted in (
-        (plain.plus(x, y), a + b),
-        (plain.minus(x, y), a - b),
-        (plain.times(0.7, x), 0.7 * a),
-        (plain.scaled(x, y), a * b),
-        (plain.dot(x, y), a @ b),
-        (plain.cross(x, y), np.cross(a, b)),
-        (plain.turned(rows, x), m @ a),
-        (plain.turned_back(rows, x), m.T @ a),
-        (plain.solved(rows, x), np.linalg.solve(m, a)),
+        (small_linalg.plus(x, y), a + b),
+        (small_linalg.minus(x, y), a - b),
+        (small_linalg.times(0.7, x), 0.7 * a),
+        (small_linalg.scaled(x, y), a * b),
+        (small_linalg.dot(x, y), a @ b),
+        (small_linalg.cross(x, y), np.cross(a, b)),
+        (small_linalg.turned(rows, x), m @ a),
+        (small_linalg.turned_back(rows, x), m.T @ a),
+        (small_linalg.solved(rows, x), np.linalg.solve(m, a)),
     ):
         np.testing.assert_allclose(found, wanted, rtol=0.0, atol=ROUNDING)
 
 
 def test_a_quaternion_turns_as_its_matrix_does(drawn):
     _, a, b = drawn
-    q = plain.normalised((0.3, *a.tolist()))
-    pure = plain.product(plain.product(q, (0.0, *b.tolist())), (q[0], -q[1], -q[2], -q[3]))
-    assert plain.turned(plain.matrix(q), b.tolist()) == pytest.approx(pure[1:], abs=ROUNDING)
-    whole = plain.product(plain.rotation((0.2, 0.0, 0.0)), plain.rotation((0.3, 0.0, 0.0)))
-    assert whole == pytest.approx(plain.rotation((0.5, 0.0, 0.0)), abs=ROUNDING)
+    q = small_linalg.normalised((0.3, *a.tolist()))
+    pure = small_linalg.product(small_linalg.product(q, (0.0, *b.tolist())), (q[0], -q[1], -q[2], -q[3]))
+    assert small_linalg.turned(small_linalg.matrix(q), b.tolist()) == pytest.approx(pure[1:], abs=ROUNDING)
+    whole = small_linalg.product(small_linalg.rotation((0.2, 0.0, 0.0)), small_linalg.rotation((0.3, 0.0, 0.0)))
+    assert whole == pytest.approx(small_linalg.rotation((0.5, 0.0, 0.0)), abs=ROUNDING)
 
 
 @pytest.mark.parametrize("speed", [-1.3, 0.0, 0.4])

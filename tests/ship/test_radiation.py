@@ -9,9 +9,9 @@ import pytest
 from ocean_sim import Simulation, load
 from ocean_sim.files.csv_file import columns
 from ocean_sim.reading.scene import SceneError
-from ocean_sim.ship.shared.damping import BY_RULE, Damping, Resistance
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.radiation import Memory, Radiation
+from ocean_sim.ship.forces.damping import BY_RULE, Damping, Resistance
+from ocean_sim.ship.forces.radiation import Memory, Radiation
+from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.validation.shared.ship import at_sea, pose, track
 from ocean_sim.validation.shared.tables import table_path
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipj, ellipk
 
-from ocean_sim.ship.shared import plain, track
-from ocean_sim.ship.shared import rigid_body as rigid
+from ocean_sim.ship.body import rigid_body as rigid
+from ocean_sim.ship.body import small_linalg, track
 
 NUMBER = st.floats(-3.0, 3.0, allow_nan=False)
 TURN = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)
@@ -223,4 +223,6 @@ def test_a_small_system_is_solved_as_numpy_does():
     for _ in range(20):
         m = random.normal(size=(3, 3))
         m, b = m @ m.T + 0.1 * np.eye(3), random.normal(size=3)
-        np.testing.assert_allclose(plain.solved(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(
+            small_linalg.solved(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12
+        )

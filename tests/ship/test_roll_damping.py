@@ -7,9 +7,8 @@ import pytest
 
 from ocean_sim import Simulation, load
 from ocean_sim.__main__ import answered
-from ocean_sim.ship.shared.damping import Damping, Resistance
-from ocean_sim.ship.shared.hull import hull_of
-from ocean_sim.ship.shared.roll_damping import (
+from ocean_sim.ship.forces.damping import Damping, Resistance
+from ocean_sim.ship.forces.roll_damping import (
     LIMITS,
     VISCOSITY,
     BilgeKeels,
@@ -20,6 +19,7 @@ from ocean_sim.ship.shared.roll_damping import (
     friction,
     lift,
 )
+from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.validation.shared.ship import at_sea, pose, track
 
 # Of Kawahara, Maekawa & Ikeda: L/B 6, B/d 4, C_B 0.65, C_M 0.98, OG/d -0.2, omega 0.6, keels 0.2 L x 0.025 B.

@@ -9,9 +9,9 @@ import pytest
 from ocean_sim import load, run
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.shared.band import into_rim
+from ocean_sim.fluid.patch.relaxation_zone import into_rim
 from ocean_sim.observers import motion
-from ocean_sim.pictures import opengl
+from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading import schema
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.result import Result
@@ -316,8 +316,8 @@ def test_every_ship_is_drawn_and_each_meets_the_water(tmp_path):
 
 
 def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names():
-    from ocean_sim.pictures.panel import Panel
-    from ocean_sim.pictures.preview_scene import PreviewScene
+    from ocean_sim.pictures.live.panel import Panel
+    from ocean_sim.pictures.live.preview_scene import PreviewScene
 
     calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
     with Simulation(load(at_sea({"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}}, calm))) as simulation:

@@ -9,10 +9,10 @@ import pytest
 
 from ocean_sim.observers import health
 from ocean_sim.reading.scene import load
-from ocean_sim.ship.shared.added_mass import WAGNER, Slamming, entry, slenderness
-from ocean_sim.ship.shared.hull import Hull
-from ocean_sim.ship.shared.hydrostatics import Hydrostatics
-from ocean_sim.ship.shared.shapes import Outline, Sphere
+from ocean_sim.ship.forces.added_mass import WAGNER, Slamming, entry, slenderness
+from ocean_sim.ship.hull.hull import Hull
+from ocean_sim.ship.hull.shapes import Outline, Sphere
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.ship import floating
 

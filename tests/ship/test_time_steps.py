@@ -3,7 +3,7 @@
 import numpy as np
 
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.ship.shared.vessel import Vessel
+from ocean_sim.ship.body.vessel import Vessel
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.ship import at_sea
 

@@ -7,8 +7,8 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import ALONE
 from ocean_sim.reading.scene import load
-from ocean_sim.ship.shared.hull import Hull, hull_of
-from ocean_sim.ship.shared.hydrostatics import metacentric_heights
+from ocean_sim.ship.hull.hull import Hull, hull_of
+from ocean_sim.ship.naval.hydrostatics import metacentric_heights
 
 
 def heights(hull):

@@ -10,11 +10,11 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.shared.energy import total
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.ship.shared import wave_contact
-from ocean_sim.ship.shared.distance import around
-from ocean_sim.ship.shared.rigid_body import RigidBody, advanced, oriented, spinning
-from ocean_sim.ship.shared.shapes import Box, Sphere
-from ocean_sim.ship.shared.wall_contact import Sides
+from ocean_sim.ship.body.rigid_body import RigidBody, advanced, oriented, spinning
+from ocean_sim.ship.hull.distance import around
+from ocean_sim.ship.hull.shapes import Box, Sphere
+from ocean_sim.ship.water import wave_contact
+from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.simulation import Simulation
 from tests.conftest import Start
 

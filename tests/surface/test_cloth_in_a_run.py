@@ -7,7 +7,7 @@ import pytest
 
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.pictures.export import export_run
+from ocean_sim.pictures.export.paraview import export_run
 from ocean_sim.reading.scene import load, packaged_scenes
 from ocean_sim.result import run
 from ocean_sim.simulation import Simulation

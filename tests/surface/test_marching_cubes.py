@@ -13,10 +13,10 @@ from ocean_sim.basin import Basin
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.shared.particles import Components, Count
+from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures.smoothed_mesh import smoothed
+from ocean_sim.pictures.water.smoothed_mesh import smoothed
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes
 from ocean_sim.surface.shared.density_map import flat_share
 from tests.surface.test_isosurface import topology

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ocean_sim.fluid.shared.smoothing import Smoothing
+from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.parts import kinds
 from ocean_sim.validation import (
     dam_break_front,

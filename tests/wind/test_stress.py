@@ -9,7 +9,7 @@ import pytest
 import ocean_sim
 from ocean_sim.conventions import AIR_DENSITY, Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.shared import exposure as exposure_module
+from ocean_sim.fluid.bodies import exposure as exposure_module
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.validation.shared.state import state

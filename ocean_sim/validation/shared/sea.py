@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.simulation import Simulation
 
 if TYPE_CHECKING:
-    from ocean_sim.fluid.shared.tile import Layer, Tile
+    from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
     from ocean_sim.fluid.spectral_sea import SpectralSea
 
 SCHEMES = ("spectral_sea",)

@@ -12,8 +12,8 @@ from ocean_sim.simulation import Simulation
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Load, Ship
-    from ocean_sim.ship.shared.floating_ship import FloatingShip
-    from ocean_sim.ship.shared.rigid_body import RigidBody
+    from ocean_sim.ship.body.floating_ship import FloatingShip
+    from ocean_sim.ship.body.rigid_body import RigidBody
 
 G, DENSITY = 9.81, 1000.0
 CORNERS = 8  # of a bilge

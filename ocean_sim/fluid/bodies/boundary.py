@@ -1,0 +1,476 @@
+"""Solid bodies in the water, as samples of what lies within one support of their faces: they stand in the sums of the
+water's laws as particles would, and what the water does to them is gathered back.
+
+A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
+shows that particle's own pressure, continued to where it is: across the nearest face by the weight of the water less
+the acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
+along it by that weight less what all but wind and viscosity accelerated the particle by in its last step, which is the
+pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry half a
+spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. Its velocity is the
+body's where water is pressed together, and that which a mirror there would show where it rubs. A sample is pushed as
+strongly as it pushes. Flat sides mirror samples as they mirror particles: what an image of a sample presses across its
+side is that side's, all else is the body's.
+
+A gate is a body that moves as the scene says, whatever the water does to it; once it has left, its samples are in no
+cell. A step takes it where it is when the step ends. Its work is that of its force along its way; what bounces from its
+faces is put to walls. Samples hold up part of the weight of the water next to them, as walls do: of a gate that slides
+along water that is work, which the water does not gain; it shows in the residual of the energy.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ocean_sim.basin.gate import Gate
+from ocean_sim.columns import Columns
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.images import SIGN, flipped, turned
+from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.sph.body_force import Pull
+from ocean_sim.fluid.sph.lattice import Lattice
+from ocean_sim.fluid.sph.law import Law
+from ocean_sim.fluid.sph.particles import Components, Particles
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
+
+MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
+UPRIGHT = np.eye(3)
+ZERO = np.zeros(3)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Samples of a solid body."""
+
+    position: np.ndarray  # (m, 3) in the body's axes, from its origin [m]
+    volume: np.ndarray  # (m,) [m3]; in 2-D [m2]
+    normal: np.ndarray  # (m, 3) of the nearest face, outward, in the body's axes
+    no_slip: bool
+    origin: np.ndarray  # (3,) where it is at first [m]
+    gate: Gate | None = None  # how it moves, where that is given
+    across: tuple[int, float] = (0, 0.0)  # of a gate: layers of samples across it, and how far they are apart [m]
+    floats: bool = False  # whether it answers to the water
+
+    def strength(self, smoothing: Smoothing, spacing: float) -> float:
+        """What its samples count for in the water's laws: of a gate that is thinner than the support so much more than
+        their volume that the first row of water before it is held as by solid ground; 1 of anything else."""
+        count, apart = self.across
+        if count == 0:
+            return 1.0
+        rows = np.arange(1, ceil(smoothing.support / spacing) + 1) * spacing  # of solid ground, from the first of water
+        layers = 0.5 * spacing + (np.arange(count) + 0.5) * apart
+        return pressing(rows, smoothing, spacing) / (pressing(layers, smoothing, spacing) * apart / spacing)
+
+
+def pressing(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
+    """What planes of particles press on a particle so far away [m], over what a pair presses: sum of -grad W / slope
+    across the planes."""
+    last = ceil(smoothing.support / spacing)
+    along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
+    r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
+    weights = smoothing.kernel.gradient(np.maximum(1.0 - r / smoothing.support, 0.0))
+    return float((away[:, None] * weights).sum())
+
+
+def boxes(lattice: Lattice, support: float) -> list[Body]:
+    """The obstacles of the basin, sampled about as densely as the water, no deeper than it can feel."""
+    basin, bodies = lattice.basin, []
+    for obstacle in basin.config.obstacles:
+        d = basin.dimension
+        low, up = np.array(obstacle.min), np.array(obstacle.max)
+        count = np.maximum(1, np.round((up - low) / lattice.spacing)).astype(int)
+        apart = (up - low) / count
+        index = np.array(list(product(*(range(n) for n in count[::-1]))))[:, ::-1]
+        felt = (np.minimum(index, count - 1 - index) * apart < support).any(axis=1)
+        position, normal = np.zeros((2, int(felt.sum()), 3))
+        position[:, :d] = (index[felt] + 0.5) * apart - 0.5 * (up - low)
+        deep = (0.5 * (up - low) - np.abs(position[:, :d])) / lattice.spacing
+        face = deep.round(6).argmin(axis=1)[:, None]  # of two as near the first, on the left as on the right
+        np.put_along_axis(normal, face, np.where(np.take_along_axis(position, face, 1) < 0.0, -1.0, 1.0), 1)
+        origin = np.zeros(3)
+        origin[:d] = 0.5 * (low + up)
+        volume, no_slip = np.full(len(position), apart.prod()), obstacle.slip == "no_slip"
+        thin = int(np.argmin(up - low))
+        across = (int(count[thin]), float(apart[thin])) if obstacle.gate is not None else (0, 0.0)
+        bodies.append(Body(position, volume, normal, no_slip, origin, obstacle.gate, across))
+    return bodies
+
+
+def floating(lattice: Lattice, support: float) -> dict[str, Body]:
+    """What floats in the basin, likewise, by name."""
+    bodies = {}
+    for name, solid in lattice.basin.afloat.items():
+        if solid.felt:
+            bodies[name] = Body(*solid.samples(lattice.spacing, support), False, solid.origin, floats=True)
+    return bodies
+
+
+def at_work(bodies: Sequence[Body]) -> bool:
+    """Whether some of them move, so that they work on the water."""
+    return any(body.floats or body.gate is not None for body in bodies)
+
+
+def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> int:
+    """Bytes of the fields of a Boundary, where `word` is the size of a `float` [bytes] and work is summed or not."""
+    return samples * (26 * word + 20 + 24 + 16 * working) + 6 * word * bodies + 4 * (cells + 1)
+
+
+@ti.func
+def vector(components: Template, s):
+    """Number s of three fields, as one vector."""
+    return tm.vec3(components.x[s], components.y[s], components.z[s])
+
+
+@ti.func
+def store(components: Template, s, values):
+    """Write one vector as number s of three fields."""
+    for k, component in ti.static(enumerate(components)):
+        component[s] = ti.cast(values[k], float)
+
+
+@ti.func
+def three(rows: Template, body, first: Template):
+    """Three columns of the row of a body, from `first` on."""
+    return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
+
+
+@in_kernels
+class Boundary:
+    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
+
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        particles: Particles,
+        grid: Grid,
+        pull: Pull,
+        smoothing: Smoothing,
+        accounts: bool,
+    ) -> None:
+        """`accounts`: whether it sums the work of bodies that move."""
+        self.bodies, self.mass, self.grid, self.pull = bodies, particles.mass, grid, pull
+        self.owners = np.repeat(np.arange(len(bodies)), [len(body.position) for body in bodies])
+        self.n = n = len(self.owners)
+        plan = grid.size.plan
+        self.block, self.stride = plan.samples, plan.stride
+        self.blocks = -(-n // self.block)
+        self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
+        self.moved = True  # whether they have, since they were sorted
+        self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
+        self.moving, self.working = bool(self.gates), accounts and at_work(bodies)
+        self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
+        self.speed = 0.0  # [m/s] of the fastest gate
+        # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
+        self.local, self.arm, self.force = Components(n), Components(n), Components(n)
+        self.facing = Components(n)  # as `local`
+        self.impulse = ti.field(ti.f64, shape=(n, 3))
+        if self.moving:
+            self.strength = ti.field(float, shape=len(bodies))
+            self.strength.from_numpy(
+                np.array([body.strength(smoothing, particles.spacing) for body in bodies], dtype=self.arm.precision)
+            )
+        if self.working:
+            self.work = ti.field(ti.f64, shape=(n, 2))  # [J] on the water, and what its law has put under walls
+        self.shares, self.slips = ti.field(float, shape=n), ti.field(int, shape=n)
+        self.owner, self.cell = ti.field(int, shape=n), ti.field(int, shape=n)
+        # In the order of the cells, whose `name` is the number in the other.
+        self.position, self.velocity, self.acceleration = Components(n), Components(n), Components(n)
+        self.normal = Components(n)
+        self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
+        self.start = ti.field(int, shape=self.grid.cell_count + 1)
+        self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
+        self.around = Around(self.position, self.grid, self.start)
+        self.water = Around(particles.position, self.grid)
+        unit = particles.mass / particles.rest_density
+        self.volume = Volume(self, smoothing, unit)
+        self.local.from_numpy(np.concatenate([body.position for body in bodies]))
+        self.facing.from_numpy(np.concatenate([body.normal for body in bodies]))
+        shares = np.concatenate([body.volume for body in bodies]) / unit
+        self.shares.from_numpy(shares.astype(self.arm.precision))
+        self.slips.from_numpy(np.array([not body.no_slip for body in bodies], dtype=np.int32)[self.owners])
+        self.owner.from_numpy(self.owners.astype(np.int32))
+        for k, body in enumerate(bodies):
+            self.place(k, body.origin)
+        self.advance(0.0)
+        self.sort()
+
+    def advance(self, time: float) -> None:
+        """Put gates where they are at a time [s], that at which the next step ends, and take those away that have
+        left."""
+        self.speed = 0.0
+        for k, gate in self.gates:
+            moved = gate.at(time)
+            if moved is None:
+                self.moved = self.moved or not self.motion[k, MOTION.gone]
+                self.motion[k, MOTION.gone] = 1.0
+            else:
+                self.speed = max(self.speed, float(np.linalg.norm(moved.velocity)))
+                self.place(k, self.bodies[k].origin + moved.way, UPRIGHT, moved.velocity, ZERO, moved.acceleration)
+
+    def place(
+        self,
+        body: int,
+        position: np.ndarray,
+        rotation: np.ndarray = UPRIGHT,
+        velocity: ArrayLike = ZERO,
+        angular_velocity: ArrayLike = ZERO,
+        acceleration: ArrayLike = ZERO,
+        angular_acceleration: ArrayLike = ZERO,
+    ) -> None:
+        """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
+        tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
+        say where it is when that step ends."""
+        rates = (velocity, angular_velocity, acceleration, angular_acceleration)
+        row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION has them
+        self.moved = self.moved or bool((row != self.motion[body]).any())
+        self.motion[body] = row
+
+    def sort(self) -> None:
+        """Take over where the bodies are, if they have moved."""
+        if self.moved:
+            self.moved = False
+            self.take(self.motion)
+
+    @ti.kernel
+    def take(self, motion: Doubles2):
+        """Move the samples with their bodies, and sort them by cell: stable, by counting."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for c in range(self.grid.cell_count + 1):
+                self.start[c] = 0
+            for b, k in ti.ndrange(motion.shape[0], 3):
+                self.box[b, 0, k], self.box[b, 1, k] = -tm.inf, tm.inf
+            for s in range(self.n):
+                self.turn(s, motion)
+                c = self.grid.cell_at(self.grid.indices_at(self.where(s, motion)))
+                if ti.static(self.moving):
+                    if motion[self.owner[s], MOTION.gone] > 0.0:
+                        c = self.grid.cell_count  # after all cells
+                        store(self.force, s, tm.vec3(0.0))
+                self.cell[s], self.start[c] = c, self.start[c] + 1
+            for c in range(self.grid.cell_count):
+                self.start[c + 1] = self.start[c + 1] + self.start[c]  # where a cell ends
+            for k in range(self.n):
+                s = self.n - 1 - k
+                to = self.start[self.cell[s]] - 1
+                self.start[self.cell[s]] = to  # and at last where it begins
+                self.put(s, to, motion)
+            for b, k in ti.ndrange(motion.shape[0], 3):
+                up, low = self.box[b, 0, k], self.box[b, 1, k]
+                self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
+                self.box[b, 1, k] = ti.cast(motion[b, MOTION.position + k], float) + 0.5 * (up + low)
+                if ti.static(self.moving):
+                    if motion[b, MOTION.gone] > 0.0:
+                        self.box[b, 0, k] = -tm.inf  # near nothing
+
+    @ti.func
+    def turn(self, s, motion: Template):
+        """Turn the arm of sample s with its body."""
+        b, local = self.owner[s], vector(self.local, s)
+        for k, arm in ti.static(enumerate(self.arm)):
+            along = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(local), float)
+            arm[s] = along
+            self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
+            self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
+
+    @ti.func
+    def where(self, s, motion: Template):
+        """Position of sample s [m], once its arm is turned."""
+        return self.grid.wrapped(ti.cast(three(motion, self.owner[s], MOTION.position) + vector(self.arm, s), float))
+
+    @ti.func
+    def put(self, s, to, motion: Template):
+        """Put sample s where it belongs in the order of the cells."""
+        b, arm, x, facing = self.owner[s], vector(self.arm, s), self.where(s, motion), vector(self.facing, s)
+        spin = three(motion, b, MOTION.angular_velocity)
+        swept = spin.cross(arm)
+        v = three(motion, b, MOTION.velocity) + swept
+        a = three(motion, b, MOTION.acceleration) + three(motion, b, MOTION.angular_acceleration).cross(arm)
+        a += spin.cross(swept)
+        store(self.position, to, x)
+        store(self.velocity, to, v)
+        store(self.acceleration, to, a)
+        for k, normal in ti.static(enumerate(self.normal)):
+            normal[to] = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(facing), float)
+        self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
+
+    @ti.func
+    def near(self, x):
+        """Whether x lies within one support of a body."""
+        found = False
+        for b in range(ti.static(len(self.bodies))):
+            away = tm.vec3(0.0)
+            for k, period in ti.static(enumerate(self.grid.basin.periods)):
+                away[k] = x[k] - self.box[b, 1, k]
+                if ti.static(period > 0.0):
+                    away[k] -= period * ti.round(away[k] / period)
+                away[k] = ti.abs(away[k]) - self.box[b, 0, k]
+            found = found or away.max() < 0.0
+        return found
+
+    @ti.func
+    def head(self, x, a, s, d, mirror):
+        """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
+        mirror."""
+        n, a_s = flipped(mirror, vector(self.normal, s)), flipped(mirror, vector(self.acceleration, s))
+        return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
+
+    @ti.func
+    def own_velocity(self, s, mirror):
+        """Of sample s [m/s], as a mirror shows it."""
+        return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+
+    @ti.func
+    def opposed(self, v, s, mirror):
+        """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
+        return 2.0 * self.own_velocity(s, mirror) - v
+
+    @ti.func
+    def rubbing(self, v, s, mirror):
+        """Velocity [m/s] with which sample s rubs on water of velocity v: the water's own where it slips."""
+        return ti.select(self.free[s] == 1, v, self.opposed(v, s, mirror))
+
+    @ti.func
+    def react(self, law: Template, dt):
+        """Forces on the samples; call it at the top of a kernel."""
+        for t in range(self.blocks * self.stride):
+            if t % self.stride == 0:
+                b = t // self.stride
+                for s in range(b * self.block, ti.min((b + 1) * self.block, self.there())):
+                    x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
+                    force, name = self.water.total(x, law, s), self.name[s]
+                    self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
+                    for k in ti.static(range(3)):
+                        self.impulse[name, k] = self.impulse[name, k] + ti.cast(dt * force[k], ti.f64)
+                    if ti.static(self.working):
+                        late = ti.select(self.owner[name] < self.given, -0.5, 0.5) * dt  # to the mean of the step
+                        v = vector(self.velocity, s) + late * vector(self.acceleration, s)
+                        for k in ti.static(range(3)):
+                            self.work[name, 0] = self.work[name, 0] - ti.cast(dt * force[k] * v[k], ti.f64)
+                            self.work[name, 1] = self.work[name, 1] - ti.cast(dt * force[3 + k] * v[k], ti.f64)
+
+    @ti.func
+    def counted(self, s):
+        """How many particles sample s counts for."""
+        share = self.share[s]
+        if ti.static(self.moving):
+            share *= self.strength[self.owner[self.name[s]]]
+        return share
+
+    @ti.func
+    def there(self):
+        """How many samples are there: those of bodies that have left come last."""
+        n = self.n
+        if ti.static(self.moving):
+            n = self.start[self.grid.cell_count]
+        return n
+
+    @ti.func
+    def solid(self, x):
+        """Smoothed share of solid bodies around x; 1 inside, one half on a face."""
+        share = 0.0
+        if self.near(x):
+            share = self.around.total(x, self.volume, 0.0)[0]
+        return share
+
+    def summed(self, law: Law) -> "SampleSum":
+        """Sum of a law over the samples around a particle."""
+        return SampleSum(self, law)
+
+    def forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force (k, 3) [N] of the water on each body in the last step and its torque (k, 3) about its origin [N m], in
+        the axes of the tank; in 2-D per metre."""
+        borne = np.zeros((2, len(self.bodies), 3))
+        self.sum_forces(borne)
+        return borne[0], borne[1]
+
+    @ti.kernel
+    def sum_forces(self, borne: Doubles3):
+        ti.loop_config(serialize=True)
+        for s in range(self.n):
+            b = self.owner[s]
+            force = ti.cast(vector(self.force, s), ti.f64)
+            torque = ti.cast(vector(self.arm, s), ti.f64).cross(force)
+            for k in ti.static(range(3)):
+                borne[0, b, k] = borne[0, b, k] + force[k]
+                borne[1, b, k] = borne[1, b, k] + torque[k]
+
+    def works(self) -> np.ndarray:
+        """(k, 2) work [J] of each body on the water since the start, and what of it the law of the water has put under
+        walls."""
+        return self.of_each(self.work)
+
+    def impulses(self) -> np.ndarray:
+        """Impulse (k, 3) of the water on each body since the start [N s]."""
+        return self.of_each(self.impulse)
+
+    def of_each(self, summed: ti.Field) -> np.ndarray:
+        """What the samples of each body have summed, together."""
+        each = summed.to_numpy()
+        return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
+
+
+@in_kernels
+class Volume:
+    """Smoothed share of solid bodies."""
+
+    sums = 1
+
+    def __init__(self, boundary: Boundary, smoothing: Smoothing, unit: float) -> None:
+        """`unit`: volume of a particle [m3]."""
+        self.boundary, self.smoothing, self.unit = boundary, smoothing, unit
+
+    @ti.func
+    def term(self, own, s, d, mirror):
+        return ti.Vector([self.unit * self.boundary.share[s] * self.smoothing.W_poly6(d.dot(d))])
+
+
+@in_kernels
+class SampleSum:
+    """What a particle's pair law sums over the samples around it."""
+
+    def __init__(self, boundary: Boundary, law: Law) -> None:
+        self.boundary, self.law, self.sums = boundary, law, law.terms.size
+
+    @ti.func
+    def term(self, own, s, d, mirror):
+        return self.boundary.counted(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
+
+    @ti.func
+    def total(self, x, own):
+        total = ti.Vector.zero(float, self.sums)
+        if self.boundary.near(x):
+            total = self.boundary.around.total(x, self, own)
+        return total
+
+
+@in_kernels
+class Reaction:
+    """Force [N] on a sample, number `own`, by the law that pushes the water, and where work is summed the part of it
+    whose work the law puts under walls. Across a side, the force of an image is the side's."""
+
+    def __init__(self, boundary: Boundary, law: Law, told: tuple[ti.Field, ...], forces: tuple[Any, ...]) -> None:
+        """`told`: fields that a sample reads of a particle, those of the law's row first; `forces`: ti.funcs that make
+        accelerations of the particle [m/s2] of the sum, the second one that of the part."""
+        self.boundary, self.law, self.told, self.mass = boundary, law, told, boundary.mass
+        self.forces = forces if boundary.working else forces[:1]
+        self.sums = 3 * len(self.forces)
+
+    @ti.func
+    def term(self, own, j, d, mirror):
+        law = self.law
+        here = ti.Vector([field[j] for field in ti.static(self.told)])
+        away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+        push = self.boundary.counted(own) * law.pair(here, law.sample(here, own, away, mirror))
+        total = ti.Vector.zero(float, self.sums)
+        for first, acceleration in ti.static(enumerate(self.forces)):
+            force = -self.mass * acceleration(here, push)
+            for k in ti.static(range(3)):
+                total[3 * first + k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
+        return total

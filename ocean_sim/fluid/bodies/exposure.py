@@ -1,0 +1,193 @@
+"""The area that particles show to the air: found every few steps, kept by the particles' numbers in between.
+
+Where a wind presses, how the surface bends is found, too. Exposed areas lie below the surface, at a depth of `skin` on
+the average, and there a wave of wavenumber k moves less by the share k skin: a pressure P that acts on them does too
+little work by as much. What does all of it is -grad(P chi), where chi falls from 1 on the surface to 0 inside: water
+takes it as it takes a pressure on its surface. Its part -P grad chi is P on the exposed areas; the other one, -chi
+grad P, comes to -skin grad P on each plan area, for the integral of chi over the depth is the mean depth of its slope.
+"""
+
+from typing import Any
+
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.neighbours.backend_plan import Walk
+from ocean_sim.fluid.neighbours.images import SIGN, mirrored
+from ocean_sim.fluid.sph.lattice_moments import Stencil
+from ocean_sim.fluid.sph.law import Law
+from ocean_sim.fluid.sph.particle_water import ParticleWater
+from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import in_kernels
+
+EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
+BLOCK = 4096  # particles whose areas are added by one thread
+UNEVEN = 2.0  # factor by which exposed areas are scaled at most
+STEEPEST = 1.0  # slope at most of a surface whose bend is found
+NARROW = 0.01  # of its greatest: determinant of places so nearly on a line that a bend across it is not found
+LAG = 0.5  # [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew
+
+
+def memory(n: int, word: int, bends: bool) -> int:
+    """Bytes of the fields for so many particles, in words of this size; `bends`: whether the bend is found."""
+    return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // BLOCK)
+
+
+@in_kernels
+class Exposure(Law):
+    """Exposed area of every particle times its outward normal [m2]: a law of pairs, and its sum."""
+
+    terms = Columns(area=3)
+
+    def __init__(
+        self,
+        water: ParticleWater,
+        neighbours: Walk,
+        boundary: Any,
+        positions: tuple[ti.Field, ...],
+        plan_area: float,
+        bends: bool,
+    ) -> None:
+        """`positions` by which `neighbours` knows the particles; `plan_area` of the water [m2]; 0 where it is not
+        known; `bends`: whether to find how the surface bends."""
+        particles, smoothing = water.particles, water.smoothing
+        self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
+        self.plan_area, self.reads = plan_area, positions
+        self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
+        self.least = EXPOSED * particles.spacing ** (smoothing.dimension - 1)  # [m2]
+        self.area = Components(particles.n)  # by the number of the particle [m2]
+        self.level = ti.field(ti.f64, shape=-(-particles.n // BLOCK))
+        self.even = ti.field(float, shape=())  # plan area over the sum of level areas
+        self.left = 0.0  # [m] that water and crests may still go
+        self.bends = bends
+        if bends:
+            self.surface = Components(particles.n)  # in storage order: slopes along x and z, and plan area [m2]
+            self.bending = Bend(self)
+        self.meet(boundary)
+
+    def renew(self, dt: float, speed: float) -> None:
+        """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed
+        [m/s]."""
+        if self.left <= 0.0:
+            self.find()
+            self.left = LAG * self.particles.spacing
+        self.left -= dt * speed
+
+    @ti.kernel
+    def find(self):
+        """Find all areas, then scale them so that, seen from above, they sum to the plan area of the water, where that
+        is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on the
+        surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
+        particles."""
+        self.neighbours.walk(self, False)
+        if ti.static(self.bends):
+            self.neighbours.walk(self.bending, False)
+        for b in self.level:
+            total = ti.cast(0.0, ti.f64)
+            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.count.there())):
+                total += self.area.y[i]
+            self.level[b] = total
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            level = ti.cast(0.0, ti.f64)
+            for b in range(self.level.shape[0]):
+                level += self.level[b]
+            scale = ti.cast(1.0, ti.f64)
+            if ti.static(self.plan_area > 0.0):
+                scale = ti.min(ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / UNEVEN), UNEVEN)
+            self.even[None] = ti.cast(scale, float)
+
+    @ti.func
+    def of(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water."""
+        name = self.particles.id[i]
+        return self.even[None] * tm.vec3(self.area.x[name], self.area.y[name], self.area.z[name])
+
+    @ti.func
+    def prefactor(self, own):
+        """2 V^2, and the constant of grad W."""
+        return self.constant
+
+    @ti.func
+    def pair(self, own, other):
+        """Gradient of the kernel, -x_ij times its shape."""
+        return -self.smoothing.pair_gradient(own - other)
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
+        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
+        area = self.prefactor(own) * self.with_bodies(total, own, own)
+        if area.norm() < self.least:
+            area = tm.vec3(0.0)
+        for k, component in ti.static(enumerate(self.area)):
+            component[self.particles.id[i]] = area[k]
+        if ti.static(self.bends):
+            slope = tm.clamp(-tm.vec2(area.x, area.z) / area.y, -STEEPEST, STEEPEST)
+            seen = tm.vec3(slope.x, slope.y, area.y) if area.y > 0.0 else tm.vec3(0.0)
+            self.surface.x[i], self.surface.y[i], self.surface.z[i] = seen.x, seen.y, seen.z
+
+    @ti.func
+    def bend_of(self, i):
+        """How much the slope along x changes in going `skin` along x, that along x along z, and that along z along z,
+        where particle i is [1]; zero inside the water."""
+        bend = tm.vec3(0.0)
+        if ti.static(self.bends):
+            bend = self.bending.of(i)
+        return bend
+
+
+@in_kernels
+class Bend(Law):
+    """Second derivatives of the surface's height where particles are exposed: fitted to the differences of slopes in
+    the neighbourhood, each weighed by its plan area and the kernel's gradient."""
+
+    row = Columns(position=3, slope=2, area=1)
+    terms = Columns(xx=1, xz=1, zz=1, x_along_x=1, cross=1, z_along_z=1)
+
+    def __init__(self, exposure: Exposure) -> None:
+        self.particles, self.smoothing = exposure.particles, exposure.smoothing
+        self.reads = (*exposure.reads, *exposure.surface)
+        self.skin = Stencil(exposure.smoothing, exposure.particles.spacing).skin
+        self.bend = Components(exposure.particles.n)  # by the number of the particle
+
+    @ti.func
+    def of(self, i):
+        """See Exposure.bend_of."""
+        name = self.particles.id[i]
+        return tm.vec3(self.bend.x[name], self.bend.y[name], self.bend.z[name])
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its slope across the side turned round."""
+        x, image = mirrored(mirror, vec3(other, self.row.position)), other
+        for k in ti.static(range(3)):
+            image[self.row.position + k] = x[k]
+        image[self.row.slope] *= mirror[SIGN, 0]
+        image[self.row.slope + 1] *= mirror[SIGN, 2]
+        return image
+
+    @ti.func
+    def pair(self, own, other):
+        x = vec3(other, self.row.position) - vec3(own, self.row.position)
+        weight = other[self.row.area] * self.smoothing.shape_gradient(ti.sqrt(x.dot(x)))
+        steeper_x = other[self.row.slope] - own[self.row.slope]
+        steeper_z = other[self.row.slope + 1] - own[self.row.slope + 1]
+        cross = 0.5 * (steeper_x * x.z + steeper_z * x.x)
+        return weight * ti.Vector([x.x * x.x, x.x * x.z, x.z * x.z, steeper_x * x.x, cross, steeper_z * x.z])
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        """Slopes that change by H x make the sums H M + M H of twice these, M that of x x: solved for a symmetric H."""
+        xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
+        along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
+        bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < NARROW * xx * zz
+        if own[self.row.area] > 0.0:
+            if xx * zz > 0.0 and not narrow:
+                mixed = 2.0 * total[self.terms.cross] - xz * (along_x / xx + along_z / zz)
+                bend.y = mixed * xx * zz / ((xx + zz) * (xx * zz - xz * xz))
+            if xx > 0.0:
+                bend.x = (along_x - bend.y * xz) / xx
+            if zz > 0.0:
+                bend.z = (along_z - bend.y * xz) / zz
+        for k, component in ti.static(enumerate(self.bend)):
+            component[self.particles.id[i]] = self.skin * bend[k]

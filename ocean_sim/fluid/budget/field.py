@@ -1,0 +1,198 @@
+"""Pressure and velocity of the water at any point, smoothed from the particles around it.
+
+A normalised sum over neighbours (Shepard 1968), corrected so that it also returns what grows linearly with position
+(moving least squares; Liu & Liu 2006, Appl. Numer. Math. 56). Pressures are summed without the weight of still water,
+p - rho0 g . x, so a pressure of rho0 g . x is exact at every point, also at walls. Walls are mirrors, for velocities
+free slip or no slip. Where the smoothed share of water is below one half, which is how the free surface is found, it is
+dry: pressure and velocity are 0 there.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.images import halfway, hydrostatic_offset, turned
+from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.sph.body_force import Pull
+from ocean_sim.fluid.sph.particles import Particles
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Array, Array2, in_kernels
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.bodies.boundary import Boundary
+
+MOMENTS = Columns(share=1, first=3, xx=1, yy=1, zz=1, xy=1, yz=1, zx=1)
+FACTOR = Columns(constant=1, slope=3)
+WET = 0.5  # smoothed share of water at a flat surface
+REACH = 2.0  # how far outside its neighbours a point is extrapolated to [standard deviations of their positions]
+FLAT = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, along which alone there is a slope
+
+
+@in_kernels
+class Spread:
+    """How much water there is around a point, and how it is spread: share, first and second moments."""
+
+    sums = MOMENTS.size
+
+    def __init__(self, field: "Field") -> None:
+        self.field = field
+
+    @ti.func
+    def term(self, own, j, d, mirror):
+        w, q = self.field.weight(d), d / self.field.smoothing.support
+        return w * ti.Vector([1.0, q.x, q.y, q.z, q.x * q.x, q.y * q.y, q.z * q.z, q.x * q.y, q.y * q.z, q.z * q.x])
+
+
+@in_kernels
+class DynamicPressure:
+    """p - rho0 g . x [Pa]: the same in the image of a wall, but for what the wall and a moving tank accelerate."""
+
+    sums = 1
+
+    def __init__(self, field: "Field") -> None:
+        self.field = field
+
+    @ti.func
+    def term(self, own, j, d, mirror):
+        particles, p = self.field.particles, self.field.particles.position
+        weight = self.field.weight(d) * self.field.factor(own, d)
+        x = tm.vec3(p.x[j], p.y[j], p.z[j])
+        unsteady = self.field.unsteady(halfway(mirror, x))
+        driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, unsteady)
+        return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
+
+
+@in_kernels
+class Velocity:
+    """Velocity [m/s], as the walls' slip turns it round."""
+
+    sums = 3
+
+    def __init__(self, field: "Field") -> None:
+        self.field = field
+
+    @ti.func
+    def term(self, own, j, d, mirror):
+        v = self.field.particles.velocity
+        return self.field.weight(d) * self.field.factor(own, d) * turned(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
+
+
+@in_kernels
+class Field:
+    """The water as a field in space."""
+
+    def __init__(
+        self,
+        particles: Particles,
+        grid: Grid,
+        smoothing: Smoothing,
+        gravity: np.ndarray,
+        pull: Pull | None = None,
+        boundary: "Boundary | None" = None,
+    ) -> None:
+        """`gravity` [m/s2], every constant acceleration; along a periodic axis no pressure can hold it. `pull`: all
+        accelerations, where the tank moves; `boundary`: the solid bodies in the water."""
+        self.particles, self.smoothing = particles, smoothing
+        self.moving, self.bodies = False, boundary is not None
+        if pull is not None:
+            self.pull, self.moving = pull, pull.moving
+        if boundary is not None:
+            self.boundary = boundary
+        self.around = Around(particles.position, grid)
+        self.volume = particles.mass / particles.rest_density
+        held = [0.0 if period > 0.0 else g for g, period in zip(gravity, grid.basin.periods, strict=True)]
+        self.held, self.head = tm.vec3(held), tm.vec3([particles.rest_density * g for g in held])  # [m/s2], [Pa/m]
+        self.spread, self.dynamic_pressure, self.motion = Spread(self), DynamicPressure(self), Velocity(self)
+
+    @ti.func
+    def weight(self, d):
+        """Smoothed share of water that a particle at distance d [m] stands for."""
+        return self.volume * self.smoothing.W_poly6(d.dot(d))
+
+    @ti.func
+    def still(self, x):
+        """Pressure of still water at x, but for a constant [Pa]."""
+        return self.head.dot(x)
+
+    @ti.func
+    def unsteady(self, x):
+        """What the motion of the tank adds to gravity for water at rest at x [m/s2]."""
+        pull = tm.vec3(0.0)
+        if ti.static(self.moving):
+            pull = self.pull.at_rest(x) - self.held
+        return pull
+
+    @ti.func
+    def wet(self, x, share):
+        """Whether the water's share of what is not solid around x is at least one half."""
+        least = WET
+        if ti.static(self.bodies):
+            least *= 1.0 - self.boundary.solid(x)
+        return share >= least
+
+    @ti.func
+    def factor(self, own, d):
+        """What a neighbour counts besides its weight; linear in its position."""
+        return own[FACTOR.constant] - vec3(own, FACTOR.slope).dot(d / self.smoothing.support)
+
+    @ti.func
+    def fitted(self, x):
+        """Share of water around x, and constant and slope of the factor that makes a sum the value at x of a plane
+        through the neighbours; its slope is lowered where x lies far outside them."""
+        m = self.around.total(x, self.spread, 0.0)
+        share = tm.max(m[MOMENTS.share], 1.0e-12)
+        mean = vec3(m, MOMENTS.first) / share
+        xx, xy = m[MOMENTS.xx] / share - mean.x**2, m[MOMENTS.xy] / share - mean.x * mean.y
+        yy, yz = m[MOMENTS.yy] / share - mean.y**2, m[MOMENTS.yz] / share - mean.y * mean.z
+        zz, zx = m[MOMENTS.zz] / share - mean.z**2, m[MOMENTS.zx] / share - mean.z * mean.x
+        spread = tm.mat3([xx + FLAT, xy, zx], [xy, yy + FLAT, yz], [zx, yz, zz + FLAT])
+        slope = spread.inverse() @ mean
+        slope *= tm.min(1.0, REACH / ti.sqrt(tm.max(mean.dot(slope), 1.0e-12)))
+        return m[MOMENTS.share], ti.Vector([1.0 + slope.dot(mean), slope.x, slope.y, slope.z]) / share
+
+    @ti.func
+    def pressure(self, x):
+        """At x [Pa]; 0 where it is dry."""
+        share, factors = self.fitted(x)
+        pressure = 0.0
+        if self.wet(x, share):
+            pressure = self.around.total(x, self.dynamic_pressure, factors)[0] + self.still(x)
+        return pressure
+
+    @ti.func
+    def velocity(self, x):
+        """At x [m/s]; 0 where it is dry."""
+        share, factors = self.fitted(x)
+        velocity = tm.vec3(0.0)
+        if self.wet(x, share):
+            velocity = self.around.total(x, self.motion, factors)
+        return velocity
+
+    @ti.kernel
+    def fill_pressures(self, points: Array2, pressures: Array):
+        for k in range(points.shape[0]):
+            pressures[k] = self.pressure(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
+
+    @ti.kernel
+    def fill_velocities(self, points: Array2, velocities: Array2):
+        for k in range(points.shape[0]):
+            velocity = self.velocity(tm.vec3(points[k, 0], points[k, 1], points[k, 2]))
+            for c in ti.static(range(3)):
+                velocities[k, c] = velocity[c]
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 where it is dry."""
+        points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
+        pressures: np.ndarray = np.empty(len(points), dtype=points.dtype)
+        self.fill_pressures(points, pressures)
+        return pressures.astype(float)
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m, 3) velocities [m/s]; 0 where it is dry."""
+        points = np.ascontiguousarray(points, dtype=self.particles.position.precision).reshape(-1, 3)
+        velocities: np.ndarray = np.empty_like(points)
+        self.fill_velocities(points, velocities)
+        return velocities.astype(float)

@@ -1,0 +1,149 @@
+"""What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
+
+from math import isfinite
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged
+from ocean_sim.fluid import Status
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.thread_tasks import LINE
+from ocean_sim.kernel_library import ti
+from ocean_sim.runtime import Doubles3, Template, alone, in_kernels
+
+TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
+SUMMARY = 7  # numbers that a step reports
+WORK = 3  # number of a column, behind the impulse
+DENSE = 1.0e30  # [kg/m3] more than any density
+
+
+def absent(basin: Basin) -> tuple[int, ...]:
+    """The terms that water in a basin has not."""
+    return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
+
+
+def pushing(absent: tuple[int, ...]) -> tuple[int, ...]:
+    """The terms that give impulses, but for those that are absent: diffusion moves nothing."""
+    return tuple(term for term in range(len(TERMS)) if term not in (*absent, DIFFUSION))
+
+
+@in_kernels
+class Accounts:
+    """Each group of cells writes its own row, so nothing depends on the order of threads."""
+
+    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = LINE) -> None:
+        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
+        scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
+        them."""
+        self.groups, self.impulses = groups, impulses
+        self.idle = absent  # terms that nothing in the scene gives
+        self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
+        self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
+        self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
+        if impulses:
+            self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
+            self.pushing = pushing(absent)
+            rows = (groups, len(TERMS) + apart // (2 * (WORK + 1)), WORK + 1)
+            self.given = ti.field(ti.f64, shape=rows)  # impulse, and work
+            self.copied = np.zeros(rows)
+
+    def acts(self, term: int) -> bool:
+        """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
+        return term not in self.idle
+
+    @ti.func
+    def begin_motion(self, group):
+        self.speed2[group, 0] = self.acceleration2[group, 0] = self.sum[group, 0] = 0.0
+
+    @ti.func
+    def begin_density(self, group):
+        self.thin[group, 0], self.dense[group, 0] = DENSE, 0.0
+
+    @ti.func
+    def count_motion(self, group, v, a, fast):
+        v2, a2 = v.dot(v), a.dot(a)
+        self.speed2[group, 0] = ti.max(self.speed2[group, 0], v2)
+        self.acceleration2[group, 0] = ti.max(self.acceleration2[group, 0], a2)
+        self.sum[group, 0] = self.sum[group, 0] + v2
+        self.clipped[group, 0] = self.clipped[group, 0] + fast
+
+    @ti.func
+    def count_density(self, group, density):
+        self.thin[group, 0] = ti.min(self.thin[group, 0], density)
+        self.dense[group, 0] = ti.max(self.dense[group, 0], density)
+
+    @ti.func
+    def count_impulse(self, group, term: Template, impulse, v):
+        """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
+        if ti.static(self.acts(term)):
+            four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
+            for k in ti.static(range(WORK + 1)):
+                self.given[group, term, k] = self.given[group, term, k] + ti.cast(four[k], ti.f64)
+
+    @ti.func
+    def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
+        """Impulses of several terms, likewise: accelerations [m/s2] of a particle, each for `kick` [kg s]."""
+        for term, a in ti.static(zip(terms, accelerations)):
+            self.count_impulse(group, term, kick * a, v)
+
+    @ti.func
+    def count_work(self, group, term: Template, work):
+        self.given[group, term, WORK] = self.given[group, term, WORK] + ti.cast(work, ti.f64)
+
+    @ti.func
+    def added_up(self, begin, end):
+        """Of the rows from `begin` to `end`, but for impulses and work: what a step reports."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, DENSE, 0.0, 0.0, 0, 0
+        for g in range(begin, end):
+            speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
+            thin, dense = ti.min(thin, self.thin[g, 0]), ti.max(dense, self.dense[g, 0])
+            total += self.sum[g, 0] + self.dense[g, 0]
+            clipped += self.clipped[g, 0]
+            crowded += self.overflow[g, 0]
+        return speed2, acceleration2, thin, dense, total, clipped, crowded
+
+    @ti.func
+    def summarise(self, summary: Template):
+        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
+        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for k, number in ti.static(enumerate(self.added_up(0, self.groups))):
+                summary[k] = number
+
+    def status(self, summary: np.ndarray, grid: Grid) -> Status:
+        """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
+        if crowded:
+            x, y, z = grid.fullest()
+            raise Diverged(
+                f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
+                f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
+                "try a smaller compression (stiffer water), a smaller time step or more viscosity"
+            )
+        return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
+
+    @ti.kernel
+    def copy(self, to: Doubles3):
+        """Impulse and work of each term, group by group."""
+        ti.loop_config(serialize=ti.static(alone()))
+        for group, term, k in self.given:
+            to[group, term, k] = self.given[group, term, k]
+
+    def total(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
+        if not self.impulses:
+            return {}
+        self.copy(self.copied)
+        total = self.copied[:, :, :WORK].sum(axis=0)
+        return {TERMS[term]: total[term] for term in self.pushing}
+
+    def total_work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
+        if not self.impulses:
+            return {}
+        self.copy(self.copied)
+        total = self.copied[:, :, WORK].sum(axis=0).tolist()
+        return {TERMS[term]: total[term] for term in self.terms}

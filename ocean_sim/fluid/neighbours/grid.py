@@ -1,0 +1,208 @@
+"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it,
+within large cells by their parts.
+
+Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
+of threads. Particles beyond the grid belong to its border cells; those above it, since a jet would crowd these, to the
+layers over still water, down and up again as they fly higher. Neither moves two particles further apart, so every pair
+is within reach of neighbouring cells.
+
+Far from the origin a position in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
+particles move by whole quanta, which positions hold without rounding, and what is left of a way is kept for the next
+step.
+"""
+
+import numpy as np
+
+from ocean_sim.columns import Columns
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.neighbours.images import Images
+from ocean_sim.fluid.neighbours.thread_tasks import TASK
+from ocean_sim.fluid.sph.particles import Components, Particles
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Template, in_kernels
+
+STATE = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with
+
+
+@in_kernels
+class Grid:
+    """The cells, and the particles sorted by cell."""
+
+    def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
+        """`carried`: fields of a number each that a scheme keeps from step to step, besides the particles' own."""
+        self.size = size
+        self.images = Images(size)
+        self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
+        self.particles = particles.count
+        self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
+        self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
+        self.sky, self.top = size.sky, self.cells[1] - 1  # layers over still water, and where the last of them ends
+        self.halves, self.parts = size.halves, size.parts
+        self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
+        self.axes = range(self.basin.dimension)
+        self.left = tuple(staggered(float, self.n) for _ in self.axes)  # [m] of a particle's way, not yet gone
+        self.state = (*particles.position, *particles.velocity, particles.id, *carried, *self.left)
+        self.moved = (
+            *(*Components(self.n), *Components(self.n), staggered(int, self.n)),
+            *(staggered(float, self.n) for _ in (*carried, *self.left)),
+        )
+        self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
+        self.part = staggered(int, self.n)  # of which cell: its number times `parts`, and more
+        self.count = ti.field(int, shape=size.counts)
+        self.start = ti.field(int, shape=self.cell_count + 1)
+        self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles
+        self.first = ti.field(int, shape=size.occupied + 1)  # particle of each of these
+        self.occupied_count = ti.field(int, shape=())
+
+    def fullest(self) -> np.ndarray:
+        """Where the fullest cell is: the mean position of its particles, (3,) [m]."""
+        start = self.start.to_numpy()
+        c = int(np.argmax(np.diff(start)))
+        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[: STATE.velocity]])
+
+    @ti.func
+    def indices_at(self, x):
+        """Of the cell of a point, one for each axis, padding counted."""
+        return self.cell_of(self.in_cells(x))
+
+    @ti.func
+    def in_cells(self, x):
+        """A point, counted in cells from the outermost padding on; one above the grid is folded into its sky."""
+        place = (x - self.lower) * self.per_width + 1.0
+        above = place.y - self.top
+        if above > 0.0:
+            along = above - 2.0 * self.sky * ti.floor(above / (2.0 * self.sky))
+            place.y = self.top - (self.sky - ti.abs(along - self.sky))
+        return place
+
+    @ti.func
+    def cell_of(self, place):
+        """Indices of the cell in which a point lies that is counted in cells."""
+        return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
+
+    @ti.func
+    def part_at(self, x):
+        """Number of the part of a cell that a point is in."""
+        place = self.in_cells(x)
+        indices = self.cell_of(place)
+        part = self.cell_at(indices)
+        if ti.static(self.parts > 1):
+            within = place - ti.cast(indices, float)  # 0 to 1, but beyond the grid
+            for k in ti.static(self.axes):
+                part = self.halves * part + tm.clamp(ti.cast(self.halves * within[k], int), 0, self.halves - 1)
+        return part
+
+    @ti.func
+    def first_part(self, group):
+        """Number of the first occupied part of a group, or of the last and one more: groups have as many each."""
+        return group * self.occupied_count[None] // ti.static(self.size.groups)
+
+    @ti.func
+    def cell_at(self, indices):
+        """Number of a cell."""
+        return (indices.z * self.cells[1] + indices.y) * self.cells[0] + indices.x
+
+    @ti.func
+    def indices_of(self, c):
+        """The inverse of cell_at."""
+        nx, ny = ti.static(self.cells[0], self.cells[1])
+        return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
+
+    @ti.func
+    def at_rim(self, indices, layers: Template):
+        """Whether a cell lies in the outermost `layers` of any side of the grid."""
+        return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
+
+    @ti.func
+    def wrapped(self, x):
+        """The position of x in the one period that the basin holds [m]."""
+        for k, period in ti.static(enumerate(self.basin.periods)):
+            if ti.static(period > 0.0):
+                x[k] -= period * ti.floor((x[k] - self.lower[k]) / period)
+        return x
+
+    @ti.func
+    def leave(self, i, x, v):
+        """Keep the next state of particle i, and where it belongs, until the sort puts it there."""
+        x = self.wrapped(x)
+        self.part[i] = self.part_at(x)
+        self.keep(i, x, v)
+        for moved, state in ti.static(zip(self.moved[STATE.id :], self.state[STATE.id :])):
+            moved[i] = state[i]
+
+    @ti.func
+    def keep(self, i, x, v):
+        """The same of its position and velocity alone: the particle stays in the cell that it was sorted into."""
+        for k in ti.static(range(3)):
+            self.moved[STATE.position + k][i], self.moved[STATE.velocity + k][i] = x[k], v[k]
+
+    @ti.func
+    def gone(self, i, way):
+        """The part of a way [m] that particle i goes now, with what was left of the last one: whole quanta. The rest
+        is left for the next."""
+        now = tm.vec3(0.0)
+        for k in ti.static(self.axes):
+            whole = way[k] + self.left[k][i]
+            now[k] = self.quantum * ti.floor(whole / self.quantum + 0.5)
+            self.left[k][i] = whole - now[k]
+        return now
+
+    @ti.func
+    def sort(self):
+        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        if ti.static(self.chunks == 1):
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                self.count_chunk(0)
+                self.scan()
+                self.place_chunk(0)
+        else:
+            for b in range(self.chunks * TASK):
+                if b % TASK == 0:
+                    self.count_chunk(b // TASK)
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                self.scan()
+            for b in range(self.chunks * TASK):
+                if b % TASK == 0:
+                    self.place_chunk(b // TASK)
+
+    @ti.func
+    def count_chunk(self, b):
+        first = b * self.cell_count * self.parts
+        for c in range(self.cell_count * self.parts):
+            self.count[first + c] = 0
+        n = self.particles.there()
+        for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
+            k = first + self.part[i]
+            self.count[k] = self.count[k] + 1
+
+    @ti.func
+    def scan(self):
+        """First particle of every cell, part and chunk, and the list of occupied parts."""
+        total, occupied = 0, 0
+        for c in range(self.cell_count):
+            self.start[c] = total
+            for part in range(c * self.parts, (c + 1) * self.parts):
+                first = total
+                for b in range(self.chunks):
+                    k = b * self.cell_count * self.parts + part
+                    here = self.count[k]
+                    self.count[k] = total
+                    total += here
+                if total > first:
+                    self.occupied[occupied], self.first[occupied] = c, first
+                    occupied += 1
+        self.start[self.cell_count] = self.first[occupied] = total
+        self.occupied_count[None] = occupied
+
+    @ti.func
+    def place_chunk(self, b):
+        n = self.particles.there()
+        for i in range(b * n // self.chunks, (b + 1) * n // self.chunks):
+            k = b * self.cell_count * self.parts + self.part[i]
+            to = self.count[k]
+            self.count[k] = to + 1
+            for moved, state in ti.static(zip(self.moved, self.state)):
+                state[to] = moved[i]

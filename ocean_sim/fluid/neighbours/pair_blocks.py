@@ -1,0 +1,145 @@
+"""Pairs of neighbours kept for a step in blocks: those of the particles of a part of a cell with all candidates of the
+part, whether near or not.
+
+Each costs one number, the shape of grad W, where a pair by itself costs its gradient and a name; and what is read of
+the candidates is fetched once for the part, so that sums run through numbers that lie side by side.
+"""
+
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.list_size import ListSize
+from ocean_sim.fluid.neighbours.pair_slots import KeptPairs
+from ocean_sim.fluid.neighbours.thread_tasks import TASK
+from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Template, in_kernels
+
+
+@in_kernels
+class Blocks(KeptPairs):
+    """Of each part its candidates, particles first and images after them, each filled up to whole vectors; then of each
+    of its particles the shapes of grad W."""
+
+    def __init__(
+        self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: ListSize
+    ) -> None:
+        """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
+        super().__init__(grid.images)
+        self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
+        self.groups, self.width, self.segment = size.grid.groups, size.width, size.kept
+        self.each, self.spare = size.each, size.spare
+        # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
+        self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
+        self.next_first, self.next_begun = (ti.field(int, shape=self.groups) for _ in range(2))  # of the next part
+        self.name = ti.field(int, shape=self.groups * self.segment)
+        self.place = Components(self.groups * self.segment)  # [m]
+        self.shape = ti.field(float, shape=size.grid.lattice.n * self.each + self.groups * self.spare)
+
+    @ti.func
+    def begin(self, group):
+        """Nothing kept yet."""
+        self.next_first[group], self.next_begun[group] = group * self.segment, self.room(group)
+
+    @ti.func
+    def room(self, group):
+        """Where the shapes of a group begin: by its particles, since groups have the same number of parts."""
+        return self.each * self.grid.first[self.grid.first_part(group)] + group * self.spare
+
+    @ti.func
+    def anew(self, group):
+        """Where the shapes of a particle go that found no room."""
+        return self.room(group + 1) - self.width
+
+    @ti.func
+    def keep(self, k, group, names: Template, n, images, m, end):
+        """Keep the m candidates of part k that are in the scratch, where the first n of them are particles; their
+        images begin at `images`, and what fills both up ends at `end`. Where the shapes of its first particle's pairs
+        go, how far from there those of the next, and whether the candidates found room."""
+        scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
+        near, seen, room = images - scratch, end - scratch, 1
+        if first + seen > (group + 1) * self.segment:
+            near, seen, n, m, room = 0, 0, 0, 0, 0
+        further = seen
+        if begun + (self.grid.first[k + 1] - self.grid.first[k]) * seen > self.anew(group):
+            begun, further = self.anew(group), 0
+        x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
+        px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
+        for a in range(seen):
+            listed, to = scratch + a, first + a
+            x[to], y[to], z[to] = px[listed], py[listed], pz[listed]
+            self.name[to] = names[listed] if a < n or near <= a < near + m - n else 0
+        self.first[k], self.begun[k], self.near[k], self.seen[k] = first, begun, near, seen
+        self.next_first[group] = first + seen
+        self.next_begun[group] += (self.grid.first[k + 1] - self.grid.first[k]) * further
+        return begun, further, room
+
+    @ti.func
+    def keep_pair(self, away, to):
+        """Keep the shape of a pair that is so far apart."""
+        self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
+
+    @ti.func
+    def walk(self, law: Template):
+        for g in range(self.groups * TASK):
+            if g % TASK == 0:
+                self.walk_group(g // TASK, law)
+
+    @ti.func
+    def walk_group(self, group, law: Template):
+        """The same for the particles of a group's parts of cells."""
+        law.begin(group)
+        for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
+            self.gather(k, law, group * self.width)
+            self.sum_up(k, law, group)
+
+    @ti.func
+    def gather(self, k, law: Template, scratch):
+        """Put what the law reads of the candidates of part k into the scratch."""
+        first, near = self.first[k], self.near[k]
+        own = at(self.position, self.grid.first[k])  # of one of them, in the water
+        for a in range(near):
+            other = self.read(law, self.name[first + a])
+            for t in ti.static(range(len(law.reads))):
+                self.scratch[t][scratch + a] = other[t]
+        for a in range(near, self.seen[k]):
+            other = self.seen_as(law, self.name[first + a], own - at(self.place, first + a))
+            for t in ti.static(range(len(law.reads))):
+                self.scratch[t][scratch + a] = other[t]
+
+    @ti.func
+    def sum_up(self, k, law: Template, group):
+        """Sum the law for every particle of part k over its candidates, and finish it."""
+        begun, near, seen = self.begun[k], self.near[k], self.seen[k]
+        kept = begun < self.anew(group)
+        for i in range(self.grid.first[k], self.grid.first[k + 1]):
+            place, own = at(self.position, i), self.read(law, i)
+            if not kept:
+                self.keep_anew(place, k, begun)
+            total = self.summed(law, place, own, k, group, begun, 0, near)
+            beyond = self.summed(law, place, own, k, group, begun, near, seen)
+            law.finish(i, own, total, beyond, group)
+            if kept:
+                begun += seen
+
+    @ti.func
+    def keep_anew(self, place, k, begun):
+        """Find the shapes of a particle at `place` that found no room, for the moment."""
+        first = self.first[k]
+        for a in range(self.seen[k]):
+            self.keep_pair(place - at(self.place, first + a), begun + a)
+
+    @ti.func
+    def summed(self, law: Template, place, own, k, group, begun, begin, end):
+        """What candidates of part k add to the sum of a particle at `place`, whose shapes begin at `begun`."""
+        first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
+        for a in range(begin, end):
+            away = place - at(self.place, first + a)
+            other = ti.Vector([self.scratch[t][scratch + a] for t in ti.static(range(len(law.reads)))])
+            total += law.kept_pair(own, other, self.shape[begun + a] * away)
+        return total
+
+
+@ti.func
+def at(places: Template, i):
+    """A place of Components [m]."""
+    return tm.vec3(places.x[i], places.y[i], places.z[i])

@@ -1,0 +1,144 @@
+"""The water around a point that need not be a particle: particles, their repeats beyond periodic sides, and their
+images in walls, floor and lid.
+
+It is the point that is mirrored, not the water: an image lies from the point as its particle lies from the mirrored
+point, turned round. Every set of sides within reach is a mirror of its own, so corners are mirrored in all of theirs.
+"""
+
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, flipped, mirrored
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Template, in_kernels
+
+
+@ti.func
+def unmirrored():
+    """The mirror that shows everything as it is."""
+    mirror = ti.Matrix.zero(float, 5, 3)
+    for k in ti.static(range(3)):
+        mirror[SIGN, k] = mirror[TURN, k] = 1.0
+    return mirror
+
+
+@ti.func
+def in_turn(first, then):
+    """The mirror that shows what `then` shows of what `first` shows."""
+    mirror = first
+    for k in ti.static(range(3)):
+        mirror[SIGN, k] = then[SIGN, k] * first[SIGN, k]
+        mirror[OFFSET, k] = then[SIGN, k] * first[OFFSET, k] + then[OFFSET, k]
+        mirror[TURN, k] = then[TURN, k] * first[TURN, k]
+        mirror[PUSH, k] = then[TURN, k] * first[PUSH, k] + then[PUSH, k]
+        mirror[PULL, k] = first[PULL, k] + then[PULL, k]
+    return mirror
+
+
+class PointLaw(Protocol):
+    """What is summed over all water around a point."""
+
+    sums: int
+    """How many numbers a particle adds."""
+
+    def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
+        """ti.func: what particle j adds that a mirror shows at d [m] from the point; `own` is what was handed to the
+        sum."""
+        ...
+
+
+@in_kernels
+class Around:
+    """Sums of a PointLaw over all water within one support of a point."""
+
+    def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
+        """`position`: x, y and z [m] of the particles, in the order of their cells; `start`: the first of every cell,
+        by default as the grid has sorted them."""
+        self.position, self.grid, self.start = tuple(position), grid, grid.start if start is None else start
+        self.periods, self.across = grid.basin.periods, grid.basin.periods[0] > 0.0
+        self.images = grid.images
+
+    @ti.func
+    def total(self, x, law: Template, own):
+        """Of the law's terms around x."""
+        return self.total_from(0, x, law, own)
+
+    @ti.func
+    def of_images(self, x, law: Template, own):
+        """The same of the images in sides alone."""
+        return self.total_from(1, x, law, own)
+
+    @ti.func
+    def of_water(self, x, law: Template, own):
+        """The same without images."""
+        return self.seen(self.grid.wrapped(x), unmirrored(), law, own)
+
+    @ti.func
+    def total_from(self, first, x, law: Template, own):
+        """The same in the sets of sides from the `first` on, a bit for each side; 0 is the empty one."""
+        here = self.grid.wrapped(x)
+        reach = self.reach(here)
+        total = ti.Vector.zero(float, law.sums)
+        for subset in range(first, reach + 1):
+            if subset & reach == subset:
+                total += self.seen(here, self.mirror(subset), law, own)
+        return total
+
+    @ti.func
+    def mirror(self, subset):
+        """What a set of sides is as one mirror."""
+        mirror = unmirrored()
+        if ti.static(self.images.sides > 0):
+            for side in range(self.images.sides):
+                if subset >> side & 1:
+                    mirror = in_turn(mirror, self.images.mirror(side))
+        return mirror
+
+    @ti.func
+    def reach(self, x):
+        """The sides within a support of x, a bit each."""
+        reach = 0
+        if ti.static(self.images.sides > 0):
+            for side in range(self.images.sides):
+                away = x[int(self.images.side[side, SIDE.axis])] - self.images.side[side, SIDE.position]
+                reach |= int(ti.abs(away) < self.grid.support) << side
+        return reach
+
+    @ti.func
+    def seen(self, x, mirror, law: Template, own):
+        """What the particles add that are seen from x in one mirror."""
+        grid = self.grid
+        px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
+        y = mirrored(mirror, x)  # flat mirrors at right angles are their own inverse
+        home = grid.indices_at(y)
+        total = ti.Vector.zero(float, law.sums)
+        for row in range(9):
+            for part in range(ti.static(3 if self.across else 1)):
+                first = tm.ivec3(part - 1, row % 3 - 1, row // 3 - 1)
+                there, shift = self.home(home + first)
+                c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
+                for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
+                    e = self.nearest(tm.vec3(px[j], py[j], pz[j]), middle) + shift - y
+                    total += law.term(own, j, flipped(mirror, e), mirror)
+        return total
+
+    @ti.func
+    def nearest(self, x, middle):
+        """The repeat of x nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step may have
+        moved a particle on through a periodic side."""
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                x[k] -= period * ti.round((x[k] - middle[k]) / period)
+        return x
+
+    @ti.func
+    def home(self, indices):
+        """Indices of the cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
+        shift = tm.vec3(0.0)
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                around = int(indices[k] > self.grid.cells[k] - 2) - int(indices[k] < 1)
+                indices[k] -= around * (self.grid.cells[k] - 2)
+                shift[k] = around * period
+        return indices, shift

@@ -1,0 +1,87 @@
+"""How a kernel makes tasks of its particles, or of what else it goes over.
+
+On a processor threads share few tasks, each long. Taichi hands out a parallel loop in tasks of no fewer than TASK
+iterations, so a plain loop over 16 or 64 of them would be one, and run on one thread. Therefore a loop runs over TASK
+times the tasks and every TASK-th iteration does the work of one:
+
+    for g in range(tasks * TASK):
+        if g % TASK == 0:
+            work(g // TASK)
+
+On a graphics card each iteration is a thread of its own, and each particle a task.
+
+One thread alone writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
+their order. The sums of different tasks lie LINE numbers apart: threads that write to the same line of a processor's
+cache wait for each other.
+"""
+
+from math import isqrt
+
+from ocean_sim.fluid.sph.particles import Count
+from ocean_sim.kernel_library import ti
+from ocean_sim.runtime import Template, in_kernels
+
+TASK = 512
+LINE = 32  # two lines of a cache
+SUMMED = 64  # rows that are summed one after the other; more are first summed in blocks
+
+
+@in_kernels
+class Tasks:
+    """The particles in groups, each a task: the same number of each, in storage order."""
+
+    def __init__(self, particles: Count, groups: int, stride: int) -> None:
+        """`stride`: iterations of a parallel loop for each group. As many groups as there may be particles have one
+        each."""
+        self.particles, self.groups, self.stride = particles, groups, stride
+        self.iterations = groups * stride
+        self.single = groups == particles.most
+
+    @ti.func
+    def first(self, group):
+        """Number of the first particle of a group, or of the last and one more."""
+        n = self.particles.there()
+        first = ti.min(group, n)
+        if ti.static(not self.single):
+            first = group * n // self.groups
+        return first
+
+
+@in_kernels
+class Rows:
+    """Numbers that tasks report, a row each, and their sums in the order of the rows: of many first those of blocks."""
+
+    def __init__(self, count: int, columns: int) -> None:
+        self.columns = columns
+        self.rows = ti.field(float, shape=(count, columns + (LINE if count <= SUMMED else 0)))
+        self.block = isqrt(count) if count > SUMMED else 1
+        self.last = self.rows
+        if self.block > 1:
+            self.last = ti.field(float, shape=(-(-count // self.block), columns))
+
+    @ti.func
+    def add(self, row, column: Template, number):
+        """To what a task reports."""
+        self.rows[row, column] = self.rows[row, column] + number
+
+    @ti.func
+    def clear(self, row):
+        for k in ti.static(range(self.columns)):
+            self.rows[row, k] = 0.0
+
+    @ti.func
+    def sum_into(self, sums: Template):
+        """Into an array of a number a column; call it at the top of a kernel."""
+        if ti.static(self.block > 1):
+            for b in range(self.last.shape[0]):
+                for k in ti.static(range(self.columns)):
+                    total = 0.0
+                    for row in range(b * self.block, ti.min((b + 1) * self.block, self.rows.shape[0])):
+                        total += self.rows[row, k]
+                    self.last[b, k] = total
+        for k in ti.static(range(self.columns)):
+            sums[k] = 0.0
+        ti.loop_config(serialize=True)
+        for b in range(self.last.shape[0]):
+            for k in ti.static(range(self.columns)):
+                sums[k] += self.last[b, k]

@@ -1,0 +1,1 @@
+"""Seas without particles: plane waves in closed form, wave tiles, and nonlinear waves."""

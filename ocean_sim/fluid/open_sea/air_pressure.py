@@ -1,0 +1,106 @@
+"""What winds do to a surface without particles: the vertical part of their force, as a pressure on it.
+
+A wind is asked in the middle of each cell of a tile: on the surface of the cell, its slope included, where it acts on a
+surface, and in a few slabs from there downwards for its force on their mass. A force f on every
+kilogram at a depth moves a wave as a pressure -rho f dy sinh k(y+h) / sinh kh on the surface would, by linear theory:
+to the waves that are shorter than it is deep it does little. Horizontal forces are left out: a stress drags water
+along, it makes no waves here.
+"""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, Tile
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import in_kernels
+from ocean_sim.waves import profiles
+from ocean_sim.wind import Wind
+
+SLABS = 4
+
+
+@in_kernels
+class AirPressure:
+    """Impulses of a wind on the cells of a tile, gathered until they are asked for."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("weights",)
+
+    def __init__(self, wind: Wind, tile: Tile, density: float) -> None:
+        self.wind, self.tile, self.density = wind, tile, density
+        self.cell, self.cells, self.rows = tile.cell, tile.cells, tile.rows
+        deepest = min(tile.depth, tile.side / PER_TILE)
+        edges = deepest * (np.arange(SLABS + 1) / SLABS) ** 2
+        on_top = [0.0] if wind.needs_area else []
+        self.middle = (*on_top, *(float(d) for d in 0.5 * (edges[1:] + edges[:-1])))  # depth of each [m]
+        self.thick = (*on_top, *(float(d) for d in np.diff(edges)))  # [m]
+        scale = np.maximum(np.tanh(tile.k * tile.depth), 1e-30)
+        self.weights = [profiles(tile.k, -d, tile.depth)[1] / scale for d in self.middle]
+        self.impulse = ti.field(ti.f64, shape=(len(self.middle), *tile.shape))  # upwards over area and density [m2/s]
+        self.slope: Any = ti.Vector.field(2, float, shape=tile.shape) if wind.needs_area else None
+        self.gathered = 0.0  # [s]
+
+    @staticmethod
+    def bytes(cells: int, word: int) -> int:
+        """Memory that so many cells take."""
+        return cells * (8 * (SLABS + 1) + 2 * word)
+
+    def lean(self, along: np.ndarray, across: np.ndarray) -> None:
+        """The slopes of the surface along x and z, (cells, rows), from now on."""
+        if self.slope is not None:
+            self.slope.from_numpy(np.stack([along, across], axis=-1).astype(self.real))
+
+    @property
+    def real(self) -> type:
+        """The type of its numbers."""
+        return self.slope.to_numpy().dtype.type if self.slope is not None else np.float64
+
+    def gather(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
+        """What the wind does in its step of dt [s]; how far the water has drifted, and the tile's centre in its axes
+        [m]."""
+        first = np.array([axis[0] for axis in self.tile.nodes()])
+        self.add(self.wind.since, self.wind.step, dt, *first, *drift, *centre)
+        self.gathered += dt
+
+    def taken(self) -> np.ndarray:
+        """The modes of the mean pressure over the density [m2/s2] since it was last taken."""
+        tile, pushed = self.tile, self.impulse.to_numpy()
+        modes = sum(weight * tile.waves(slab) for weight, slab in zip(self.weights, pushed))
+        span, self.gathered = self.gathered, 0.0
+        self.impulse.fill(0.0)
+        return -modes / span if span else np.zeros(tile.k.shape)
+
+    @ti.kernel
+    def add(
+        self,
+        since: float,
+        step: float,
+        dt: float,
+        first_x: float,
+        first_z: float,
+        drift_x: float,
+        drift_z: float,
+        centre_x: float,
+        centre_z: float,
+    ):
+        self.wind.set_clock(since, step)
+        for i, k in ti.ndrange(self.cells, self.rows):
+            x = nearest(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
+            z = nearest(first_z + k * self.cell, centre_z, self.cell * self.rows) + drift_z
+            for slab in ti.static(range(len(self.middle))):
+                area = tm.vec3(0.0)
+                if ti.static(slab == 0 and self.wind.needs_area):
+                    lean = self.slope[i, k]
+                    area = self.cell * self.cell * tm.vec3(-lean.x, 1.0, -lean.y)
+                mass = ti.static(self.density * self.thick[slab] * self.cell**2)
+                key = (slab * self.cells + i) * self.rows + k
+                position = tm.vec3(x, -ti.static(self.middle[slab]), z)
+                push = self.wind.force(key, position, tm.vec3(0.0), area, tm.vec3(0.0), mass)
+                lift = ti.cast(push.y * dt / (self.density * self.cell * self.cell), ti.f64)
+                self.impulse[slab, i, k] = self.impulse[slab, i, k] + lift
+
+
+@ti.func
+def nearest(x, centre, side):
+    """The image of x, which repeats itself, that is nearest to a centre."""
+    return x - side * ti.round((x - centre) / side)

@@ -1,0 +1,197 @@
+"""Open water as a sum: plane waves in closed form, waves on tiles, and a current that carries both."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.fluid import Arriving, Fluid, Limits, Status
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
+from ocean_sim.fluid.open_sea.wave_window import Window
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import in_kernels
+
+if TYPE_CHECKING:  # they are imported only where there are tiles
+    from ocean_sim.fluid.open_sea.wave_sheet import Sheet
+    from ocean_sim.fluid.open_sea.wave_tile import OnTile
+
+ADVANCE = 1.0e-4  # [s] of processor time a step
+# [s] of processor time: the height at a point of a frame, and of each plane wave there; a velocity takes three such
+POINT, WAVE_AT_POINT = 5.0e-8, 6.0e-10
+POINTS_PER_WAVE = 16  # at which a wave is drawn
+SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
+
+
+def status_of(sea: waves.Components, density: float) -> Status:
+    """Of water that never changes its kind of motion: the sums of all waves' speeds and accelerations at the surface by
+    the root of squares, sqrt 2 deviations if they are random."""
+    speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
+    fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
+    return Status(float(fastest), float(hardest), density, density, 0, True)
+
+
+class OpenWater(Fluid):
+    """The sum, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves and
+    all `tiles`. Without more it is plane waves alone, in water that rests."""
+
+    sound_speed = 0.0  # [m/s] nothing is compressed
+
+    config: Any
+    waves: PlaneWaves  # in closed form
+    sheets: "tuple[Sheet, ...]" = ()
+    tiles: "Sequence[OnTile]" = ()
+    drift: np.ndarray = np.zeros(2)  # x, z by which the current has carried the water [m]
+    current: tuple[float, float] = (0.0, 0.0)  # along x and z [m/s]
+    time: float  # [s]
+    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
+
+    def internal_energy(self) -> float:
+        """0: nothing is compressed [J]."""
+        return 0.0
+
+    @ti.func
+    def elevation(self, x, z):
+        eta = self.waves.elevation(x, z)
+        for sheet in ti.static(self.sheets):
+            eta += sheet.elevation(x, z, sheet.now)
+        return eta
+
+    @ti.func
+    def velocity(self, position):
+        """[m/s]; above the water that of its surface."""
+        y = self.waves.stretched(position, self.elevation(position.x, position.z))
+        v = tm.vec3(self.current[0], 0.0, self.current[1]) + self.waves.velocity_at(position, y)
+        for sheet in ti.static(self.sheets):
+            v += sheet.velocity(position.x, position.z, -y, sheet.now)
+        return v
+
+    @ti.func
+    def acceleration(self, position):
+        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
+        y = self.waves.stretched(position, self.elevation(position.x, position.z))
+        a = self.waves.acceleration_at(position, y)
+        for sheet in ti.static(self.sheets):
+            a += sheet.acceleration(position.x, position.z, -y, sheet.now)
+        return a
+
+    @ti.func
+    def rise(self, x, z):
+        """Elevation of what is not plane waves [m], when the last step began."""
+        eta = 0.0
+        for sheet in ti.static(self.sheets):
+            eta += sheet.elevation(x, z, sheet.before)
+        return eta
+
+    @ti.func
+    def moving(self, x, z, depth):
+        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves when the last step began, at
+        a depth of the unstretched column."""
+        v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
+        for sheet in ti.static(self.sheets):
+            v += sheet.velocity(x, z, depth, sheet.before)
+            a += sheet.acceleration(x, z, depth, sheet.before)
+        return v, a
+
+    @property
+    def in_closed_form(self) -> "OpenWater":
+        return self
+
+    def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
+        return Window(self, size, step, depths)
+
+    def arriving(self, x: float, z: float) -> Arriving:
+        sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
+        angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
+        heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
+        return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        return self.heights(np.asarray(points, dtype=float) - self.drift)
+
+    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+        return elevation
+
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """The same of points in the axes of the water."""
+        return self.sum_of(points, self.tiles)
+
+    def sum_of(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
+        """The same of the plane waves and of these tiles."""
+        eta = waves.elevation(self.waves.sea, points, self.time)
+        for one in tiles:
+            there = one.seen(points)
+            if there.any():
+                eta[there] += one.elevation(points[there], self.time)
+        return eta
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
+        at, (_, y) = self.in_water(points)
+        return self.flow(at, y)
+
+    def surface_velocities(self, points: np.ndarray) -> np.ndarray:
+        at = np.asarray(points, dtype=float) - self.drift
+        return self.flow(at, np.zeros(len(at)))
+
+    def flow(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """(m, 3) velocities [m/s] at x and z in the axes of the water (m, 2) and heights in the unstretched column (m,)
+        [m]."""
+        stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
+        v = waves.linear_velocity(self.waves.sea, stretched, self.time)
+        v += [self.current[0], 0.0, self.current[1]]
+        for one in self.tiles:
+            there = one.seen(at)
+            v[there] += one.velocities(at[there], y[there], self.time)
+        return v
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        """(m, 3) points [m] -> (m,) pressures [Pa]; 0 above the water."""
+        at, (eta, y) = self.in_water(points)
+        stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
+        head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
+        for one in self.tiles:
+            there = one.seen(at)
+            head[there] += one.heads(at[there], y[there], self.time)
+        return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
+
+    def in_water(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """Of points (m, 3): x and z in the axes of the water (m, 2), and over them the elevation (m,) and the height in
+        the unstretched column (m,) [m]."""
+        points = np.asarray(points, dtype=float)
+        at = points[:, [0, 2]] - self.drift
+        eta = self.heights(at)
+        return at, (eta, waves.stretched(self.waves.sea, points, eta))
+
+
+@in_kernels
+class Felt(OpenWater):
+    """Open water as one of several ships feels it: without the waves that she makes herself."""
+
+    def __init__(self, whole: OpenWater, tiles: "Sequence[OnTile]", sheets: "tuple[Sheet, ...]") -> None:
+        self.whole, self.tiles, self.sheets = whole, tiles, sheets
+        self.config, self.waves, self.current = whole.config, whole.waves, whole.current
+        self.rest_density, self.spacing, self.reference_speed = whole.rest_density, whole.spacing, whole.reference_speed
+
+    @property
+    def time(self) -> float:  # type: ignore[override]
+        return self.whole.time
+
+    @property
+    def before(self) -> float:  # type: ignore[override]
+        return self.whole.before
+
+    @property
+    def drift(self) -> np.ndarray:  # type: ignore[override]
+        return self.whole.drift
+
+    @property
+    def status(self) -> Status:  # type: ignore[override]
+        return self.whole.status
+
+    def advance(self, dt: float) -> None:
+        """The whole goes on by itself."""
+
+    def limits(self) -> Limits:
+        return self.whole.limits()

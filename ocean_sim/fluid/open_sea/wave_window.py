@@ -1,0 +1,153 @@
+"""Plane waves on a small lattice that lies still in the water for a moment: what a hull asks them, step after step.
+
+Each wave is asked when the lattice is laid, for then and for a moment later; between the two runs the cubic that has
+the velocities and accelerations of both (Hermite), and the acceleration is its slope. On a lattice the angles of a
+wave are a + i b + k c, so its cosines and sines are products of few numbers.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Doubles2, in_kernels
+
+TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks
+FIRST, LATER, ALONG, ACROSS = range(4)  # angles: of the first node at both times, and to the next along and across
+
+
+class Moving(Protocol):
+    """Water with plane waves on it."""
+
+    waves: PlaneWaves
+    current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
+    time: float  # [s]
+    before: float  # when the last step began: where bodies are that take theirs after the water has [s]
+
+
+@in_kernels
+class Window:
+    """Sums of the plane waves of a water, fully grown, at nodes and on levels of its unstretched column."""
+
+    def __init__(
+        self, water: Moving, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]
+    ) -> None:
+        """`size`: nodes along and across; `step` between them, and `depths` of the levels [m], the first of them 0."""
+        self.water, self.size, self.step, self.depths = water, size, step, depths
+        self.depth = water.waves.sea.depth  # of the water [m]
+        self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
+        # What a wave gives, times the cosine and times the sine of its angle: the elevation and its growth, and on
+        # each level along x, upwards and along z what of velocity and acceleration goes with either.
+        self.gives = ti.field(float, shape=(2, self.sums, self.n))
+        self.line = ti.field(float, shape=(2, 2, size[0], self.n))  # cosine and sine, at both times
+        self.row = ti.field(float, shape=(2, size[1], self.n))
+        self.level, self.growth = (ti.field(float, shape=(2, *size)) for _ in range(2))  # at both times [m], [m/s]
+        self.speed, self.pull = (ti.Vector.field(3, float, shape=(2, *size, len(depths))) for _ in range(2))
+        self.clock = ti.field(float, shape=())  # the time between both [s]
+        self.angles = np.zeros((4, self.n))
+        self.begun, self.start, self.span = -1, 0.0, 1.0  # which waves, and when and for how long it was laid [s]
+
+    @staticmethod
+    def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
+        """Memory that it takes."""
+        sums = 1 + 3 * levels
+        return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
+
+    def now(self) -> tuple[float, float, bool]:
+        """How far it is from the first of the two times to the second, how far the waves have grown, and whether the
+        lattice still holds; from here on the waves that are asked are those of the water."""
+        time, there = self.water.before, self.water.waves
+        others = self.begun != there.begun
+        if others:
+            self.begun = there.begun
+            self.take(there.sea)
+        late = (time - self.start) / self.span
+        return late, there.sea.grown(time), not others and 0.0 <= late <= 1.0
+
+    @property
+    def current(self) -> tuple[float, float]:
+        return self.water.current
+
+    @property
+    def step_taken(self) -> float:
+        return self.water.time - self.water.before
+
+    def take(self, sea: waves.Components) -> None:
+        """Other waves."""
+        a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
+        kx, kz = sea.wavevector.T
+        cosines, sines = [a], [a * omega]
+        for depth in self.depths:
+            c, s = waves.profiles(k, -depth, sea.depth)
+            cosines += [a * g / omega * kx * c, -a * g * k * s, a * g / omega * kz * c]
+            sines += [a * g * kx * c, a * g / omega * k * s, a * g * kz * c]
+        numbers = np.array([cosines, sines])
+        self.gives.from_numpy(numbers.astype(self.water.waves.real))
+        jerks, sways = (((a * omega**power) ** 2).sum() for power in (5, 2))
+        self.span = TURNING * float(sways / jerks) ** (1.0 / 6.0) if jerks else 1.0
+        self.clock[None] = self.span
+
+    def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
+        """Around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
+        sea, time = self.water.waves.sea, self.water.before
+        self.start = time
+        kx, kz = sea.wavevector.T
+        (x, z), (dx, dz), angles = np.array(centre) - time * np.array(self.current), self.step, self.angles
+        s, c = heading
+        along, across = (kx * s + kz * c) * dx, (kx * c - kz * s) * dz
+        middle = kx * x + kz * z + sea.phase - sea.omega * time
+        angles[FIRST] = middle - 0.5 * ((self.size[0] - 1) * along + (self.size[1] - 1) * across)
+        angles[LATER] = angles[FIRST] - sea.omega * self.span
+        angles[ALONG], angles[ACROSS] = along, across
+        self.add_up(np.cos(angles), np.sin(angles))
+
+    @ti.kernel
+    def add_up(self, cosine: Doubles2, sine: Doubles2):
+        for n in range(self.n):
+            along = tm.vec2(cosine[ALONG, n], sine[ALONG, n])
+            across = tm.vec2(cosine[ACROSS, n], sine[ACROSS, n])
+            for t in ti.static(range(2)):
+                node = tm.vec2(cosine[t, n], sine[t, n])
+                for i in range(self.size[0]):
+                    self.line[t, 0, i, n], self.line[t, 1, i, n] = node[0], node[1]
+                    node = tm.cmul(node, along)
+            node = tm.vec2(1.0, 0.0)
+            for k in range(self.size[1]):
+                self.row[0, k, n], self.row[1, k, n] = node[0], node[1]
+                node = tm.cmul(node, across)
+        for t, i, k in ti.ndrange(2, self.size[0], self.size[1]):
+            with_cosine, with_sine = ti.Vector.zero(float, self.sums), ti.Vector.zero(float, self.sums)
+            for n in range(self.n):
+                c = self.line[t, 0, i, n] * self.row[0, k, n] - self.line[t, 1, i, n] * self.row[1, k, n]
+                s = self.line[t, 0, i, n] * self.row[1, k, n] + self.line[t, 1, i, n] * self.row[0, k, n]
+                for q in ti.static(range(self.sums)):
+                    with_cosine[q] += self.gives[0, q, n] * c
+                    with_sine[q] += self.gives[1, q, n] * s
+            self.level[t, i, k], self.growth[t, i, k] = with_cosine[0], with_sine[0]
+            for l in ti.static(range(len(self.depths))):
+                x, y, z = 1 + 3 * l, 2 + 3 * l, 3 + 3 * l
+                self.speed[t, i, k, l] = tm.vec3(with_cosine[x], with_sine[y], with_cosine[z])
+                self.pull[t, i, k, l] = tm.vec3(with_sine[x], with_cosine[y], with_sine[z])
+
+    @ti.func
+    def elevation(self, i, k, late):
+        """Of a node [m], `late` on the way from the first time to the second."""
+        growth = self.growth[0, i, k], self.growth[1, i, k]
+        return self.between(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
+
+    @ti.func
+    def moving(self, i, k, l, late):
+        """Velocity [m/s] and acceleration [m/s2] there on a level."""
+        first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
+        pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
+        mean = (last - first) / self.clock[None]
+        a = (1.0 - late) * (1.0 - 3.0 * late) * pulled + late * (3.0 * late - 2.0) * pulls
+        return self.between(first, last, pulled, pulls, late), a + 6.0 * late * (1.0 - late) * mean
+
+    @ti.func
+    def between(self, first, last, growth, grows, late):
+        """The cubic between two values that grow so much a second."""
+        way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
+        return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

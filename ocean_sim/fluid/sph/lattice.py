@@ -1,0 +1,233 @@
+"""The lattice that particles start from: where they are at first, counted but not yet made."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Protocol
+
+import numpy as np
+
+from ocean_sim.basin import Basin, Box, Solid, shifts
+from ocean_sim.basin.points import middles_of
+from ocean_sim.fluid.bodies.emitter import Emitter, Jet
+from ocean_sim.fluid.sph import initial_state as initial_module
+from ocean_sim.waves import Components
+
+BEYOND = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
+
+
+class Filling(Protocol):
+    """What is read of the keys of a kind of water where its particles are made."""
+
+    spacing: float | None  # [m]
+    particles: int | None
+    rest_density: float  # [kg/m3]
+    fill: tuple[Box, ...] | None
+    initial: initial_module.Initial | None
+    emitter: Emitter | None
+    motion_limit: float | None  # [spacings]
+    collision_distance: float  # [spacings]
+
+    def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
+        """See WaterConfig."""
+        ...
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """A cubic lattice of particles filling the boxes of water, half a spacing away from every face."""
+
+    config: Filling
+    basin: Basin
+
+    @cached_property
+    def boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Lowest and highest corner of each box of water [m]."""
+        if self.config.fill is None and self.config.emitter is not None and self.given is None:
+            return []
+        if self.config.fill is None:
+            surface = np.array([self.basin.upper[0], 0.0, self.basin.upper[2]])
+            return [(np.array(self.basin.lower), surface)]
+        flat = (0.0,) * (3 - self.basin.dimension)
+        return [(np.array(box.min + flat), np.array(box.max + flat)) for box in self.config.fill]
+
+    @property
+    def volume(self) -> float:
+        """Volume of the water [m3]; in 2-D its area [m2]."""
+        return sum(float(np.prod((up - low)[: self.basin.dimension])) for low, up in self.boxes)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Distance between particles [m]; of a budget the finest lattice found that keeps it."""
+        if self.config.spacing is not None:
+            return self.config.spacing
+        assert self.config.particles is not None
+        spacing = (self.volume / self.config.particles) ** (1.0 / self.basin.dimension)
+        while total(self.counted(spacing)) > max(self.config.particles, len(self.boxes)):
+            spacing *= 1.001
+        return spacing
+
+    def counted(self, spacing: float) -> list[np.ndarray]:
+        """Particles along x, y and z in each box, about `spacing` [m] apart."""
+        counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
+        return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
+
+    @cached_property
+    def counts(self) -> list[np.ndarray]:
+        """Particles along x, y and z in each box."""
+        return self.counted(self.spacing)
+
+    @cached_property
+    def n(self) -> int:
+        """Number of particles; where there is an emitter, the most there will be."""
+        return self.config.emitter.cap if self.config.emitter is not None else self.started
+
+    @cached_property
+    def started(self) -> int:
+        """How many of them are there without an emitter."""
+        if self.given is None and not (self.basin.obstacles or self.basin.afloat):
+            return total(self.counts)
+        return len(self.positions())
+
+    @cached_property
+    def jet(self) -> Jet | None:
+        """What leaves the emitter."""
+        if self.config.emitter is None:
+            return None
+        volume = self.mass / self.config.rest_density
+        return Jet(self.config.emitter, self.basin.dimension, self.spacing, volume, self.started)
+
+    @cached_property
+    def given(self) -> np.ndarray | None:
+        """(n, 3) positions [m] from a file, in place of a lattice."""
+        return initial_module.given_positions(self.config.initial, self.basin)
+
+    @property
+    def mass(self) -> float:
+        """Mass of a particle [kg], in 2-D [kg/m]: rest density times volume of the water over n."""
+        if not self.boxes and self.given is None:
+            return self.config.rest_density * self.spacing**self.basin.dimension
+        return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
+
+    @property
+    def row(self) -> float:
+        """Height of the lowest row of particles [m]."""
+        rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
+        return float(min(rows)[1]) if rows else self.spacing
+
+    @property
+    def plan_area(self) -> float | None:
+        """Area of the still surface [m2], in 2-D its length [m]; None where water does not fill the basin."""
+        filled = self.config.fill is None and self.given is None and not self.basin.closed
+        return self.basin.volume / self.basin.depth if filled else None
+
+    @property
+    def height(self) -> float:
+        """Height of the tallest box of water [m]."""
+        return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
+
+    @property
+    def stacked(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The boxes that end at the height where another begins, from below."""
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
+        begins, ends = heights.T
+        touching = np.flatnonzero(np.isin(begins, ends) | np.isin(ends, begins))
+        return [self.boxes[k] for k in touching[begins[touching].argsort(kind="stable")]]
+
+    @cached_property
+    def deepest(self) -> float:
+        """Height of its tallest column of water [m]; 0 without water."""
+        bed, surface = self.ends()
+        return float(np.max(surface - bed, initial=0.0))
+
+    def ends(self) -> np.ndarray:
+        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]: of its
+        box, and of those that stand on one another there."""
+        if self.given is not None:
+            return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
+        heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
+        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
+        x, y, z = self.full[self.wet].T
+        stacked = [
+            (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2])) for low, up in self.stacked
+        ]
+        for foot, head, along in stacked:
+            ends[1, along & np.isclose(ends[1], foot)] = head
+        for foot, head, along in reversed(stacked):
+            ends[0, along & np.isclose(ends[0], head)] = foot
+        for low, up in self.basin.obstacles:
+            over = (x > low[0]) & (x < up[0]) & (z > low[2]) & (z < up[2]) & (y > up[1])
+            ends[0, over] = np.maximum(ends[0, over], up[1])
+        return ends
+
+    @cached_property
+    def full(self) -> np.ndarray:
+        """(m, 3) positions [m] of a lattice that fills the boxes, x running fastest."""
+        parts = [np.empty((0, 3))]
+        for (low, up), count in zip(self.boxes, self.counts, strict=True):
+            x, y, z = (middles_of(low[k], up[k], count[k]) for k in range(3))
+            grid = np.meshgrid(z, y, x, indexing="ij")
+            parts.append(np.stack([grid[2].ravel(), grid[1].ravel(), grid[0].ravel()], axis=1))
+        return np.concatenate(parts)
+
+    @cached_property
+    def room(self) -> tuple[np.ndarray, np.ndarray]:
+        """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
+        out of the reach of what is not felt through the water's own laws."""
+        wet, positions = ~inside(self.full, self.basin), self.full
+        for solid in self.basin.afloat.values():
+            nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
+            beyond = self.beyond(solid) if solid.felt else np.empty((0, 3))
+            volume = self.mass / self.config.rest_density
+            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated, self.spacing, volume)
+            wet &= ~gone
+            positions = initial_module.wrapped(moved - nearest, self.basin)
+        return wet, positions
+
+    @property
+    def repeated(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The boxes, and their repeats next to them beyond periodic sides."""
+        ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
+        return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
+
+    def beyond(self, solid: Solid) -> np.ndarray:
+        """(m, 3) points around a solid at which the lattice of the first box near it goes on outside all boxes [m]."""
+        d, found = self.basin.dimension, np.empty((0, 3))
+        low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * BEYOND * self.spacing
+        for (low, up), count in zip(self.repeated, self.counts * (len(self.repeated) // len(self.counts)), strict=True):
+            if len(found) or (low[:d] > high_end[:d]).any() or (up[:d] < low_end[:d]).any():
+                continue
+            step = (up - low)[:d] / count[:d]
+            first, last = np.floor((low_end - low)[:d] / step), np.ceil((high_end - low)[:d] / step)
+            index = np.stack(np.meshgrid(*map(np.arange, first, last), indexing="ij"), axis=-1).reshape(-1, d)
+            found = np.zeros((len(index), 3))
+            found[:, :d] = low[:d] + (index + 0.5) * step
+        for low, up in self.repeated:
+            found = found[~((found >= low)[:, :d] & (found <= up)[:, :d]).all(axis=1)]
+        return found
+
+    @property
+    def wet(self) -> np.ndarray:
+        """(m,) which of them are water."""
+        return self.room[0]
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) positions of the particles [m], x running fastest."""
+        return self.room[1][self.wet] if self.given is None else self.given
+
+
+def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """(n,) which of (n, 3) positions [m] are in an obstacle."""
+    found = np.zeros(len(positions), dtype=bool)
+    if basin.obstacles:
+        order = positions[:, 0].argsort(kind="stable")
+        x = positions[order, 0]
+        for low, up in basin.obstacles:
+            near = order[np.searchsorted(x, low[0], "right") : np.searchsorted(x, up[0], "left")]
+            found[near] |= ((positions[near] > low) & (positions[near] < up)).all(axis=1)
+    return found
+
+
+def total(counts: list[np.ndarray]) -> int:
+    """Particles in all boxes."""
+    return sum(int(np.prod(count)) for count in counts)

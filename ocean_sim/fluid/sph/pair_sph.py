@@ -1,0 +1,236 @@
+"""Laws that push particles; and of schemes whose pressure is known before a step moves them all but the terms of a pair
+and, where the density is a sum, the whole step."""
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.budget.momentum_budget import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
+from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected
+from ocean_sim.fluid.sph.law import Law, WalkOptions
+from ocean_sim.fluid.sph.sph import Sph
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Array, Template, in_kernels
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.bodies.boundary import Reaction
+
+
+@in_kernels
+class Force(Law):
+    """A sum of forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have `push`,
+    and `rub` where friction is summed apart."""
+
+    stores_pressure_work: ClassVar[bool] = False
+    """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
+    reaction: "Reaction"
+
+    def __init__(self, fluid: Sph) -> None:
+        """To be called once `reads` and `terms` are known."""
+        self.fluid = fluid
+        self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
+        self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
+        self.meet(fluid.boundary)
+        if fluid.boundary is not None:
+            from ocean_sim.fluid.bodies.boundary import Reaction
+
+            forces = (self.acceleration, self.wall_acceleration)
+            self.reaction = Reaction(fluid.boundary, self, self.told, forces)
+
+    @abstractmethod
+    def acceleration(self, own: Any, total: Any) -> Any:
+        """Acceleration [m/s2] of a particle by its sum."""
+
+    @ti.func
+    def wall_acceleration(self, own, total):
+        """Part of it whose work counts as that of walls."""
+        a = self.acceleration(own, total)
+        if ti.static(self.stores_pressure_work):
+            a = self.prefactor(own) * vec3(total, self.terms.rub)
+        return a
+
+    @ti.func
+    def pressure_rise(self, head):
+        """Rise of the row's pressure where p / rho rises by `head` [m2/s2]."""
+        return self.fluid.rest_density * head
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.accounts.begin_motion(group)
+
+    @ti.func
+    def image(self, other, mirror):
+        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        x, image = vec3(other, self.row.position), reflected(mirror, other)
+        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
+        return image
+
+    @ti.func
+    def rubbing_sample(self, own, s, d, mirror):
+        """A sample of a solid body with the velocity by which it rubs; all else is the particle's own."""
+        return displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
+
+    @ti.func
+    def react(self, dt):
+        """Push the bodies for dt [s]; call it at the top of a kernel."""
+        if ti.static(self.fluid.bodies):
+            self.boundary.react(self.reaction, dt)
+
+
+@in_kernels
+class MomentumLaw(Force):
+    """Momentum of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
+
+    A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
+    (`pair`, by way of `added`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
+    """
+
+    drifted: ClassVar[float] = 0.0
+    """Part of a step that the particles have gone before they are pushed; with their new velocity they go the rest."""
+
+    def __init__(self, fluid: Sph) -> None:
+        self.sheared = fluid.bodies and fluid.kinematic_viscosity > 0.0
+        shear = {"shear": 3} if self.sheared else {}  # friction once more, by itself
+        self.terms = Columns(push=3, rub=3, **shear) if fluid.accounts.impulses else Columns(push=3, **shear)
+        super().__init__(fluid)
+
+    @ti.func
+    def added(self, weight, push, rub, shear):
+        """Row of `terms` for a pair that presses with `push` and rubs with `rub`, of which `shear` is friction."""
+        total = ti.Vector.zero(float, self.terms.size)
+        for k in ti.static(range(3)):
+            if ti.static(self.options.apart):
+                total[self.terms.push + k], total[self.terms.rub + k] = weight * push[k], weight * rub[k]
+            else:
+                total[self.terms.push + k] = weight * (push[k] + rub[k])
+            if ti.static(self.sheared):
+                total[self.terms.shear + k] = weight * shear[k]
+        return total
+
+    @ti.func
+    def continued(self, own, s, d, mirror):
+        """A sample of a solid body under the particle's own pressure, continued to the place of the sample."""
+        other = self.rubbing_sample(own, s, d, mirror)
+        a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
+        head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
+        other[self.row.pressure] = own[self.row.pressure] + self.pressure_rise(head)
+        return other
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        return self.continued(own, s, d, mirror)
+
+    @ti.func
+    def acceleration(self, own, total):
+        both = vec3(total, self.terms.push)
+        if ti.static(self.options.apart):
+            both += vec3(total, self.terms.rub)
+        return self.prefactor(own) * both
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        """Kick particle i by all accelerations (2.25), let walls constrain its way, and book the step."""
+        fluid, dt = self.fluid, self.fluid.dt[None]
+        x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
+        if ti.static(fluid.bodies):
+            beyond += self.solid.total(x, ti.Vector([field[i] for field in ti.static(self.told)]))
+        a, parts = self.kick(i, own, total, beyond, dt)
+        if ti.static(fluid.bodies):
+            self.remember(i, own, total, beyond, parts)
+        x_free, x_new, v_new, fast = self.constrain(i, x, v + dt * a, dt)
+        fluid.leave(i, x_new, v_new)
+        fluid.accounts.count_motion(group, v_new, a, fast)
+        if ti.static(fluid.accounts.impulses):
+            self.book(group, own, total, beyond, a, parts, x_free, x_new, v_new, dt)
+
+    @ti.func
+    def kick(self, i, own, total, beyond, dt):
+        """Acceleration [m/s2] of particle i (2.25), and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
+        fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
+        a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
+        a_wind = fluid.blown(i, x, v)
+        a_pull = fluid.pull.at(x, v)
+        a_hull = fluid.hull_push(x, self.drifted * dt)
+        a = a_water + a_walls + a_wind + a_pull + a_hull
+        a_bed, a_sea = tm.vec3(0.0), tm.vec3(0.0)
+        if ti.static(fluid.rubs):
+            a_bed = fluid.bed.push(x, v + dt * a, dt)
+            a += a_bed
+        if ti.static(fluid.joined):
+            a_sea = fluid.rim.push(x, v + dt * a, dt)
+            a += a_sea
+        return a, (a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea)
+
+    @ti.func
+    def constrain(self, i, x, v, dt):
+        """Where particle i goes from x [m] at v [m/s]: without walls and with them [m]; its velocity there [m/s]; and
+        1 if the motion limit held it back."""
+        fluid, walls = self.fluid, self.fluid.walls
+        pushed, fast = walls.held_back(walls.relaxed(x, v, dt), dt)
+        x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.drifted) * dt * pushed)
+        x_new, v_new = walls.bounced(x_free, pushed)
+        return x_free, x_new, v_new, fast
+
+    @ti.func
+    def remember(self, i, own, total, beyond, parts: Template):
+        """Keep the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
+        wind do not."""
+        a_water, a_walls = parts[:2]
+        a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
+        if ti.static(self.sheared):
+            a -= self.prefactor(own) * (vec3(total, self.terms.shear) + vec3(beyond, self.terms.shear))
+        for k, component in ti.static(enumerate(self.fluid.last_acceleration)):
+            component[i] = a[k]
+
+    @ti.func
+    def book(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
+        """Put impulse and work of each term to the budget."""
+        accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
+        x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
+        a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
+        a_pressure, mean = self.prefactor(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+        by_walls = v_new - (v + dt * a) + dt * a_walls
+        if ti.static(self.drifted == 0.0):
+            if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took
+                way = (x_new - x) / dt
+                accounts.count_work(group, WALLS, m * (v_new - v).dot(mean - way))
+                mean = way
+        kick, forces = m * dt, (a_pressure, a_water - a_pressure, a_wind, a_pull, a_hull, a_bed, a_sea)
+        accounts.count_impulses(group, (PRESSURE, VISCOSITY, WIND, GRAVITY, SHIP, BED, SEA), kick, forces, mean)
+        accounts.count_impulse(group, WALLS, m * by_walls, mean)
+        if ti.static(self.stores_pressure_work):
+            stored = kick * self.prefactor(own) * vec3(beyond, self.terms.push).dot(mean)
+            accounts.count_work(group, WALLS, -stored)
+            accounts.count_work(group, PRESSURE, stored)
+
+
+@in_kernels
+class PairSph(Sph):
+    """A scheme that moves particles by its `momentum`, sorts them, and sums up their `density`, which also finds their
+    pressure: symplectic Euler."""
+
+    momentum: MomentumLaw
+    density: Law
+
+    def arrive(self) -> None:
+        self.settle(self.summary)
+
+    def step(self, dt: float) -> None:
+        self.move(dt, self.wind.since)
+        self.settle(self.summary)
+
+    @ti.kernel
+    def move(self, dt: float, since: float):
+        """Move by the forces of here and now."""
+        self.dt[None] = dt
+        self.wind.set_clock(since, dt)
+        self.momentum.react(dt)
+        self.neighbours.walk(self.momentum, False)
+
+    @ti.kernel
+    def settle(self, summary: Array):
+        """Sort, and find the new density."""
+        self.grid.sort()
+        self.neighbours.walk(self.density, True)
+        self.accounts.summarise(summary)

@@ -1,0 +1,268 @@
+"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, accounts, and the
+frame of a step."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
+from ocean_sim.fluid.bodies.walls import Walls
+from ocean_sim.fluid.budget.field import Field
+from ocean_sim.fluid.budget.free_surface import FreeSurface
+from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY, WIND, Accounts, absent
+from ocean_sim.fluid.budget.totals import Summing
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.neighbours.thread_tasks import Tasks
+from ocean_sim.fluid.patch.relaxation_zone import band
+from ocean_sim.fluid.sph.body_force import Pull
+from ocean_sim.fluid.sph.particles import Particles, seeded
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.fluid.sph.water_keys import WaterConfig
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import Array2, alone, in_kernels
+from ocean_sim.waves import Components
+from ocean_sim.wind import Wind
+
+if TYPE_CHECKING:  # they are imported only where a bed rubs, or a sea is around
+    from ocean_sim.fluid.patch.sea_patch import SeaRim
+    from ocean_sim.fluid.sph.bed_friction import Bed
+
+
+@in_kernels
+class ParticleWater(ParticleFluid):
+    """Particles between steps: sorted by cell, with all that is known of them current. A kind adds how they move
+    (`step`) and how all is made current (`arrive`)."""
+
+    particles: Particles
+    around: Around
+    grid: Grid
+    accounts: Accounts
+    tasks: Tasks
+    walls: Walls
+    field: Field
+    contacts: list[Contact]
+    bed: "Bed"
+    rim: "SeaRim"
+
+    def __init__(self, config: WaterConfig, basin: Basin, size: GridSize, accounts: bool, wind: Wind) -> None:
+        self.config, self.wind = config, wind
+        lattice = size.lattice
+        self.particles = seeded(lattice)
+        self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
+        self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
+        self.carried = tuple(staggered(float, self.particles.n) for _ in range(size.carried))
+        self.grid = size.plan.grid(self.particles, size, self.carried)
+        self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
+        self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))
+        self.accounts.idle += (SHIP,) if wind.blows else (SHIP, WIND)
+        self.tasks = size.plan.tasks(self.particles.count, size.groups)
+        self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
+        self.around = self.surface.around
+        self.walls = Walls(lattice, self.grid.images)
+        self.pull = Pull(basin, config.body_force)
+        if basin.rough_bed is not None:
+            from ocean_sim.fluid.sph.bed_friction import Bed
+
+            self.bed = Bed(basin.rough_bed, lattice)
+        around = band(lattice)
+        self.sea = around.sea if around is not None else None
+        if around is not None:
+            from ocean_sim.fluid.patch.sea_patch import SeaRim
+
+            self.rim = SeaRim(around)
+        self.summing = Summing(self.particles)
+        self.jet = lattice.jet
+        self.time = 0.0  # [s]
+        self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
+        self.contacts = []
+        self.summary: np.ndarray = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+
+    @property
+    def of_particles(self) -> ParticleFluid:
+        return self
+
+    @property
+    def plane_waves(self) -> Components | None:
+        return self.sea
+
+    @property
+    def answers(self) -> bool:
+        return self.joined
+
+    @property
+    def patch_centre(self) -> np.ndarray:
+        return self.rim.where(self.time) if self.joined else np.zeros(2)
+
+    def in_rim(self, points: np.ndarray) -> np.ndarray:
+        return self.rim.holds(points, self.time) if self.joined else super().in_rim(points)
+
+    def meet(self, contact: Contact) -> None:
+        """From the first step on feel the push of one more hull."""
+        self.contacts.append(contact)
+        self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
+
+    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+        if self.joined and ships:
+            self.rim.follow(ships)
+        return super().carry(ships)
+
+    @ti.func
+    def area(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero where none has one."""
+        return tm.vec3(0.0)
+
+    @ti.func
+    def bend(self, i):
+        """How much the slope of the surface changes near particle i (exposure.Exposure.bend_of); zero where none is
+        asked for."""
+        return tm.vec3(0.0)
+
+    @ti.func
+    def blown(self, i, x, v):
+        """Acceleration [m/s2] of particle i by the wind."""
+        m = ti.static(self.particles.mass)
+        return self.wind.force(self.particles.id[i], x, v, self.area(i), self.bend(i), m) / m
+
+    @ti.func
+    def hull_push(self, x, ahead):
+        """Acceleration [m/s2] by all hulls of what is at x [m], `ahead` [s] of the beginning of the step."""
+        a = tm.vec3(0.0)
+        for contact in ti.static(self.contacts):
+            a += contact.hull.push(x, ahead)
+        return a
+
+    @ti.func
+    def leave(self, i, x, v):
+        """Keep the next position and velocity of particle i until the sort."""
+        self.grid.leave(i, x, v)
+
+    def begin(self) -> None:
+        """Start from the particles as they are now."""
+        self.lift()
+        self.arrive()
+        self.status = self.accounts.status(self.summary, self.grid)
+
+    def advance(self, dt: float) -> None:
+        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        self.drive(dt)
+        self.step(dt)
+        self.status = self.accounts.status(self.summary, self.grid)
+        self.emit()
+
+    @abstractmethod
+    def arrive(self) -> None:
+        """Sort the particles where they are now, make all that is known of them current, and sum it up."""
+
+    @abstractmethod
+    def step(self, dt: float) -> None:
+        """The same after they have moved for dt [s]."""
+
+    def drive(self, dt: float) -> None:
+        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones and sea relax
+        the water towards where they are at its end."""
+        self.pull.advance(self.time + 0.5 * dt)
+        self.grid.images.advance(self.time + 0.5 * dt)
+        self.time += dt
+        self.walls.advance(self.time)
+        if self.joined:
+            self.rim.advance(self.time)
+
+    def emit(self) -> None:
+        """Add what has left the emitter by now, at the end of a step."""
+        if self.jet is None:
+            return
+        first, last = self.particles.count.now, self.jet.number(self.time)
+        if last == first:
+            return
+        x, v = self.jet.left(first, last, self.time, self.pull.at_mouth())
+        precision = self.particles.position.precision
+        self.join(first, x.astype(precision), v.astype(precision))
+        self.particles.count.set(last)
+        self.emitted_impulse += self.particles.mass * v.sum(axis=0)
+        energy = 0.5 * (v * v).sum() - (x @ self.pull.gravity).sum()
+        self.emitted_work += self.particles.mass * float(energy)
+        before, fastest = self.status, float(np.linalg.norm(v, axis=1).max())
+        self.begin()
+        self.status = replace(
+            self.status,
+            max_speed=max(before.max_speed, fastest),
+            max_acceleration=before.max_acceleration,
+        )
+
+    @ti.kernel
+    def join(self, first: int, x: Array2, v: Array2):
+        """Put new particles after the first ones."""
+        ti.loop_config(serialize=True)
+        for k in range(x.shape[0]):
+            i, particles = first + k, self.particles
+            for c in ti.static(range(3)):
+                tuple_x, tuple_v = ti.static(tuple(particles.position), tuple(particles.velocity))
+                tuple_x[c][i], tuple_v[c][i] = x[k, c], v[k, c]
+            particles.id[i], particles.density[i], particles.pressure[i] = i, particles.rest_density, 0.0
+            for carried in ti.static(self.carried):
+                carried[i] = 0.0
+
+    @ti.kernel
+    def lift(self):
+        """Leave all particles where they are, for the sort."""
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in range(self.particles.count.there()):
+            p, v = self.particles.position, self.particles.velocity
+            for left in ti.static(self.grid.left):
+                left[i] = 0.0
+            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        """Impulse of each term since the start [N s], (3,) each; empty unless the fluid keeps accounts."""
+        total = self.accounts.total()
+        if total and self.jet is not None:
+            total["emitter"] = self.emitted_impulse.copy()
+        if total and self.contacts:
+            total["ship"] += sum(contact.given for contact in self.contacts)
+        elif total:
+            del total["ship"]
+        return total
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work of each term since the start [J]; empty unless the fluid keeps accounts. The emitter's is all energy
+        that its water brings, kinetic and potential."""
+        total = self.accounts.total_work()
+        if total and self.jet is not None:
+            total["emitter"] = self.emitted_work
+        if total and self.contacts:
+            total["ship"] += sum(contact.work for contact in self.contacts)
+        elif total:
+            del total["ship"]
+        return total
+
+    @ti.func
+    def elevation(self, x, z):
+        return self.surface.elevation(x, z)
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        return self.surface.elevations(points)
+
+    def totals(self) -> Totals:
+        return self.summing.now()
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""
+        x = self.particles.position.to_numpy().astype(float)
+        for k, left in zip(self.grid.axes, self.grid.left):
+            x[:, k] += left.to_numpy()[: len(x)]
+        return x
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        return self.field.pressures(points)
+
+    def velocities(self, points: np.ndarray) -> np.ndarray:
+        return self.field.velocities(points)

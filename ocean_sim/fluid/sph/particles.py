@@ -1,0 +1,195 @@
+"""The particles: one field a component, in the order of their cells, which changes from step to step; `id` stays."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ocean_sim.fluid import Copied
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.sph.initial_state import started
+from ocean_sim.fluid.sph.lattice import Lattice
+from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
+from ocean_sim.runtime import Array, Array2, Integers, alone, in_kernels
+
+
+@in_kernels
+class Count:
+    """How many particles there are now; where an emitter adds to them, their arrays have room for the most there will
+    be."""
+
+    def __init__(self, now: int, most: int) -> None:
+        self.now, self.most, self.grows = now, most, most > now
+        if self.grows:
+            self.field = ti.field(int, shape=())
+            self.set(now)
+
+    def set(self, now: int) -> None:
+        self.now = now
+        self.field[None] = now
+
+    @ti.func
+    def there(self):
+        """How many there are, in a kernel."""
+        n = ti.cast(self.most, int)
+        if ti.static(self.grows):
+            n = self.field[None]
+        return n
+
+
+class Growing(ScalarField):
+    """A number per particle, with room for those to come; from Python only those are seen that are there."""
+
+    def __init__(self, field: ScalarField, count: Count) -> None:
+        super().__init__(field.vars[0])
+        self.count = count
+
+    def to_numpy(self, dtype: type | None = None) -> np.ndarray:
+        return super().to_numpy(dtype)[: self.count.now]
+
+    def from_numpy(self, arr: np.ndarray) -> None:
+        values = super().to_numpy()
+        values[: self.count.now] = arr
+        super().from_numpy(values)
+
+
+def numbers(dtype: type, count: Count) -> ti.Field:
+    """A number per particle."""
+    field = staggered(dtype, count.most)
+    return Growing(field, count) if count.grows else field
+
+
+@in_kernels
+class Components:
+    """A vector per particle as three fields of one number each."""
+
+    def __init__(self, n: int, count: Count | None = None) -> None:
+        """`count`: how many of the n are there, where that changes."""
+        self.x, self.y, self.z = (staggered(float, n) for _ in range(3))
+        self.count = count
+
+    def __iter__(self) -> Iterator[ti.Field]:
+        return iter((self.x, self.y, self.z))
+
+    def to_numpy(self) -> np.ndarray:
+        """(n, 3), in storage order."""
+        rows: np.ndarray = np.empty((*self.x.shape, 3), dtype=self.precision)
+        self.copy_to(rows)
+        return rows if self.count is None else rows[: self.count.now]
+
+    @ti.kernel
+    def copy_to(self, rows: Array2):
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in self.x:
+            rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
+
+    def from_numpy(self, values: np.ndarray) -> None:
+        """Takes (n, 3)."""
+        self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
+
+    @ti.kernel
+    def copy_from(self, rows: Array2):
+        for i in range(rows.shape[0]):
+            self.x[i], self.y[i], self.z[i] = rows[i, 0], rows[i, 1], rows[i, 2]
+
+    @property
+    def precision(self) -> type:
+        """The NumPy type of `float` in this run: float32 or float64."""
+        return to_numpy_type(self.x.dtype)
+
+
+@in_kernels
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """What a step reads and a snapshot saves."""
+
+    n: int  # the most there will be; `count` says how many there are
+    count: Count
+    mass: float  # [kg] of each; in 2-D [kg/m]
+    rest_density: float  # [kg/m3]
+    spacing: float  # [m]
+    position: Components  # [m]
+    velocity: Components  # [m/s]
+    id: ti.Field  # number of the particle in the first lattice
+    density: ti.Field  # [kg/m3]
+    pressure: ti.Field  # [Pa]
+
+    @ti.kernel
+    def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
+        """All are numbered in their order, and of one density."""
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in range(position.shape[0]):
+            self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]
+            self.velocity.x[i], self.velocity.y[i], self.velocity.z[i] = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+            self.pressure[i], self.id[i] = pressure[i], i
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in self.density:
+            self.density[i] = density
+
+    def copied(self) -> Copied:
+        """All of them now, by one launch."""
+        n, real = self.count.now, self.position.precision
+        position: np.ndarray = np.empty((n, 3), dtype=real)
+        velocity: np.ndarray = np.empty((n, 3), dtype=real)
+        number: np.ndarray = np.empty(n, dtype=np.int32)
+        pressure: np.ndarray = np.empty(n, dtype=real)
+        self.copy_to(position, velocity, number, pressure)
+        return Copied(position, velocity, number, pressure)
+
+    @ti.kernel
+    def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):
+        ti.loop_config(serialize=ti.static(alone()))
+        for i in range(number.shape[0]):
+            x, v = self.position, self.velocity
+            position[i, 0], position[i, 1], position[i, 2] = x.x[i], x.y[i], x.z[i]
+            velocity[i, 0], velocity[i, 1], velocity[i, 2] = v.x[i], v.y[i], v.z[i]
+            number[i], pressure[i] = self.id[i], self.pressure[i]
+
+    def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
+        """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number
+        within -`most` and `most` along each axis, and its speed [m/s]."""
+        rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
+        self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
+        return rows
+
+    @ti.kernel
+    def put_in_box(self, rows: Array2, count: int, middle: tm.vec3, scale: tm.vec3, most: float, every: int):
+        for i in range(count):
+            k = self.id[i]
+            if k % every == 0:
+                x = tm.vec3(self.position.x[i], self.position.y[i], self.position.z[i])
+                v = tm.vec3(self.velocity.x[i], self.velocity.y[i], self.velocity.z[i])
+                share = ti.round((x - middle) * scale)
+                for a in ti.static(range(3)):
+                    rows[k // every, a] = ti.select(tm.isnan(share[a]), 0.0, tm.clamp(share[a], -most, most))
+                rows[k // every, 3] = tm.length(v)
+
+
+def seeded(lattice: Lattice) -> Particles:
+    """Particles in the state that their water starts from; an emitter has let out its first layer."""
+    n, jet = lattice.n, lattice.jet
+    count = Count(n if jet is None else jet.number(0.0), n)
+    particles = Particles(
+        n=n,
+        count=count,
+        mass=lattice.mass,
+        rest_density=lattice.config.rest_density,
+        spacing=lattice.spacing,
+        position=Components(n, count),
+        velocity=Components(n, count),
+        id=numbers(int, count),
+        density=numbers(float, count),
+        pressure=numbers(float, count),
+    )
+    config, basin = lattice.config, lattice.basin
+    position, velocity, pressure = started(
+        config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
+    )
+    if jet is not None:
+        x, v = jet.left(jet.first, count.now, 0.0, np.zeros(3))
+        position, velocity = np.concatenate([position, x]), np.concatenate([velocity, v])
+        pressure = np.concatenate([pressure, np.zeros(len(x))])
+    dtype = particles.position.precision
+    position, velocity = (np.ascontiguousarray(rows, dtype=dtype) for rows in (position, velocity))
+    particles.begin(position, velocity, pressure.astype(dtype), particles.rest_density)
+    return particles

@@ -1,0 +1,249 @@
+"""Pressures that keep water from being compressed, sought by iterating over kept pairs.
+
+With x_ij times grad W of every pair, B takes velocities to the change of the densities in a step and pressures, by its
+transpose, to velocities; A = B B^T is symmetric. Sought are the pressures p with r = (density predicted with p) - (that
+wanted), r <= 0, and r = 0 where p > 0.
+"""
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ocean_sim.columns import Columns, vec3
+from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.neighbours.images import displaced
+from ocean_sim.fluid.neighbours.pair_slots import KeptLaw, KeptPairs
+from ocean_sim.fluid.neighbours.thread_tasks import Rows
+from ocean_sim.fluid.sph.lattice_moments import Stencil
+from ocean_sim.fluid.sph.particles import Components, Particles
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.runtime import in_kernels
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.bodies.boundary import Boundary
+
+REPORT = 3  # numbers that an iteration reports: sums over all particles
+TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
+# Of the error that a step begins with: in calm water iterations go on until it is less, so that it comes to rest.
+SHARE = 0.5
+
+
+class IncompressibleWater(Protocol):
+    """The water whose pressures are sought."""
+
+    particles: Particles
+    smoothing: Smoothing
+    stencil: Stencil
+    pairs: KeptPairs
+    boundary: "Boundary | None"
+    bodies: bool  # whether there are solid bodies in it
+    closed: bool  # whether it has no free surface
+    dt: ti.Field  # [s]
+    momentum: ti.Field  # how far an iteration is carried on along the way of the last ones
+    level: ti.Field  # density that is sought [kg/m3]
+    pressing: float  # what a pair's sum of pressures accelerates, over x_ij times the shape of grad W
+    diagonal: ti.Field  # A_ii / dt^2
+    base: tuple[ti.Field, ...]  # velocity before what the pressures gain [m/s]
+    rate: ti.Field  # of a surface's water: what the velocities that are left compress, a sum over pairs
+    rows: Rows  # what a group of particles reports, REPORT columns
+
+    def surplus(self, i: Any) -> Any:
+        """ti.func: what particle i may gain in density in this step [kg/m3]."""
+        ...
+
+    def held(self, pressure: Any) -> Any:
+        """ti.func: a pressure as the water can have it."""
+        ...
+
+    def pressed(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
+        """ti.func: change of velocity of particle i by the pressures of the water and of the walls, kept for the
+        accounts."""
+        ...
+
+
+@in_kernels
+class Compression(KeptLaw):
+    """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
+    6, 7, 12, 13."""
+
+    row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
+
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+        self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
+        self.rate = -fluid.particles.mass * fluid.stencil.slope
+        self.relaxation = 1.0 / fluid.stencil.stiffest  # in disorder or piled up particles are up to 1.31 as stiff
+        self.meet(fluid.boundary)
+
+    @ti.func
+    def begin(self, group):
+        self.fluid.rows.clear(group)
+
+    @ti.func
+    def kept_image(self, other, name, away):
+        return self.pairs.velocity(other, name, away)
+
+    @ti.func
+    def kept_pair(self, own, other, gradient):
+        return ti.Vector([gradient.dot(own - other)])
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body."""
+        return displaced(own, d, self.boundary.own_velocity(s, mirror))
+
+    @ti.func
+    def pair(self, own, other):
+        """Term of a sample."""
+        x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
+        v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
+        return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, rate = self.fluid, total[self.terms.rate] + beyond[self.terms.rate]
+        if ti.static(fluid.bodies):
+            x = tm.vec3([component[i] for component in ti.static(tuple(fluid.particles.position))])
+            rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[self.terms.rate]
+        if ti.static(not self.solver.restores and not fluid.closed):
+            fluid.rate[i] = rate
+        self.judge(i, rate, group)
+
+    @ti.func
+    def judge(self, i, rate, group):
+        """Find the residual of particle i and its next pressure, by its sum over pairs."""
+        fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
+        r = dt * self.rate * rate
+        if ti.static(solver.restores):
+            r += fluid.particles.density[i] - fluid.level[None]
+        else:
+            r -= fluid.surplus(i)
+        start = solver.started(i)
+        p, scale = start + solver.gain[i], dt * dt * fluid.diagonal[i]
+        best, last = fluid.held(p + self.relaxation * r / scale), solver.best[i]
+        ahead = fluid.held(best + fluid.momentum[None] * (best - last))
+        solver.next[i], solver.best[i] = ahead - start, best
+        thin = tm.max(-r, 0.0)
+        if ti.static(not fluid.closed):
+            thin = tm.min(thin, p * scale)  # what less pressure would undo
+        fluid.rows.add(group, TOO_DENSE, tm.max(r, 0.0))
+        fluid.rows.add(group, TOO_THIN, thin)
+        fluid.rows.add(group, UPHILL, (p - best) * scale * (best - last))
+
+
+@in_kernels
+class Push(KeptLaw):
+    """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
+    that rounding does not add up over iterations."""
+
+    row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
+
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+        self.fluid, self.solver = fluid, solver
+        self.reads = (solver.next,)
+        self.meet(fluid.boundary)
+
+    @ti.func
+    def kept_image(self, other, name, away):
+        """An image has the pressure of its particle."""
+        return other
+
+    @ti.func
+    def kept_pair(self, own, other, gradient):
+        return (own[0] + other[0]) * gradient
+
+    @ti.func
+    def sample(self, own, s, d, mirror):
+        """A sample of a solid body, which has no pressure of its own."""
+        return tm.vec4(vec3(own, self.row.position) + d, 0.0)
+
+    @ti.func
+    def pair(self, own, other):
+        """Term of a sample."""
+        x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
+        return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
+
+    @ti.func
+    def solids(self, i, own):
+        """What all samples add."""
+        total = tm.vec3(0.0)
+        if ti.static(self.fluid.bodies):
+            x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
+            total = self.solid.total(x, tm.vec4(x, own[0]))
+        return total
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        fluid, solver = self.fluid, self.solver
+        scale = fluid.dt[None] * fluid.pressing
+        push = total + beyond + self.solids(i, own)
+        for k in ti.static(range(3)):
+            solver.velocity[k][i] = fluid.base[k][i] + scale * push[k]
+        solver.gain[i] = own[0]
+
+
+@in_kernels
+class Account(Push):
+    """The impulses of the pressures that a solver has gained."""
+
+    def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
+        super().__init__(fluid, solver)
+        self.reads = (solver.gain,)
+
+    @ti.func
+    def finish(self, i, own, total, beyond, group):
+        self.fluid.pressed(i, self.fluid.dt[None], total, beyond + self.solids(i, own))
+
+
+@in_kernels
+class Solver:
+    """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
+
+    def __init__(
+        self,
+        fluid: IncompressibleWater,
+        velocity: Components,
+        tolerance: float,
+        most: int,
+        least: float,
+        start: ti.Field | None = None,
+        brief: float = 0.0,
+    ) -> None:
+        """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
+        a solver that undoes only what the velocity adds; one without them undoes compression that is there already.
+        In steps shorter than `brief` [s] the least error is less, by the square: so is what a force compresses in a
+        step, which would never be undone else."""
+        self.velocity, self.restores = tuple(velocity), start is None
+        self.start = start if start is not None else ti.field(float, shape=())
+        self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
+        self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
+        self.gain, self.next, self.best = (staggered(float, fluid.particles.n) for _ in range(3))
+        self.compression, self.push = Compression(fluid, self), Push(fluid, self)
+        self.account = Account(fluid, self)
+        self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
+        self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
+
+    def enough(self, first: float, dt: float, calm: bool) -> float:
+        """The error to stop at, of a step of dt [s] that begins with the error `first`. Water that is not calm stops
+        at the tolerance, but for brief steps: to press out at once what it would let by gives speed."""
+        brief = dt < self.brief
+        least = self.least * (dt / self.brief) ** 2 if brief else self.least
+        return min(self.tolerance, max(least, SHARE * first)) if calm or brief else self.tolerance
+
+    def ended(self, iterations: int, error: float) -> None:
+        """Put a step to its account."""
+        self.last_iterations, self.last_error = iterations, error
+        self.iterations, self.error = self.iterations + iterations, max(self.error, error)
+        self.unsolved += not error <= self.tolerance
+
+    @ti.func
+    def started(self, i):
+        """The pressure of particle i before the step [Pa]."""
+        p = 0.0
+        if ti.static(not self.restores):
+            p = self.start[i]
+        return p
+
+    @ti.func
+    def begin(self, i):
+        """Nothing gained yet."""
+        self.gain[i] = self.next[i] = 0.0
+        self.best[i] = self.started(i)

@@ -1,0 +1,509 @@
+"""What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
+
+from collections.abc import Iterator
+from math import inf, pi, sqrt
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.basin import Basin
+from ocean_sim.fluid import Limits
+from ocean_sim.fluid.bodies.absorption import warnings as of_zones
+from ocean_sim.fluid.bodies.absorption import zones
+from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
+from ocean_sim.fluid.budget.field import Field
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, of_accounts
+from ocean_sim.fluid.neighbours.grid_size import GridSize
+from ocean_sim.fluid.neighbours.list_size import ListSize
+from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
+from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, trains
+from ocean_sim.fluid.patch.relaxation_zone import band, cells_of
+from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED
+from ocean_sim.fluid.sph.particle_water import ParticleWater
+from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.model import quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
+from ocean_sim.runtime import in_kernels
+from ocean_sim.wind import Wind
+
+if TYPE_CHECKING:  # it is imported only where there are bodies
+    from ocean_sim.fluid.bodies.boundary import Boundary
+
+PARTICLE = 2.2e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
+NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
+COUNTED = 2**31 - 1  # the highest number that kernels count up to
+STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
+SQUEEZED = 0.05  # compression at the bed that is worth saying
+MOMENTS = 400  # at which the motion of the tank is looked at
+CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
+COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
+STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
+SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
+
+
+class SphConfig(WaterConfig):
+    """Keys of water by smoothed particle hydrodynamics."""
+
+    compared: ClassVar[bool] = True
+    conserves_momentum: ClassVar[bool] = True
+
+    attenuation: ClassVar[Attenuation | None] = None
+    """Viscosity that the scheme adds to waves; None where it has not been measured."""
+    delay: ClassVar[Delay] = Delay(0.0)
+    """By how much the scheme lengthens the period of waves."""
+    joins_a_sea: ClassVar[bool] = True
+    told_to_bodies: ClassVar[int] = 3
+    """Numbers that are carried along for solid bodies: its acceleration, where a pressure is continued into them."""
+    default_ratio: ClassVar[tuple[float, float]]
+    """Default of `support_ratio` in 2-D and in 3-D."""
+    support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
+    """Kernel support radius over the spacing."""
+    compression: float | None = quantity("1", None, gt=0.0, le=1.0)
+    """Wanted density error: the rise of the density at the bed, (reference_speed / sound speed)^2; 0.01 by default."""
+    reference_speed: float | None = quantity("m/s", None, gt=0.0)
+    """The speed to which compression refers; by default sqrt(|g| depth)."""
+    kinematic_viscosity: float = quantity("m2/s", 0.0, ge=0.0)
+    """Kinematic viscosity nu; mu of (2.18) is rest density times nu."""
+    minimum_pressure: float | None = quantity("Pa", None)
+    """Lowest pressure, to which lower ones are raised; null: none."""
+
+    def speed(self, basin: Basin) -> float:
+        """Reference speed [m/s]."""
+        return self.reference_speed or free_fall_speed(basin)
+
+    def sound_speed(self, basin: Basin) -> float:
+        """c [m/s]."""
+        return self.speed(basin) / sqrt(self.compression or 0.01)
+
+    def ratio(self, basin: Basin) -> float:
+        """Support over spacing."""
+        return self.support_ratio or self.default_ratio[basin.dimension - 2]
+
+    def smoothing(self, basin: Basin) -> Smoothing:
+        """The kernels of a support."""
+        return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
+
+    def enclosed(self, basin: Basin) -> bool:
+        """Whether the water has no free surface."""
+        return basin.closed and self.fill is None
+
+    @property
+    def compression_asked(self) -> float:
+        return self.compression or 0.0
+
+    @property
+    def support_asked(self) -> float | None:
+        return self.support_ratio
+
+    @property
+    def viscosity_asked(self) -> float:
+        return self.kinematic_viscosity
+
+    def problems(self, preflight: Preflight) -> Problems:
+        found, basin = super().problems(preflight), preflight.tank
+        if self.sound_speed(basin) == 0.0:
+            found.append((("reference_speed",), "is required without gravity: compression needs a speed to refer to"))
+        support = preflight.support
+        for axis, period in zip("xyz", basin.periods, strict=True):
+            if 0.0 < period < 2.0 * support:
+                found.append(
+                    (
+                        ("spacing",),
+                        f"a period of {period:g} m along {axis} is shorter than two support radii of {support:g} m",
+                    )
+                )
+        if not found:
+            found += [((self.sized_by,), sentence) for sentence in self.uncountable(preflight)]
+        if basin.rough_bed is not None:
+            found += [(("spacing",), s) for s in basin.rough_bed.problems(self.lattice(basin).row)]
+        return found
+
+    def most_particles(self, preflight: Preflight) -> int:
+        sizes = self.untouched_sizes(preflight)
+        counted = sizes.grid.plan.counted(sizes, self.neighbours_kept(preflight.tank))
+        return min(MOST_PARTICLES, sizes.grid.lattice.n * COUNTED // max(counted, 1))
+
+    def untouched_sizes(self, preflight: Preflight) -> ListSize:
+        """How large grid and lists would be without anything afloat."""
+        lattice = preflight.untouched
+        assert isinstance(lattice, Lattice)
+        return self.sized(lattice, preflight.arch, 1)
+
+    def neighbours_kept(self, basin: Basin) -> int:
+        """Neighbours on the lattice of a particle whose pairs are kept; 0 where none are."""
+        return 0
+
+    def uncountable(self, preflight: Preflight) -> Iterator[str]:
+        """Whether there are more neighbours, or cells, than 32 bits can count."""
+        grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
+        if grid.lattice.n > most:
+            yield (
+                f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
+                f"neighbours of about {most} at most can be counted in 32 bits"
+            )
+        if grid.counts > COUNTED:
+            yield (
+                f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts: the "
+                "basin is too large for so small a spacing"
+            )
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, basin = super().warnings(preflight), preflight.tank
+        if basin.rough_bed is not None:
+            found += basin.rough_bed.warnings(self.lattice(basin).row)
+        if "compression" not in self.unheeded:
+            found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
+        lattice = self.began(preflight)
+        around = band(lattice)
+        if around is not None:
+            outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
+            ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
+            found += [*around.warnings(preflight.duration), *around.parted(ships)]
+        return [*found, *of_zones(zones(lattice)), *self.of_scales(lattice, preflight.support)]
+
+    def of_scales(self, lattice: Lattice, support: float) -> Iterator[str]:
+        """Whether there are too few particles for the depth or for the waves of a scene, and whether these break."""
+        spacing, depth = lattice.spacing, lattice.basin.depth
+        if support >= depth > 0.0:
+            yield (
+                f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of "
+                f"{support / spacing:.3g}: too few to move like water; take a smaller spacing"
+            )
+        for train in trains(lattice):
+            length, height = train.sea.wavelength, train.height
+            waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
+            if length < COARSE * spacing:
+                yield (
+                    f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
+                    f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
+                )
+            short = train.shorter_than(CARRIED * spacing)
+            if short > UNCARRIED:
+                yield (
+                    f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
+                    "water hardly carries; take a smaller spacing or a lower cut_off"
+                )
+            steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
+            if steepness > most:
+                yield (
+                    f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles, lose "
+                    "height, and their energy does not add up"
+                )
+
+    def of_stiffness(self, basin: Basin) -> list[str]:
+        """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""
+        stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
+        times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
+        if times >= STIFF * (1.0 - 1e-9):
+            more = f"{times:.3g} times that of 1 % compression"
+            cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that breaks up is less stable"
+            return [f"a stiffness of {stiffness:.4g} m2/s2 is {more}: {cost}; 1 % needs {100.0 * speed**2:.4g} m2/s2"]
+        if compression > SQUEEZED:
+            squeezed = f"water that falls at {speed:.4g} m/s is compressed by {compression:.2g} of its density"
+            return [
+                f"{squeezed}, more than {SQUEEZED:g}: levels and pressures are off by as much; take compression 0.01"
+            ]
+        return []
+
+    def of_weight(self, basin: Basin, duration: float) -> list[str]:
+        """Whether what pulls on the water beside gravity along the depth compresses it: a body force, gravity along
+        the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
+        still = np.add(basin.gravity, self.body_force)
+        motion = basin.config.motion.build() if basin.config.motion is not None else None
+        times = np.linspace(0.0, duration, MOMENTS)
+        pulls = np.array([still if motion is None else still - motion.at(float(t)).acceleration for t in times])
+        lengths = basin.config.length, basin.depth, basin.config.width or 0.0
+        walled = {side.axis for side in basin.sides}
+        sizes = [length if axis in walled else 0.0 for axis, length in enumerate(lengths)]
+        most = float((np.abs(pulls) @ sizes).max())  # the highest pressure at rest over the density [m2/s2]
+        compression = most / self.sound_speed(basin) ** 2
+        if compression <= SQUEEZED:
+            return []
+        pulled = f"gravity, body force and the motion of the tank press with up to {most:.4g} m2/s2 times the density"
+        squeezed = f"compress it by {compression:.2g} of it, more than {SQUEEZED:g}"
+        wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
+        return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
+
+    def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
+        """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a
+        backend."""
+        support = self.ratio(lattice.basin) * lattice.spacing
+        carried += self.told_to_bodies if with_bodies(lattice.basin) else 0
+        return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
+
+    def still_limits(self, preflight: Preflight) -> Limits:
+        smoothing = self.smoothing(preflight.tank)
+        return limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
+
+    def viscosity_added(
+        self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
+    ) -> float:
+        tank, spacing = preflight.tank, preflight.spacing
+        if self.attenuation is None or spacing is None:
+            return 0.0
+        return self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing) * self.scale(tank)
+
+    def scale(self, basin: Basin) -> float:
+        """h c [m2/s], over which the scheme's own viscosity is stated."""
+        return self.smoothing(basin).length * self.sound_speed(basin)
+
+    def viscosity(self, basin: Basin) -> float:
+        """Kinematic viscosity, an artificial one included [m2/s]."""
+        return self.kinematic_viscosity
+
+    def losses(self, lattice: Lattice, sea: waves.Components) -> np.ndarray | None:
+        basin, attenuation = lattice.basin, self.attenuation
+        if attenuation is None or self.ratio(basin) != self.default_ratio[basin.dimension - 2]:
+            return None
+        k, height = sea.wavenumber, Train(sea, False).height
+        share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
+        decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
+        return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        basin = preflight.tank
+        c, speed = self.sound_speed(basin), self.speed(basin)
+        found = [
+            f"sound speed {c:.4g} m/s, stiffness {c * c:.4g} m2/s2: compression (reference speed {speed:.4g} m/s / "
+            f"sound speed)^2 = {(speed / c) ** 2:.2%}"
+        ]
+        if self.minimum_pressure is not None:
+            least = f"{self.minimum_pressure:g}"
+            found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
+        if basin.rough_bed is not None:
+            found += basin.rough_bed.statements(self.lattice(basin).row)
+        around = band(self.began(preflight))
+        found += around.statements() if around is not None else []
+        found += [zone.statement for zone in zones(self.began(preflight))]
+        return [*found, *self.of_waves(preflight), *super().statements(preflight)]
+
+    def of_waves(self, preflight: Preflight) -> Iterator[str]:
+        """What the scheme takes of the waves of a scene."""
+        if self.attenuation is None:
+            return
+        ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
+        for train in trains(self.began(preflight)):
+            if ratio != usual:
+                at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
+                yield f"what {self.kind} adds to the viscosity of waves {at}"
+                return
+            own, length = self.viscosity_asked, train.sea.wavelength
+            added = self.viscosity_added(preflight, length, train.height, train.standing)
+            if added > NOTABLE * own:
+                a_period, a_wavelength = train.lost(own + added)
+                way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
+                yield (
+                    f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
+                    f"to the viscosity of {own:g} m2/s, as measured; they lose {a_period:.2g} of their height in a "
+                    f"period{way}"
+                )
+
+
+def rows(
+    preflight: Preflight,
+    sizes: ListSize,
+    numbers: int,
+    what: str,
+    pair: float,
+    told: int = 0,
+    particle: float = PARTICLE,
+) -> list[LedgerRow]:
+    """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `particle` [s] for
+    it in a step and `pair` [s] for each of its neighbours; solid bodies are `told` some more of each."""
+    n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
+    ratio = support / lattice.spacing
+    neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
+    each = particle + pair * neighbours
+    return [
+        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
+        LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
+        *_of_walk(sizes, word, preflight.sums_impulses),
+        *_of_areas(preflight, n),
+        *_of_targets(lattice, word),
+        *_of_sea(lattice, word),
+        *_of_bodies(sizes.grid, word, SAMPLE * each, preflight.sums_impulses, told),
+    ]
+
+
+def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
+    """The ledger of what walks over neighbours."""
+    lists = sizes.grid.plan.lists(sizes, word)
+    found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
+    return [*found, *of_accounts(sizes.grid, word, impulses)]
+
+
+def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
+    """The ledger of the exposed areas of n particles, where the wind asks for them."""
+    if not preflight.wind.needs_area:
+        return []
+    from ocean_sim.fluid.bodies.exposure import memory
+
+    wind = preflight.wind
+    what = "exposed areas, and how the surface bends" if wind.needs_bend else "exposed areas"
+    return [LedgerRow("fluid", what, memory(n, preflight.word, wind.needs_bend), f"wind.kind is {wind.kind}")]
+
+
+def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
+    """The ledger of the waves that absorbing sides let pass."""
+    n = sum(len(zone.given.amplitude) for zone in zones(lattice) if zone.given is not None)
+    size = PlaneWaves.bytes(n, word)
+    return [LedgerRow("fluid", f"{n} plane waves", size, "basin.walls: target of a side")] if n else []
+
+
+def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
+    """The ledger of the sea that the water is a patch of."""
+    around = band(lattice)
+    if around is None or around.sea is None:
+        return []
+    from ocean_sim.fluid.patch.sea_patch import WRITTEN, memory
+
+    what = f"a table of {len(around.sea.amplitude)} plane waves"
+    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    if around.nonlinear is not None:
+        from ocean_sim.fluid.open_sea.high_order import STEEP
+
+        cells = int(np.prod(cells_of(around)))
+        what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
+        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITTEN))
+    return found
+
+
+def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int) -> list[LedgerRow]:
+    """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
+    every cell's begin, and `told` numbers that each particle carries along for them. `accounts`: whether the work of
+    those that move is summed."""
+    lattice, basin = grid.lattice, grid.lattice.basin
+    rows: list[LedgerRow] = []
+    if not with_bodies(basin):
+        return []
+    from ocean_sim.fluid.bodies.boundary import at_work, boxes, floating, memory
+
+    afloat = {key_of(name): [body] for name, body in floating(lattice, grid.support).items()}
+    of_parts = {"basin": boxes(lattice, grid.support)} | afloat
+    for part, bodies in of_parts.items():
+        count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
+        if part in afloat:
+            why = f"{part}.kind is pressure: the water feels the hull"
+        if bodies:
+            working = accounts and any(at_work(found) for found in of_parts.values())
+            size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
+            size += 0 if rows else word * told * lattice.n
+            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
+    return rows
+
+
+def with_bodies(basin: Basin) -> bool:
+    """Whether the laws of the water meet solid bodies."""
+    return bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
+
+
+def limits(smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
+    """See Limits; h is the smoothing length."""
+    h = smoothing.length
+    return Limits(
+        acoustic=h / (sound_speed + speed),
+        viscous=h * h / viscosity if viscosity > 0.0 else inf,
+        force=sqrt(h / acceleration) if acceleration > 0.0 else inf,
+    )
+
+
+@in_kernels
+class Sph(ParticleWater):
+    """Particles with neighbours, and solid bodies among them; a scheme adds its laws and its step."""
+
+    config: SphConfig
+    boundary: "Boundary | None" = None
+
+    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, accounts: bool, wind: Wind) -> None:
+        super().__init__(config, basin, sizes.grid, accounts, wind)
+        self.neighbours: Walk = sizes.grid.plan.walk(self.particles, self.grid, self.accounts, sizes)
+        self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
+        self.kinematic_viscosity = config.kinematic_viscosity
+        self.dt = ti.field(float, shape=())  # [s]
+        self.bodies = with_bodies(basin)
+        if self.bodies:
+            from ocean_sim.fluid.bodies.boundary import Boundary, boxes, floating
+
+            lattice, support = sizes.grid.lattice, sizes.grid.support
+            bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
+            self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
+        own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
+        self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
+        self.field = Field(
+            self.particles, self.grid, self.smoothing, self.pull.constant, self.pull, boundary=self.boundary
+        )
+        self.exposed = wind.needs_area
+        if self.exposed:
+            from ocean_sim.fluid.bodies.exposure import Exposure
+
+            positions, plan_area = self.listed_positions, sizes.grid.lattice.plan_area or 0.0
+            self.exposure = Exposure(self, self.neighbours, self.boundary, positions, plan_area, wind.needs_bend)
+
+    @property
+    def listed_positions(self) -> tuple[ti.Field, ...]:
+        """Positions of the particles [m], x, y and z as the lists of candidates know them."""
+        return tuple(self.particles.position)
+
+    def drive(self, dt: float) -> None:
+        if self.exposed:
+            self.exposure.renew(dt, self.status.max_speed + self.reference_speed)
+        super().drive(dt)
+        if self.boundary is not None:
+            self.boundary.advance(self.time)
+            self.boundary.sort()
+
+    def limits(self) -> Limits:
+        nu, acceleration = self.kinematic_viscosity, self.status.max_acceleration
+        return limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
+
+    @property
+    def max_speed(self) -> float:
+        """Of the water and of the gates in it, in the last step [m/s]."""
+        return self.status.max_speed if self.boundary is None else max(self.status.max_speed, self.boundary.speed)
+
+    @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        total = super().impulse
+        if total and self.boundary is not None:
+            given, fixed = -self.boundary.impulses(), len(self.grid.basin.obstacles)
+            total["obstacles"] = given[:fixed].sum(axis=0)
+            total["ship"] = given[fixed:].sum(axis=0) + total.get("ship", 0.0)
+            total["walls"] = total["walls"] - given.sum(axis=0)  # the laws count all as walls
+        return total
+
+    @property
+    def work(self) -> dict[str, float]:
+        total = super().work
+        if total and self.boundary is not None and self.boundary.working:
+            (done, counted), fixed = self.boundary.works().T, len(self.grid.basin.obstacles)
+            total["obstacles"] = float(done[:fixed].sum())
+            total["ship"] = float(done[fixed:].sum()) + total.get("ship", 0.0)
+            total["walls"] -= float(counted.sum())  # the laws count all as walls
+        return total
+
+    @ti.func
+    def steady(self, i, share):
+        """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
+        its kernel: `share` is how much."""
+        for component in ti.static(self.last_acceleration):
+            component[i] *= tm.min(1.0, CROWDED / tm.max(share, CROWDED))
+
+    @ti.func
+    def area(self, i):
+        """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
+        sum to the plan area of the water."""
+        area = tm.vec3(0.0)
+        if ti.static(self.exposed):
+            area = self.exposure.of(i)
+        return area
+
+    @ti.func
+    def bend(self, i):
+        """How much the slope of the surface changes near particle i, see Exposure.bend_of."""
+        bend = tm.vec3(0.0)
+        if ti.static(self.exposed):
+            bend = self.exposure.bend_of(i)
+        return bend

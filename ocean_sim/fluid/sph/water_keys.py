@@ -1,0 +1,217 @@
+"""What a user may say about water that is made of particles, whatever the scheme."""
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from ocean_sim.basin import ROUNDING, Basin, Box, odd_gravity
+from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
+from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
+from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
+from ocean_sim.fluid.sph import initial_state as initial_module
+from ocean_sim.fluid.sph.initial_state import Initial
+from ocean_sim.fluid.sph.lattice import Lattice, inside
+from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
+from ocean_sim.model import Vector3, quantity
+from ocean_sim.parts import FluidConfig, Preflight, Problems
+from ocean_sim.waves import Components, cut_short
+
+COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
+POINT = 6.0e-7  # [s] of processor time of the height at a point: 1.4e-6 from particles, 2e-7 from a surface over them
+TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
+
+
+class WaterConfig(FluidConfig):
+    """Keys that every kind of particle water shares."""
+
+    made_of_particles: ClassVar[bool] = True
+    counts_in_doubles: ClassVar[bool] = False
+    example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
+    kernel: ClassVar[Kernel] = WENDLAND
+    """Of the gradient of pressure, and of exposed areas."""
+
+    spacing: float | None = quantity("m", None, gt=0.0)
+    """Distance between particles at rest."""
+    particles: int | None = quantity("particles", None, ge=1, le=MOST_PARTICLES)
+    """A budget of particles, in place of `spacing`."""
+    rest_density: float = quantity("kg/m3", WATER_DENSITY, ge=LEAST_DENSITY)
+    """Density of the water at rest."""
+    body_force: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
+    """A constant acceleration in addition to gravity."""
+    fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
+    """Boxes of water instead of the whole basin."""
+    initial: Initial | None = None
+    """What the water starts from; null: at rest."""
+    emitter: Emitter | None = None
+    """An inflow: water flows from a mouth into a basin that is empty but for `fill`."""
+    motion_limit: float | None = quantity("spacings", None, gt=0.0)
+    """Longest way of a particle in one step; particles that it holds back are counted. null: no limit."""
+    impulses: bool = True
+    """Sum impulse and work of each term, which `accuracy` reads. Without the sums a step takes about 0.85
+    of the time, and rounds otherwise."""
+    collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
+    """How near to a wall or the floor a particle's centre may come."""
+
+    @field_validator("spacing", "particles", mode="before")
+    @classmethod
+    def _one_size(cls, value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            raise ValueError(
+                "particles of mixed size are not modelled: their forces would not be symmetric; give one number"
+            )
+        return value
+
+    @model_validator(mode="after")
+    def _one_resolution(self) -> "WaterConfig":
+        if (self.spacing is None) == (self.particles is None):
+            raise ValueError("give either spacing [m] or particles, a budget")
+        return self
+
+    def sums_impulses(self, read: bool) -> bool:
+        """True whether they are read or not: no observer changes a step."""
+        return self.impulses
+
+    def statements(self, preflight: Preflight) -> list[str]:
+        found = []
+        if self.motion_limit is not None:
+            limit = f"{self.motion_limit:g}"
+            found.append(f"no particle moves further than {limit} spacings in a step; what is held back is counted")
+        for k, gate in preflight.tank.gates:
+            moves = f"moves from {gate.start:g} s on, at up to {gate.fastest(preflight.duration):.3g} m/s, and "
+            leaves = "stays" if gate.end is None else f"has left at {gate.end:g} s"
+            found.append(f"obstacles.{k} {moves if gate.moves else ''}{leaves}")
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
+        found += [*odd_gravity(tank.gravity), *fallen(tank), *coarse_numbers(preflight)]
+        if tank.piston is not None:
+            found += cut_short(preflight.duration, tank.piston.ramp)
+        if tank.config.motion is not None:
+            found += tank.config.motion.warnings(preflight.duration)
+        for k, box in enumerate(tank.config.obstacles):
+            thin = min(up - low for low, up in zip(box.min, box.max))
+            if spacing is not None and thin < TIGHT * spacing - ROUNDING:
+                found.append(
+                    f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
+                    f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
+                )
+        for k, gate in tank.gates:
+            found += gate.warnings(preflight.duration)
+            fastest, speed = gate.fastest(preflight.duration), self.speed(tank)
+            if fastest > speed and self.sound_speed(tank) > 0.0:
+                found.append(
+                    f"obstacles.{k} moves at up to {fastest:.3g} m/s, faster than the reference speed of {speed:.3g} "
+                    "m/s: water that it runs into is compressed more than fluid.compression says"
+                )
+        return found
+
+    def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
+        """(n,) complex: by how much the scheme lowers the height of each wave of a sea, less i times by how much it
+        lowers its frequency [1/s]; None where it has not been measured."""
+        return None
+
+    @property
+    def steady_force(self) -> Vector3:
+        return self.body_force
+
+    @property
+    def driven(self) -> bool:
+        return self.emitter is not None
+
+    def point_time(self, preflight: Preflight) -> float:
+        return POINT
+
+    def began(self, preflight: Preflight) -> Lattice:
+        """The lattice that this water starts on in a scene."""
+        lattice = preflight.lattice
+        assert isinstance(lattice, Lattice)
+        return lattice
+
+    @property
+    def sized_by(self) -> str:
+        """The key that says how fine the water is."""
+        return "spacing" if self.spacing is not None else "particles"
+
+    def most_particles(self, preflight: Preflight) -> int:
+        return MOST_PARTICLES
+
+    def lattice(self, basin: Basin) -> Lattice:
+        """Where the particles are at first, counted but not yet made."""
+        return Lattice(self, basin)
+
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
+        found: Problems = []
+        if basin.dimension == 2 and self.body_force[2] != 0.0:
+            found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
+        for k, box in enumerate(self.fill or ()):
+            if len(box.min) != basin.dimension:
+                found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
+                return found
+        if basin.sea is not None:
+            for name, value in (("initial", self.initial), ("fill", self.fill), ("emitter", self.emitter)):
+                if value is not None:
+                    found.append(((name,), f"water that is a patch of the sea starts as the sea; leave {name} out"))
+            if found:
+                return found
+        if self.emitter is not None:
+            found += [(("emitter", *path), sentence) for path, sentence in self.emitter.problems(basin)]
+            if self.fill is None and (self.spacing is None or self.initial is not None):
+                needed = "initial" if self.spacing is not None else "particles"
+                found.append(((needed,), "with an emitter the basin is empty but for `fill`, which this needs"))
+            if found:
+                return found
+        found += [(("initial", *path), sentence) for path, sentence in initial_module.problems(self.initial, basin)]
+        lattice = preflight.untouched
+        assert isinstance(lattice, Lattice)
+        if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
+            found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
+        boxes = lattice.boxes if self.fill is not None else []
+        for k, (low, up) in enumerate(boxes):
+            outside = (low < np.array(basin.lower) - 1e-9) | (up > np.array(basin.upper) + 1e-9)
+            outside[1] = low[1] < basin.lower[1] - 1e-9
+            if outside.any():
+                axes = " and ".join(np.array(["x", "y", "z"])[outside])
+                found.append((("fill", k), f"the box reaches out of the basin along {axes}"))
+            for other_low, other_up in boxes[:k]:
+                if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
+                    found.append((("fill", k), "the box overlaps an earlier one: two particles would share a position"))
+        if lattice.jet is not None and not found:
+            found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
+            if inside(lattice.jet.sites, basin).any():
+                found.append((("emitter", "position"), "the mouth is inside an obstacle"))
+        if basin.obstacles and not found:
+            if lattice.n == 0:
+                found.append((("fill",), "the obstacles of the basin leave no room for water"))
+            elif inside(lattice.positions(), basin).any():
+                found.append((("initial", "path"), "some of these particles are inside an obstacle"))
+        return found
+
+
+def fallen(basin: Basin) -> Iterator[str]:
+    """Where water that nothing holds goes."""
+    if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
+        yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
+    elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
+        yield "the basin has no floor: the water falls out of it"
+
+
+def coarse_numbers(preflight: Preflight) -> Iterator[str]:
+    """Positions far from the origin have few digits left in single precision."""
+    basin, spacing = preflight.tank, preflight.spacing
+    far = float(np.abs([*basin.lower, *basin.upper]).max())
+    step = far * float(np.finfo(np.float32).eps)
+    if spacing is not None and preflight.word == 4 and step > COARSE * spacing:
+        yield (
+            f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
+            f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"
+        )
+
+
+def free_fall_speed(basin: Basin) -> float:
+    """sqrt(|g| depth) [m/s], the speed scale of water under gravity."""
+    return sqrt(float(np.linalg.norm(basin.gravity)) * basin.depth)

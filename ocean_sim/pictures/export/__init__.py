@@ -1,0 +1,1 @@
+"""Files of drawn runs for ParaView, Blender and browsers."""

@@ -1,0 +1,158 @@
+"""Files for ParaView and Blender from the frames of a finished run; nothing here needs OpenGL."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ocean_sim.conventions import Failed
+from ocean_sim.files.input_file import arrays
+from ocean_sim.files.meshes import Series, save_ply
+from ocean_sim.files.whole_file import must_have_room, whole
+from ocean_sim.pictures.export import scene_file
+from ocean_sim.pictures.export.scene_file import Shot, upright
+from ocean_sim.pictures.export.wakes import Wakes
+from ocean_sim.pictures.frame_files import frame_files
+
+
+class NothingToExport(Failed):
+    """The run did not keep what was asked for; the message names what to switch on."""
+
+
+def export_run(
+    folder: Path,
+    particles: str | None,
+    surface: str | None,
+    out: Path,
+    every: int = 1,
+    *,
+    scene: str | None = None,
+    z_up: bool = False,
+) -> list[Path]:
+    """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
+    glb: water and ships) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each
+    where she was. `z_up`: with z up in place of y."""
+    frames = frame_files(folder)[::every]
+    if not frames:
+        raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
+    grid = arrays(folder / "frames" / "grid.npz")
+    meshes = surface is not None or scene == "glb" or (scene == "usd" and "position" not in arrays(frames[0]))
+    if meshes and len(grid["z"]) < 2:
+        raise NothingToExport("in 2-D the surface is a line; export its particles")
+    out.mkdir(parents=True, exist_ok=True)
+    files = []
+    if particles is not None:
+        files += export_particles(frames, grid, particles, out, z_up)
+    if surface is not None:
+        files += export_surface(frames, grid, surface, out, z_up)
+    if scene == "usd":
+        files.append(scene_file.export_usd(frames, grid, out / "run.usdc", z_up))
+    if scene == "glb":
+        files.append(scene_file.export_glb(frames, grid, out / "run.glb"))
+    return files
+
+
+def shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[Shot]:
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    return upright((scene_file.shot(frame, grid, wakes) for frame in frames), z_up)
+
+
+def export_particles(
+    frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
+) -> list[Path]:
+    """Points with `velocity`, `id` and `pressure`: one file with all moments (vtkhdf), or one a moment (ply)."""
+    if "position" not in arrays(frames[0]):
+        raise NothingToExport("these frames hold no particles; run with frames.particles: true")
+    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in shots(frames, grid, z_up))
+    if kind == "ply":
+        return [
+            saved(out / f"particles_{k:05d}.ply", x, None, without(fields, "position"))
+            for k, (_, x, fields) in enumerate(kept)
+        ]
+    path = out / "particles.vtkhdf"
+    with whole(path) as draft, Series(draft, "Vertices") as series:
+        for time, x, fields in kept:
+            series.add(time, x, np.arange(len(x))[:, None], **without(fields, "position"))
+    return [path]
+
+
+def without(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
+    return {key: values for key, values in fields.items() if key != name}
+
+
+def export_surface(
+    frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
+) -> list[Path]:
+    """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
+    ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); every ship where she is; and once the
+    boxes that stand in the water."""
+    files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
+    drawn = {key: model.mesh for key, model in scene_file.models(grid).items()}
+    for shot in shots(frames, grid, z_up):
+        files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
+        if len(shot.gates[0]) or "gates" in files:
+            files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
+        for key, mesh in drawn.items():
+            position, turn = shot.ships[key]
+            corners = mesh.corners.reshape(-1, 3)
+            points = (corners @ turn.T + position).astype(np.float32)
+            numbers = np.arange(len(corners)).reshape(-1, 3)
+            colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
+            name = scene_file.named(key)
+            files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
+    boxes, sides = scene_file.blocks(grid["obstacles"])
+    if len(boxes):
+        turn = scene_file.Z_UP if z_up else np.eye(3)
+        first = files["surface"][0][0]
+        files["obstacles"] = [(first, (boxes @ turn.T).astype(np.float32), sides, {})]
+    made = []
+    for name, moments in files.items():
+        made += moments_saved(out, name, kind, moments)
+    return made
+
+
+def display(linear: np.ndarray) -> np.ndarray:
+    """Linear RGB as a screen shows it, 0 to 1."""
+    return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
+
+
+def moments_saved(
+    out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
+) -> list[Path]:
+    """A mesh at several times [s] in files of a kind."""
+    if kind == "vtkhdf":
+        path = out / f"{name}.vtkhdf"
+        with whole(path) as draft, Series(draft, "Polygons") as series:
+            for time, points, faces, fields in moments:
+                series.add(time, points, faces, **fields)
+        return [path]
+    files = [
+        saved(out / f"{name}_{k:05d}.{kind}", points, faces, fields)
+        for k, (_, points, faces, fields) in enumerate(moments)
+    ]
+    if kind == "ply":
+        return files
+    listed = [{"name": file.name, "time": moment[0]} for file, moment in zip(files, moments)]
+    index = out / f"{name}.vtp.series"
+    with whole(index) as draft:
+        draft.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
+    return [index, *files]
+
+
+def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
+    """One mesh, or points alone, with fields of the points."""
+    if path.suffix == ".ply":
+        return save_ply(path, points, faces, fields)
+    import pyvista
+
+    mesh = pyvista.PolyData(points) if faces is None else pyvista.PolyData.from_regular_faces(points, faces)
+    for name, values in fields.items():
+        mesh.point_data[name] = values
+    if "Normals" in fields:
+        mesh.point_data.active_normals = fields["Normals"]
+    with whole(path) as draft:
+        must_have_room(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
+        mesh.save(draft)
+    return path

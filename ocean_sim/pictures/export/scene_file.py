@@ -1,0 +1,299 @@
+"""Everything that was drawn of a run in one file, for Blender, Houdini, Unreal and browsers: the water, its foam and
+velocity, ships and where they are, particles."""
+
+from collections.abc import Iterator
+from errno import EIO
+from itertools import product
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import Lacking
+from ocean_sim.files.input_file import arrays
+from ocean_sim.files.meshes import Glb
+from ocean_sim.files.whole_file import whole
+from ocean_sim.pictures.export.wakes import Wakes, read
+from ocean_sim.pictures.frame_files import frame_files, ships_in
+from ocean_sim.pictures.ships.ship_model import Model, modelled
+from ocean_sim.pictures.water.foam import coarser
+from ocean_sim.pictures.water.water_mesh import triangles
+
+SEA, WHITE = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])  # linear RGB of water and of its foam
+STONE = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
+# Triangles of a box whose corners count x, then y, then z, seen from outside.
+BOX = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
+    + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+)
+NEAREST = 6  # particles that tell the velocity of a surface with an underside
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
+
+
+class UsdMissing(Lacking):
+    """The reader and writer of USD is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
+
+
+class Shot(NamedTuple):
+    """What is exported of a frame."""
+
+    time: float  # [s]
+    points: np.ndarray  # (n, 3) of the surface of the water [m]
+    faces: np.ndarray  # (m, 3)
+    fields: dict[str, np.ndarray]  # values of the points: Normals, foam, velocity [m/s]
+    ships: dict[str, tuple[np.ndarray, np.ndarray]]  # position [m] and turn from body to world, by key
+    particles: dict[str, np.ndarray]  # position [m], velocity [m/s], pressure [Pa]
+    gates: tuple[np.ndarray, np.ndarray]  # corners [m] and triangles of obstacles that move or leave
+
+
+def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
+    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with wakes and
+    waves of ships and the white along their hulls as pictures show them."""
+    data = arrays(frame)
+    raised = np.zeros(data["elevation"].shape)
+    if "foam" in data and len(grid["z"]) > 1:
+        height, data["foam"] = wakes.shown(data)
+        raised, data["elevation"] = height - data["elevation"], height
+    fields: dict[str, np.ndarray] = {}
+    if len(grid["z"]) < 2:  # a line
+        points, faces = np.zeros((0, 3), np.float32), np.zeros((0, 3), int)
+    elif "vertices" in data:
+        points, faces, fields["Normals"] = data["vertices"], data["triangles"], data["normals"]
+        if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
+            at = wakes.places(points[:, [0, 2]], data.get("origin", np.zeros(2)))
+            if raised.any():
+                points = points + np.outer(read(raised, at), [0.0, 1.0, 0.0])
+                fields["Normals"] = upwards(points, faces)
+            fields |= {
+                name: read(data[key], at).astype(np.float32)
+                for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
+                if key in data
+            }
+        elif "velocity" in data:
+            fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
+    else:
+        x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
+        dx, dz = data.get("origin", np.zeros(2))
+        points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
+        faces = triangles(*x.shape)
+        fields["Normals"] = upwards(points, faces)
+        if "foam" in data:
+            fields["foam"] = coarser(data["foam"], x.shape).ravel().astype(np.float32)
+        if "surface_velocity" in data:
+            fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
+    ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
+    kept = "position", "velocity", "id", "pressure"
+    particles = {str(name): data[name] for name in kept if name in data}
+    gates = blocks(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
+    return Shot(float(data["time"]), points, faces, fields, ships, particles, gates)
+
+
+def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(n, 3) values at points (n, 3) of a surface: of the particles nearest to each, the nearer the more."""
+    from scipy.spatial import cKDTree
+
+    away, who = cKDTree(particles).query(points, k=min(NEAREST, len(particles)))
+    away, who = away.reshape(len(points), -1), who.reshape(len(points), -1)
+    weight = 1.0 / np.maximum(away, 1e-6) ** 2
+    return np.einsum("nk,nkc->nc", weight / weight.sum(axis=1, keepdims=True), values[who])
+
+
+def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(n, 3) normals of a surface at its points: those of its triangles, by their areas."""
+    a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
+    across = np.cross(b - a, c - a)
+    sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
+    return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
+
+
+def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
+    """Ships as they are drawn, by key."""
+    return {
+        key: modelled(
+            grid[f"{key}_vertices"],
+            grid[f"{key}_triangles"],
+            float(grid[f"{key}_submerged"]),
+            str(grid[f"{key}_look"]),
+            grid[f"{key}_helm"],
+        )
+        for key in ships_in(grid, "_look")
+    }
+
+
+def blocks(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
+    points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
+    faces = [BOX + 8 * n for n in range(len(boxes))]
+    return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
+
+
+def named(key: str) -> str:
+    """A ship's key as a name in a file."""
+    return "".join(letter if letter.isalnum() else "_" for letter in key)
+
+
+def rate(first: float, last: float, count: int, every: float) -> float:
+    """Pictures a second of so many frames from a first to a last time [s]; a run kept one `every` so many seconds, at
+    the first step then, of which each n-th is here."""
+    if count < 2:
+        return 24.0
+    apart = (last - first) / (count - 1)
+    return round(1.0 / (every * max(1, round(apart / every))), 3)
+
+
+def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
+    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship, /sea/particles;
+    metres, frames a second as kept. Raises UsdMissing."""
+    try:
+        from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
+    except ImportError:
+        raise UsdMissing from None
+    first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
+    per_second = rate(first, last, len(frames), float(grid["every"]))
+    with whole(path) as draft:
+        stage = Usd.Stage.CreateInMemory()
+        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
+        UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        stage.SetTimeCodesPerSecond(per_second)
+        stage.SetFramesPerSecond(per_second)
+        stage.SetStartTimeCode(first * per_second)
+        stage.SetEndTimeCode(last * per_second)
+        root = UsdGeom.Xform.Define(stage, "/sea")
+        stage.SetDefaultPrim(root.GetPrim())
+        if z_up:
+            root.AddRotateXOp().Set(90.0)
+        boxes, sides = blocks(grid["obstacles"])
+        if len(boxes):
+            stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
+            stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
+            still(stone, sides.astype(np.int32).ravel(), Vt)
+            stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
+        bodies = {}
+        for key, model in models(grid).items():
+            body = UsdGeom.Xform.Define(stage, f"/sea/{named(key)}")
+            bodies[key] = body.AddTransformOp()
+            corners = model.mesh.corners.reshape(-1, 3).astype(np.float32)
+            hull = UsdGeom.Mesh.Define(stage, f"/sea/{named(key)}/hull")
+            hull.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(corners))
+            numbers = np.arange(len(corners), dtype=np.int32)
+            still(hull, numbers, Vt)
+            hull.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(model.mesh.normals.reshape(-1, 3).astype(np.float32)))
+            hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(
+                Vt.Vec3fArray.FromNumpy(model.mesh.colour.astype(np.float32))
+            )
+        water = UsdGeom.Mesh.Define(stage, "/sea/water")
+        water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
+        cloud = moving = None
+        before: np.ndarray | None = None
+        wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+        for frame in frames:
+            kept = shot(frame, grid, wakes)
+            code = Usd.TimeCode(kept.time * per_second)
+            if before is None or not np.array_equal(before, kept.faces):
+                still(water, kept.faces.astype(np.int32).ravel(), Vt, code)
+                before = kept.faces
+            water.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.points.astype(np.float32)), code)
+            if "velocity" in kept.fields:
+                water.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(kept.fields["velocity"]), code)
+            if "foam" in kept.fields:
+                foam = UsdGeom.PrimvarsAPI(water).CreatePrimvar(
+                    "foam", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
+                )
+                foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
+            if len(kept.gates[0]) or moving is not None:
+                moving = moving or UsdGeom.Mesh.Define(stage, "/sea/gates")
+                still(moving, kept.gates[1].astype(np.int32).ravel(), Vt, code)
+                moving.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.gates[0]), code)
+                moving.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
+            for key, (position, turn) in kept.ships.items():
+                if key in bodies:
+                    matrix = np.eye(4)
+                    matrix[:3, :3], matrix[3, :3] = turn.T, position  # USD's vectors are rows
+                    bodies[key].Set(Gf.Matrix4d(*matrix.ravel().tolist()), code)
+            if "position" in kept.particles:
+                cloud = cloud or UsdGeom.Points.Define(stage, "/sea/particles")
+                position, velocity = (kept.particles[name].astype(np.float32) for name in ("position", "velocity"))
+                cloud.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(position), code)
+                cloud.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocity), code)
+                cloud.CreateIdsAttr().Set(Vt.Int64Array.FromNumpy(kept.particles["id"].astype(np.int64)), code)
+                if "pressure" in kept.particles:
+                    pressure = UsdGeom.PrimvarsAPI(cloud).CreatePrimvar(
+                        "pressure", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
+                    )
+                    pressure.Set(Vt.FloatArray.FromNumpy(kept.particles["pressure"].astype(np.float32)), code)
+        if cloud is not None:
+            cloud.CreateWidthsAttr([float(grid["spacing"])])
+            cloud.SetWidthsInterpolation(UsdGeom.Tokens.constant)
+        made = draft.with_suffix(".usdc")  # the writer knows formats by their endings
+        try:
+            stage.Export(str(made))
+        except Tf.ErrorException:  # a page of the writer's own words
+            raise OSError(EIO, "USD cannot write this file, as on a full disk", str(path)) from None
+        made.replace(draft)
+    return path
+
+
+def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
+    """The triangles of a mesh, at a time or always."""
+    mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
+    mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
+    mesh.CreateSubdivisionSchemeAttr("none")
+
+
+def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
+    """Binary glTF: water that changes shape, white where it foams in the first frame, or, where its triangles change, a
+    mesh a moment, of which one is seen; obstacles; ships that move."""
+    from scipy.spatial.transform import Rotation
+
+    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+    shots = [shot(frame, grid, wakes) for frame in frames]
+    first = shots[0]
+    made = Glb(np.array([kept.time for kept in shots]))
+    if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
+        waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, paint(w)) for k, w in enumerate(shots)}
+        made.in_turn(waters, len(shots))
+    elif len(first.points):
+        moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
+        made.mesh("water", first.points, first.faces, paint(first), moved)
+    boxes, sides = blocks(grid["obstacles"])
+    if len(boxes):
+        made.mesh("obstacles", boxes, sides, STONE)
+    gates = {k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE) for k, kept in enumerate(shots) if len(kept.gates[0])}
+    made.in_turn(gates, len(shots))
+    for key, model in models(grid).items():
+        corners = model.mesh.corners.reshape(-1, 3)
+        colour = np.repeat(model.mesh.colour, 3, axis=0)
+        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
+        poses = [kept.ships[key] for kept in shots]
+        made.animate(node, "translation", np.array([position for position, _ in poses]))
+        made.animate(node, "rotation", unbroken(Rotation.from_matrix([turn for _, turn in poses]).as_quat()))
+    made.save(path)
+    return path
+
+
+def paint(kept: Shot) -> np.ndarray:
+    """(n, 3) linear RGB of water."""
+    return SEA + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (WHITE - SEA)
+
+
+def unbroken(quaternions: np.ndarray) -> np.ndarray:
+    """(k, 4), each turned to the side of the one before, so that between them no ship spins."""
+    signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
+    return quaternions * signs[:, None]
+
+
+def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
+    """Shots in axes with z up, or as they are."""
+    for kept in meshes:
+        if not z_up:
+            yield kept
+            continue
+        fields = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.fields.items()}
+        particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
+        ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
+        corners, sides = kept.gates
+        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides))

@@ -1,0 +1,102 @@
+"""What pictures make of the water around ships, for files of it: their wakes, the waves of their own, and the white
+along their hulls."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ocean_sim.basin.points import middles_of, pairs
+from ocean_sim.pictures.frame_files import Frame, Log, ships_in
+from ocean_sim.pictures.stage.camera import Vessel
+from ocean_sim.pictures.water.sea_state import is_open, scene_of
+from ocean_sim.pictures.water.wake import Kelvin, Wake, standing
+from ocean_sim.pictures.water.waterline import Hull, Met
+
+
+class Wakes:
+    """Of all ships of a run at sea, at the points of its frames."""
+
+    def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
+        """`files`: all frames of the run."""
+        keys = ships_in(grid, "_vertices")
+        tracks = Log(files).tracks if keys and at_sea(files, float(grid["depth"])) else {}
+        self.grid, self.x, self.z = grid, grid["x"], grid["z"]
+        self.hulls = {key: Hull(grid, key) for key in keys if key in tracks}
+        self.vessels = {key: Vessel(hull.length, np.zeros(3), tracks[key]) for key, hull in self.hulls.items()}
+        self.answers = "sea_answers" in grid  # the water of the run knows of its ships
+
+    def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (nx, nz) [m] of a frame and its shares of foam, as pictures show them around ships."""
+        height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
+        if not self.vessels:
+            return height, white
+        time, origin = float(frame["time"]), frame.get("origin", np.zeros(2)).astype(float)
+        points = pairs(self.x + origin[0], self.z + origin[1])
+        height += self.behind(time, points, frame.get("answer"))
+        if not self.answers:
+            for ship in self.met(frame, height, origin):
+                height += ship.raised(points).reshape(height.shape)
+        x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
+        for key, vessel in self.vessels.items():
+            white = np.maximum(white, Wake(vessel, self.hulls[key].beam, x, z).share(time, origin))
+        for ship in self.met(frame, height, origin):
+            low, high = (ends - origin for ends in ship.around())
+            near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
+            along = ship.white(pairs(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
+            white[near] = np.maximum(white[near], along.reshape(white[near].shape))
+        return height, white
+
+    def sides(self, k: int) -> tuple[float, float]:
+        """Where the basin begins and ends along x or z [m]."""
+        return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
+
+    def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
+        """(2, n) from side to side of the basin around an origin, 0 to 1, of places x, z (n, 2) [m]."""
+        low, high = np.transpose([self.sides(k) for k in range(2)])
+        return ((at - origin - low) / (high - low)).T
+
+    def met(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[Met]:
+        """The ships of a frame that meet water of heights (nx, nz) around an origin x, z [m]."""
+        time = float(frame["time"])
+        ships = [
+            hull.met(
+                frame[f"{key}_position"],
+                frame[f"{key}_turn"],
+                self.vessels[key].speed(time),
+                lambda at: read(height, self.places(at, origin)),
+            )
+            for key, hull in self.hulls.items()
+        ]
+        return [ship for ship in ships if ship.wet]
+
+    def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
+        """(nx, nz) by how much pictures show the water higher than the run has it [m], but for waves at bows, at points
+        x, z (nx nz, 2) [m]; `answer`: what it answers to its ships [m]."""
+        shape = len(self.x), len(self.z)
+        more = np.zeros(shape)
+        if answer is not None:
+            x, z = points[:: shape[1], 0], points[: shape[1], 1]
+            shown = answer.astype(float)
+            for key, vessel in self.vessels.items():
+                shown = standing(shown, vessel, self.hulls[key].beam, x, z, time)
+            more += shown - answer
+        if "sea_amplitude" in self.grid and not self.answers:
+            for key, vessel in self.vessels.items():
+                more += Kelvin(vessel, self.hulls[key].beam).height(time, points).reshape(shape)
+        return more
+
+
+def at_sea(files: list[Path], depth: float) -> bool:
+    """Whether pictures of a run show a sea, not a tank."""
+    first = Frame(files[0])
+    return not first.folds and is_open(scene_of(files[0].parent.parent), first, depth)
+
+
+def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """(n, ...) of values (nx, nz, ...) in the middles of cells, linear between these, at places (2, n) from 0 to 1."""
+    from scipy.ndimage import map_coordinates
+
+    cells = at * np.array(values.shape[:2])[:, None] - 0.5
+    channels = np.moveaxis(values.reshape(*values.shape[:2], -1), -1, 0).astype(float)
+    found = [map_coordinates(channel, cells, order=1, mode="nearest") for channel in channels]
+    return np.stack(found, axis=-1).reshape(at.shape[1], *values.shape[2:])

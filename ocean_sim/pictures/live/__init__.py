@@ -1,0 +1,1 @@
+"""The preview in a GGUI window: state, eye and arrays."""

@@ -1,0 +1,1 @@
+"""Ships in a picture: painted hulls, and models on their decks."""

@@ -1,0 +1,58 @@
+"""The particles in a picture."""
+
+import numpy as np
+
+from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.stage.plotter import Content, Stage
+
+RIM = 0.5  # light of the rim of a ball over that of its middle
+ROUND = f"""//VTK::Color::Impl
+  float away = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);
+  if (away > 1.0) discard;
+  float bright = {RIM} + {1.0 - RIM:g} * sqrt(1.0 - away);
+  ambientColor *= bright;
+  diffuseColor *= bright;
+"""  # VTK's own balls end in black
+
+
+class Particles(Content):
+    """Every particle as a small ball, coloured by its speed."""
+
+    def __init__(self, stage: Stage, first: Frame, spacing: float, fastest: float) -> None:
+        assert first.position is not None
+        cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
+        cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
+        stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN), light_type="scene light"))
+        stage.plotter.add_light(stage.pyvista.Light(light_type="headlight", intensity=0.5))
+        balls = stage.plotter.add_mesh(
+            cloud,
+            scalars="speed [m/s]",
+            clim=(0.0, fastest),
+            cmap="YlGnBu_r",
+            style="points_gaussian",
+            render_points_as_spheres=True,
+            ambient=0.4,
+            scalar_bar_args={
+                "position_x": 0.70,
+                "position_y": 0.90,
+                "width": 0.27,
+                "height": 0.07,
+                "n_labels": 2,
+                "fmt": "%.2g",
+                "label_font_size": 14 * stage.samples,
+                "title_font_size": 15 * stage.samples,
+                "color": "#10222c",
+            },
+        )
+        balls.mapper.SetSplatShaderCode(ROUND)
+        balls.mapper.scale_factor = 0.5 * spacing  # [m] radius
+        self.cloud, self.fastest = balls.mapper.dataset, fastest
+        self.colours = balls.mapper.lookup_table.values  # (256, 4), 8-bit
+        self.drawn = balls.mapper.array_name  # PyVista turns the scalars of such balls into colours once, when added
+
+    def show(self, frame: Frame) -> None:
+        assert frame.position is not None and frame.velocity is not None
+        self.cloud.points = frame.position
+        share = np.linalg.norm(frame.velocity, axis=1) / self.fastest
+        self.cloud[self.drawn] = self.colours[np.clip(255.0 * share, 0.0, 255.0).astype(int)]

@@ -1,0 +1,233 @@
+"""One picture after another: sky, water, ships, text."""
+
+from copy import copy
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.parts import key_of
+from ocean_sim.pictures.frame_files import Frame, Log, ships_in
+from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip, kept_model
+from ocean_sim.pictures.stage import antialiasing, overlays, sky
+from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
+from ocean_sim.pictures.stage.obstacles import Obstacles
+from ocean_sim.pictures.stage.particles import Particles
+from ocean_sim.pictures.stage.plotter import Content, Stage
+from ocean_sim.pictures.stage.render_order import Order, RenderFailed
+from ocean_sim.pictures.stage.wind_marks import WindMarks, legend
+from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_shading
+from ocean_sim.pictures.water.sea import Sea
+from ocean_sim.pictures.water.water_surface import NODES, Water
+
+SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
+MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
+
+
+def foreseen(grid: Any, order: Order) -> bool:
+    """Whether pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
+    of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
+    whole_way = order.camera in MAPS and "sea_answers" in grid
+    return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
+
+
+def swept(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
+    middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
+    return lower + middle.min(axis=0), upper + middle.max(axis=0)
+
+
+class Shot(NamedTuple):
+    """A picture as it leaves the plotter."""
+
+    pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
+    samples: int
+    bars: list[overlays.ScaleBar | overlays.ArrowBar | overlays.HeightBar]  # as they were for it
+
+    def finished(self) -> np.ndarray:
+        """(height, width, 3) with smooth edges and its bars."""
+        image = antialiasing.smooth(self.pixels) if self.samples == 1 else antialiasing.mean(self.pixels, self.samples)
+        for bar in self.bars:
+            bar.draw(image)
+        return image
+
+
+class Picture:
+    """One plotter, built once; each frame only moves its points and colours."""
+
+    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
+        """`first`: frame of the run; `fastest`: speed [m/s] at the end of the colours of particles."""
+        self.order = order
+        self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
+        self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
+        self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
+        flat = bool(self.lower[2] == self.upper[2])
+        away = "sea_answers" in grid  # ships are free to leave the basin
+        if away and order.camera in MAPS and log.tracks:
+            self.lower, self.upper = swept(self.lower, self.upper, [track.position for track in log.tracks.values()])
+        models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
+        vessels = {
+            key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
+            for key, model in models.items()
+            if key in log.tracks
+        }
+        vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
+        bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
+        scene = sea_state.scene_of(Path(order.folder))
+        state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
+        open_sea = state is not None and state.open
+        self.operator = Operator(
+            "side" if flat else order.camera,
+            self.lower,
+            self.upper,
+            order.size[0] / order.size[1],
+            log.span,
+            vessel=vessel,
+            eye=order.eye,
+            target=order.target,
+            away=away,
+            at_sea=open_sea,
+        )
+        stage = self.stage = Stage(order.size, self.operator.at(first.time), SAMPLES[order.quality])
+        self.plotter = stage.plotter
+        middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
+        self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
+        from_above = order.camera == "top"  # a map
+        self.at_sea = open_sea and not from_above and stage.camera.parallel_height is None
+        if not self.at_sea:
+            self.backdrop()
+        if order.particles or not bool(grid["has_surface"]):
+            if first.position is None:
+                raise RenderFailed("these frames hold no particles to draw; run with frames.particles: true")
+            self.content: Content = Particles(stage, first, float(grid["spacing"]), fastest)
+        elif self.at_sea and state is not None:
+            self.content = Sea(stage, order, vessels, grid, state)
+        elif first.folds:
+            from ocean_sim.pictures.water import tank
+
+            self.content = tank.Shell(stage, grid, self.upper, first, order.foam)
+        else:
+            self.content = Water(stage, grid, NODES[order.quality])
+        fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
+        self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
+        self.ships: dict[str, DrawnShip | ShadedShip] = {}
+        if isinstance(self.content, Sea):
+            shaded = {key: self.content.ship(model) for key, model in models.items()}
+            self.ships |= shaded
+            self.content.appear()
+            if shaded:
+                self.content.reflect()
+        else:
+            self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
+        self.caption = overlays.words(stage, " ", (14, 10)) if order.caption else None
+        self.scale_bar = overlays.ScaleBar(stage) if order.scale_bar else None
+        on_map = isinstance(self.content, Water) and stage.camera.from_above
+        self.height_bar = overlays.HeightBar(stage) if order.scale_bar and on_map else None
+        self.outline = overlays.Outline(stage, grid["lower"], grid["upper"]) if order.outline else None
+        self.wind = WindMarks(stage, grid["lower"], grid["upper"]) if order.wind else None
+        self.arrow_bar = overlays.ArrowBar(stage) if order.wind and order.scale_bar else None
+        self.aim()
+
+    def aim(self) -> None:
+        """Point the plotter's camera where the stage's is."""
+        camera, plotter = self.stage.camera, self.plotter
+        plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
+        plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
+        reach = self.reach
+        near, far = (0.005 * reach, 4.0 * far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        plotter.camera.clipping_range = (camera.near or near, far)
+        if camera.parallel_height is not None:
+            plotter.enable_parallel_projection()
+            plotter.camera.parallel_scale = camera.parallel_height
+
+    def backdrop(self) -> None:
+        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it; from
+        above one colour of the ground."""
+        camera, pyvista = self.stage.camera, self.stage.pyvista
+        if camera.from_above and camera.parallel_height is not None:
+            self.plotter.set_background(water_shading.display(sky.around(camera.forward[None]))[0] / 255.0)
+            return
+        if camera.parallel_height is not None:
+            low, high = water_shading.display(sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
+            self.plotter.set_background(low, top=high)
+            return
+        radius = 6.0 * self.reach
+        dome = pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
+        directions = sky.unit(np.asarray(dome.points, dtype=float))
+        dome.points = (camera.eye + radius * directions).astype(np.float32)
+        dome["colour"] = water_shading.display(sky.around(directions))
+        self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
+        self.first_eye = camera.eye
+        if camera.forward[1] > -0.9:
+            self.shadow()
+
+    def shadow(self) -> None:
+        """A soft shadow on the ground, so that the block of water stands on something."""
+        size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
+        plane = self.stage.pyvista.Plane(
+            center=(middle[0], self.lower[1] - 0.02 * size[1], middle[2]),  # below a dry bed
+            direction=(0.0, 1.0, 0.0),
+            i_size=5.0 * size[2],
+            j_size=5.0 * size[0],
+            i_resolution=160,
+            j_resolution=160,
+        )
+        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN
+        outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
+        reach = 0.10 * max(size[0], size[2])
+        darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
+        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), tank_walls.DARK), 255 * darkness]).astype(
+            np.uint8
+        )
+        self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
+        tank_walls.ground(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
+
+    def draw(self, frame: Frame) -> np.ndarray:
+        """(height, width, 3) 8-bit RGB."""
+        return self.shot(frame).finished()
+
+    def shot(self, frame: Frame) -> "Shot":
+        """What is left to do of it needs the plotter no more: the next may be drawn meanwhile."""
+        self.move(self.operator.at(frame.time))
+        for key, pose in frame.ships.items():
+            self.ships[key].show(*pose, self.stage.camera.eye)
+        self.obstacles.show(frame)
+        self.content.show(frame)
+        if self.caption is not None:
+            self.caption.input = f"t = {frame.time:.2f} s"
+        if self.outline is not None:
+            self.outline.show(frame.origin, self.heights_at(frame, self.outline.around + frame.origin))
+        if self.wind is not None:
+            self.wind.show(frame, self.heights_at(frame, frame.wind_tails[:, [0, 2]].astype(float)))
+        ships = [position for position, _ in frame.ships.values()]
+        target = ships[0] if ships else 0.5 * (self.lower + self.upper) * [1.0, 0.0, 1.0]
+        if self.scale_bar is not None:
+            self.scale_bar.show(target)
+        if self.arrow_bar is not None and self.wind is not None:
+            self.arrow_bar.show(target, *legend(frame, self.wind.length))
+        if self.height_bar is not None and isinstance(self.content, Water):
+            self.height_bar.show(self.content.most)
+        self.stage.render()
+        bars = [copy(bar) for bar in (self.scale_bar, self.arrow_bar, self.height_bar) if bar is not None]
+        return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
+
+    def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
+        """(n,) drawn heights of the water at positions x, z (n, 2) [m]; of a tank those of the nearest kept points."""
+        if isinstance(self.content, Sea):
+            return self.content.heights_at(positions)
+        share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)
+        index = [np.clip((share[:, k] * n).astype(int), 0, n - 1) for k, n in enumerate(frame.elevation.shape)]
+        return frame.elevation[index[0], index[1]]
+
+    def move(self, camera: Camera) -> None:
+        """Look from another position; the sky goes with the eye."""
+        if camera is self.stage.camera:
+            return
+        self.stage.camera = camera
+        if camera.parallel_height is None and not self.at_sea:
+            self.dome.position = tuple(camera.eye - self.first_eye)
+        self.aim()
+
+    def close(self) -> None:
+        self.content.close()
+        self.plotter.close()

@@ -1,0 +1,1 @@
+"""Water in a picture: surface, far sea, foam, spray, wakes and tanks."""

@@ -1,0 +1,269 @@
+"""The sea around a basin out to the horizon: plane waves of the same spectrum, on a fan of rays and rings."""
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.pictures.water.water_mesh import triangles
+from ocean_sim.random_numbers import numpy_uniform
+from ocean_sim.waves import Components
+
+OUT = 14000.0  # [m] where the drawn sea ends, behind the fog
+MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
+NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
+PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
+SHELLS, SECTORS = 20, 6  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
+SHORTEST = 0.8  # of half a wave a cell: shorter modes are noise of the particles
+STRONGEST = 96  # plane waves of a sea that are drawn far away
+RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
+NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
+WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
+REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
+PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
+NEAR, SAMPLES = 400.0, 4096  # [m] around the eye within which nodes are looked at that lie evenly, and how many
+GOLDEN = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
+BELT = 8  # rings of which the same waves are drawn
+TURN = np.radians(8.0)  # by which the eye turns before the fan does
+ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
+
+
+def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
+    """1 in the middle, 0 at `low` and `high` and beyond them, smooth in a margin [m] inside."""
+    inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
+    return inside * inside * (3.0 - 2.0 * inside)
+
+
+@dataclass(frozen=True)
+class SeaSample:
+    """A sea at the nodes of a grid (nx, nz)."""
+
+    height: np.ndarray  # [m]
+    convergence: np.ndarray  # of the water near the surface
+    variance: np.ndarray  # of the slopes along each axis of the waves that the grid is too wide for
+
+
+class PlaneWaves:
+    """A sea at the nodes of a tensor grid, by products of matrices."""
+
+    def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
+        self.sea = sea
+        self.along_x, self.along_z = (
+            np.exp(1j * nodes[:, None] * k) for nodes, k in zip((x, z), sea.wavevector.T, strict=True)
+        )
+
+    def at(self, turning: np.ndarray) -> SeaSample:
+        """The sea of complex amplitudes (n,) at the nodes' origin (see `turning`)."""
+        x, z = self.along_x * turning, self.along_z.T
+        # The real part of a product of complex matrices is two products of real ones.
+        height = x.real @ z.real - x.imag @ z.imag
+        k = self.sea.wavenumber
+        convergence = (x.real * k) @ z.real - (x.imag * k) @ z.imag
+        return SeaSample(height, convergence, np.zeros_like(height))
+
+
+def turning(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
+    """(n,) complex amplitudes [m] of plane waves at a time [s] around an origin x, z [m]."""
+    phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
+    return sea.amplitude * np.exp(1j * phase)
+
+
+def grown(sea: Components, time: float) -> Components:
+    """Plane waves as high as they are at a time [s]."""
+    return replace(sea, amplitude=sea.grown(time) * sea.amplitude, ramp=0.0)
+
+
+def strongest(sea: Components, most: int = STRONGEST) -> Components:
+    """The strongest of many plane waves, with the variance of all."""
+    if len(sea.amplitude) <= most:
+        return sea
+    kept = np.sort(np.argsort(sea.amplitude)[::-1][:most])
+    scale = np.sqrt((sea.amplitude**2).sum() / (sea.amplitude[kept] ** 2).sum())
+    return replace(sea, amplitude=scale * sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
+
+
+def shortest(sea: Components) -> list[float]:
+    """Of the waves that are drawn to each of REACHES, the length of the shortest [m], rounded down to a step of a
+    fifth: seas that are alike have the same."""
+    order = np.argsort(sea.wavenumber)[::-1]
+    held = np.cumsum(sea.amplitude[order] ** 2)
+    lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
+    if held[-1] <= 0.0:
+        return [OUT for _ in REACHES]
+    found = [float(lengths[np.searchsorted(held, share * held[-1])]) for _, share in REACHES]
+    return [2.0 ** (float(np.floor(4.0 * np.log2(length) + 1e-9)) / 4.0) for length in found]
+
+
+def rings(lengths: list[float], first: float) -> np.ndarray:
+    """Distances [m] of rings around an eye, out to the horizon: as far as REACHES close enough for waves of these
+    lengths [m]."""
+    caps = [length / NODES_PER_WAVE[1] for length in lengths]
+    distances = [first]
+    step = max(WIDENING * first, 0.02)
+    while distances[-1] < OUT:
+        near = next((cap for (reach, _), cap in zip(REACHES, caps, strict=True) if distances[-1] < reach), None)
+        step = BEYOND * step if near is None else min(max(WIDENING * distances[-1], 0.02), near)
+        distances.append(distances[-1] + step)
+    return np.array(distances)
+
+
+class Fan:
+    """The far sea as an eye sees it: nodes on rays around it and on rings that are close enough for its waves. Heights
+    are whole as far as the rings hold them; slopes fade where a wave is narrower than a few pixels, and what fades
+    widens the glint."""
+
+    def __init__(self, sea: Components) -> None:
+        """`sea`: its amplitudes may change with time."""
+        self.sea = sea
+        self.looked: tuple[float, ...] = ()
+        self.nodes = np.zeros((0, 2))  # around the eye [m]
+        self.triangles = np.zeros((0, 3), dtype=int)  # of those that are seen
+        self.evenly = np.zeros(0, int)  # numbers of nodes near the eye, as many to each square metre
+        self.belts: list[tuple[slice, np.ndarray, np.ndarray]] = []  # rings, their waves, and cosine and sine of these
+
+    def look(
+        self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
+    ) -> bool:
+        """Turn towards a heading [rad, from +x to +z]; whether the nodes are new ones.
+
+        `height`: of the eye over the water [m]; `half`: the angle to either side that it sees, `lowest`: that of its
+        lowest ray below the horizon [rad]; `pixel`, `row`: the angles of a pixel, and of a row of samples, of which no
+        more than one ring is drawn [rad]; `amplitude` (n,): of the waves now [m].
+        """
+        whole = half > 0.5 * pi
+        bucket = 0.0 if whole else TURN * round(heading / TURN)
+        step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
+        lengths = shortest(replace(self.sea, amplitude=amplitude))
+        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel, row, *lengths)
+        if seen == self.looked:
+            return False
+        self.looked = seen
+        reach = pi if whole else min((seen[2] + 0.5) * TURN, pi)
+        below = min(max((seen[3] + 0.5) * TURN, 0.05), 0.49 * pi)
+        first = max(min(NEAREST * step, 0.7 * step / float(np.tan(below))), 0.3)
+        distance = rings(lengths, first)
+        far, length = REACHES[-1][0], lengths[-1]
+        rays = int(np.clip(2.0 * reach * far * NODES_PER_WAVE[1] / length, *RAYS))
+        angle = bucket + np.linspace(-reach, reach, rays + 1)
+        away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        self.shape = len(distance), len(angle)
+        self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
+        self.distance = distance
+        area = np.cumsum(np.gradient(distance) * distance * (distance < NEAR))
+        n = np.arange(SAMPLES)
+        ring = np.searchsorted(area, (n + 0.5) / SAMPLES * area[-1])
+        self.evenly = ring * len(angle) + (np.modf(GOLDEN * n)[0] * len(angle)).astype(int)
+        band = np.floor(np.arctan2(step, distance) / row)
+        starts = np.flatnonzero(np.diff(band, prepend=np.inf))
+        ends = np.append(starts[1:], len(distance))
+        self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
+        self.triangles = triangles(len(starts), len(angle))
+        sea, (least, enough) = self.sea, NODES_PER_WAVE
+        length = 2.0 * pi / np.maximum(sea.wavenumber, 1e-9)
+        spacing = np.maximum(np.gradient(distance), distance * (angle[1] - angle[0]))
+        self.drawn = np.clip((length / spacing[:, None] - least) / (enough - least), 0.0, 1.0)
+        far = np.hypot(distance, step)
+        footprint = pixel * far / np.maximum(step / far, 0.003)  # of a pixel, along its ray
+        least, enough = PIXELS_PER_WAVE
+        seen_slopes = self.drawn * np.clip((length / footprint[:, None] - least) / (enough - least), 0.0, 1.0)
+        self.sloping = seen_slopes
+        towards = (away @ sea.wavevector.T).astype(np.float32)
+        self.belts = []
+        for first_ring in range(0, len(distance), BELT):
+            belt = slice(first_ring, first_ring + BELT)
+            drawn = np.flatnonzero(self.drawn[belt].any(axis=0))
+            phase = distance[belt, None, None].astype(np.float32) * towards[:, drawn]
+            self.belts.append((belt, drawn, np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)))
+        return True
+
+    def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
+        """(bands, rays) on each ray, of the rings that a row of pixels shows, the number of the one that hides the
+        others; `height` (rings, rays) of the water and of the eye [m]."""
+        rise = (height - eye) / self.distance[:, None]
+        highest = rise[self.bands].argmax(axis=1)
+        return np.take_along_axis(self.bands, highest, axis=1)
+
+    def lost(self, amplitude: np.ndarray) -> np.ndarray:
+        """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
+        return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
+
+    def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
+        """Standard deviation of the convergence of waves of these amplitudes (n,) [m], and of those that are drawn on
+        each ring (rings,)."""
+        each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
+        return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
+
+    def at(self, turning: np.ndarray) -> np.ndarray:
+        """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at
+        the eye (see `turning`)."""
+        kx, kz = self.sea.wavevector.T
+        level, slope = turning * self.drawn, turning * self.sloping
+        columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
+        columns = columns.astype(np.complex64)
+        found = np.zeros((*self.shape, 4), np.float32)
+        for belt, drawn, waves in self.belts:
+            here = columns[belt, drawn]
+            np.matmul(waves, np.concatenate([here.real, -here.imag], axis=1), out=found[belt])
+        return found
+
+
+class Modes:
+    """Plane waves that stand for the modes of a basin. Between walls a wave and its mirror images are one: each wave
+    has the mean wavenumber and heading of the modes in a shell and a sector, turned into one of four quarters, the
+    likelier the nearer it is to where the wind goes to, and bears the variance of all of them."""
+
+    def __init__(
+        self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
+    ) -> None:
+        """`shape`: of the heights in a basin; `size`: along x and z [m]; `towards` (2,): unit vector of the wind."""
+        p, q = np.indices(shape)
+        self.kept = (np.hypot(p / shape[0], q / shape[1]) < SHORTEST) & (p + q > 0)
+        p, q = p[self.kept], q[self.kept]
+        kx, kz = pi * p / size[0], pi * q / size[1]
+        if not len(p):
+            self.numbers = np.zeros(0, int)
+            self.sea = Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
+            return
+        k = np.hypot(kx, kz)
+        shell = np.minimum(SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), SHELLS - 1).astype(int)
+        sector = np.minimum(SECTORS * np.arctan2(kz, kx) / (0.5 * pi), SECTORS - 1).astype(int)
+        _, self.numbers = np.unique(shell * SECTORS + sector, return_inverse=True)
+        many = np.bincount(self.numbers)
+        n = np.arange(len(many))
+        p, q = (np.bincount(self.numbers, weights=each) / many for each in (p, q))
+        kx = pi * np.maximum(p + (numpy_uniform(seed, PLACES, n, 0) - 0.5) * (p > 0), 0.0) / size[0]
+        kz = pi * np.maximum(q + (numpy_uniform(seed, PLACES, n, 1) - 0.5) * (q > 0), 0.0) / size[1]
+        sign_x = np.where(numpy_uniform(seed, ASTREAM, n, 0) < 0.5 + 0.5 * towards[0], 1.0, -1.0)
+        sign_z = np.where(numpy_uniform(seed, ASTREAM, n, 1) < 0.5 + 0.5 * towards[1], 1.0, -1.0)
+        phase = 2.0 * pi * numpy_uniform(seed, PHASES, n, 0)
+        self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
+
+    def variances(self, elevation: np.ndarray) -> np.ndarray:
+        """(n,) of the waves that stand for heights (nx, nz) in the basin [m2]; their sum is the heights' own."""
+        from scipy.fft import dctn
+
+        power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size
+        kept = np.bincount(self.numbers, weights=power[self.kept], minlength=len(self.sea.amplitude))
+        return kept * power.sum() / max(float(kept.sum()), 1e-30)
+
+
+def wind_speed_of(height: float) -> float:
+    """Speed [m/s] of the wind that raises a full sea of this significant height [m]: H = 0.21 U^2 / g (Pierson &
+    Moskowitz 1964, J. Geophys. Res. 69)."""
+    return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
+
+
+def raised_by(sea: Components, time: float) -> float:
+    """Speed [m/s] 10 m over the water of the wind that raises such a random sea, 0 for regular waves; as its growth has
+    come at a time [s].
+
+    Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
+    (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, tells of none.
+    """
+    energy = sea.amplitude**2
+    if not sea.random or energy.sum() <= 0.0:
+        return 0.0
+    peak = PEAK_PERIOD * energy.sum() / (energy / sea.omega).sum()
+    height = sea.grown(time) * sea.significant_height
+    return float((height * GRAVITY / (0.0016 * (22.0 * GRAVITY / peak) ** 1.5)) ** 2)

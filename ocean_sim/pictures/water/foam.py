@@ -1,0 +1,400 @@
+"""White water: where crests converge, at a wanted cover; along a hull; and how a share of foam breaks into patches."""
+
+from itertools import product
+
+import numpy as np
+
+from ocean_sim.pictures.water.ripples import noise
+from ocean_sim.waves.orbits import falling
+
+# Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
+# Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
+BREAKING_CONVERGENCE = 0.30
+MAX_COVER = 0.10  # share of the sea that may be white where none is asked for
+# [s] in which foam falls to a third (Monahan & Zietlow 1969, J. Geophys. Res. 74: 3.85 s in salt water)
+FADE_SECONDS = 3.5
+EDGE_SHARE = 0.3  # of the area that turns white: its edge, less than wholly white
+FRESH_THICKNESS = 1.25  # of foam just born, over wholly white: ours, so that the white share lasts for 3.5 s
+PATCH_CELLS = 4.0  # cells of white water along a side of the least patch that a crest makes
+GATHERING_PATCHES = 3.0  # patches apart at which a crest breaks more readily, or less
+GATHERING_SPEED = (1.0, 0.6)  # [cells of white water/s] by which these places go along x and z, for another crest
+MAX_FLECK_SPREAD = (
+    3.0  # times its own cell that a fleck covers before it thins out: a steep trough over the crest before
+)
+FIRST_SPREAD_SHARE = 0.3  # of the cover born where there is none: what the first patches gain as they begin to move
+RIM_POWER = 0.6  # power of the share of a mean within the sides, by which it is divided: ours, so that all vary alike
+SPENT_CONVERGENCE = 0.3  # share of convergence that white water lacks: crests break sooner where none has before
+RISE_SECONDS = 0.4  # [s] in which a patch turns white while the crest that breaks runs over it
+BREAKING_INTERVAL = 0.2  # [s] after which crests are looked for that break
+FLECKS_PER_CELL = 2  # cells of white water along a cell of the waves
+GRAIN_SECONDS = 9.0  # [s] in which the grain of foam forgets how far the water has carried it
+PATCH_MEAN, PATCH_DEVIATION = 0.550, 0.160  # mean and standard deviation of the grain
+GRAIN_SCALE = 1.6  # of the grain of foam [1/m]
+OCTAVE_TURN = (0.8253, 0.5646)  # cosine and sine by which each octave of the grain is turned against the one before
+GRAIN_BEND = 0.9  # by which the grain is bent, so that it follows no axis
+TEARING_STRAIN = (0.5, 1.0)  # of water, from which and at which wholly the grain moves as the mean around it
+TORN_MEAN_CELLS = 3.0  # cells of the waves over which that mean is
+EDGE_SOFTNESS = 0.40  # of a covered share: how far the edges of foam fade at most
+MIN_WHITENESS, WHOLE_SHARE = 0.40, 0.50  # of the thinnest foam, and the share from which foam is wholly white
+MIN_SHARE = 0.005  # share of white water below which none is drawn
+MAX_FOOTPRINT = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
+HEAP_SCALES, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of heaps of thick foam; slope of each, of noise's own
+HOLLOW_SHADES = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
+POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
+STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of bent edges, and of the grain
+EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
+
+
+def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
+    """(nx, nz) how far water near the surface is drawn together, minus the divergence of its displacement.
+
+    By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
+    """
+    return falling(elevation, spacing_x, spacing_z)
+
+
+def cover(drawn_together: np.ndarray) -> float:
+    """The share of the sea that crests make white: where they fall faster than they can."""
+    return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
+
+
+def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
+    """How white each point is, 0 to 1, so that the mean is the wanted cover: 1 on the strongest convergence.
+
+    `among` (n,): values in order among which the ranks are counted, by default the points themselves.
+    """
+    known = np.sort(drawn_together, axis=None) if among is None else among
+    if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
+        return np.zeros(np.shape(drawn_together))
+    part = 2.0 * min(wanted, 0.5)  # of the points that are not wholly dark
+    white = np.zeros(np.shape(drawn_together))
+    some = drawn_together >= known[max(int((1.0 - part) * len(known)) - 1, 0)]
+    upper = 1.0 - np.searchsorted(known, drawn_together[some], side="right") / len(known)
+    white[some] = np.clip(1.0 - upper / part, 0.0, 1.0)
+    return white
+
+
+def monahan(speed: float) -> float:
+    """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
+    equation 5)."""
+    return 3.84e-6 * max(speed, 0.0) ** 3.41
+
+
+def smoothed(drawn_together: np.ndarray) -> np.ndarray:
+    """(n, m) convergence as a mean over the width of a patch of foam, by which its crests are told. Beside the sides of
+    the grid, where that is a mean of fewer cells, it is made smaller: it would vary more, and most foam be born there.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    whole = np.ones_like(drawn_together)
+    held, within = (gaussian_filter(of, PATCH_CELLS, mode="constant") for of in (drawn_together, whole))
+    return np.asarray(held / within**RIM_POWER)
+
+
+def called_for(drawn_together: np.ndarray, wind: float) -> float:
+    """The share of the sea that is white where none is asked for: what a wind [m/s] calls for; without one, 0, what its
+    crests do."""
+    return min(monahan(wind), MAX_COVER) if wind > 0.0 else cover(drawn_together)
+
+
+class Field:
+    """White water that lasts: it is born where crests converge, is carried with the water and fades.
+
+    Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
+    has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is made of
+    flecks, each born on one of FLECKS_PER_CELL cells along each of the waves':
+    shares on a grid would blur as they are carried.
+    """
+
+    def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
+        """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
+        self.cell, self.time = cell, 0.0
+        self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
+        self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
+        self.white = np.zeros((FLECKS_PER_CELL * shape[0], FLECKS_PER_CELL * shape[1]))  # share of each of its cells
+        self.ticked = 0.0  # time of the last tick [s]
+        self.carried = np.zeros((*shape, 2))  # by which the grain has been moved along x and z [m]
+        self.cover = 0.0  # that is called for, in the mean over the time that foam lasts, or since any was
+        self.called = 0.0  # weight of that mean: near 1 once foam has been called for as long as it lasts
+        self.owed = 0.0  # cover that is lacking in the mean over the time that foam lasts
+        self.started = False
+
+    def due(self, time: float) -> bool:
+        """Whether the clock ticks by a time [s], so that crests are looked for."""
+        return not self.started or bool(
+            np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
+        )
+
+    def advance(
+        self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
+    ) -> None:
+        """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
+
+        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`, None between ticks;
+        or, without `wanted`, the share that is white of itself.
+        """
+        if self.started and time > self.time:
+            self.carry(velocity * (time - self.time))
+            self.carried *= np.exp(-(time - self.time) / GRAIN_SECONDS)
+            self.fade(time - self.time)
+            self.white = self.shown(self.flecks[2])
+        if source is not None and wanted is None:
+            made = finer(source)
+            fresh = np.where(made > self.white + MIN_SHARE, made, 0.0)
+            self.add(fresh, fresh)
+        elif source is not None and wanted is not None and self.due(time):
+            since = time - self.ticked if self.started else 0.0
+            self.call(wanted, np.exp(-since / FADE_SECONDS) if self.started else 0.0)
+            born = self.broken(source, time, since)
+            if born.any():
+                self.add(born, self.white if self.started else born)
+            self.ticked = time
+        self.time, self.started = time, True
+
+    def call(self, wanted: float, fades: float) -> None:
+        """Take into the mean a cover that is called for; `fades`: share that is left of what was before."""
+        before = self.called * fades
+        self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
+        if self.called > 0.0:
+            self.cover += (wanted - self.cover) * (1.0 - before / self.called)
+
+    def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
+        """(nx, nz) how readily crests break at a time [s], here and there: a long one would else break all along in a
+        line too thin to last. The law is ours."""
+        cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
+        x, z = (
+            (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
+            for at, wanders in zip(cells, GATHERING_SPEED, strict=True)
+        )
+        return readily(*np.meshgrid(x, z, indexing="ij"))
+
+    def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
+        """How thick the foam is that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
+        the mean comes to the cover called for; 0 where they make none.
+
+        Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
+        steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
+        where it is, and never age.
+        """
+        white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
+        lacks = self.cover - white.mean()
+        self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
+        if max(lacks, self.owed) < 0.5 * least:
+            return np.zeros_like(white)
+        gathered = finer(drawn_together * self.gathering(drawn_together.shape, time))
+        fresh = smoothed(gathered) * (1.0 - SPENT_CONVERGENCE * white)
+        spreads = FIRST_SPREAD_SHARE * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
+        born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
+        return np.where(born > white, born, 0.0)
+
+    def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
+        """Flecks on the cells of white water where they rise to more than 0, in place of those that lie there."""
+        cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
+        covered = rises_to[tuple(cells)] > 0.0
+        i, k = np.nonzero(rises_to)
+        fresh = np.stack(
+            [(i + 0.5) / FLECKS_PER_CELL - 0.5, (k + 0.5) / FLECKS_PER_CELL - 0.5, thick[i, k], rises_to[i, k]]
+        )
+        self.flecks = np.concatenate([self.flecks[:, ~covered], fresh], axis=1)
+        self.white = self.shown(self.flecks[2])
+
+    def fade(self, step: float) -> None:
+        """For a time [s] flecks fade, or rise to what they do; what is too thin to be seen is left out."""
+        x, z, thick, rises_to = self.flecks
+        rising = rises_to > thick
+        thick = np.where(
+            rising, np.minimum(rises_to, thick + step / RISE_SECONDS), thick * np.exp(-step / FADE_SECONDS)
+        )
+        rises_to = np.where(rising & (rises_to > thick), rises_to, 0.0)
+        self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
+
+    def shown(self, thick: np.ndarray) -> np.ndarray:
+        """Shares of the cells of white water, of flecks of such a thickness (n,): its mean where they lie close, less
+        where the water has drawn them apart."""
+        rows, columns = self.white.shape
+        x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
+        i, k = np.floor(x).astype(int), np.floor(z).astype(int)
+        covered, held = np.zeros(self.white.size), np.zeros(self.white.size)
+        for m, n in product((0, 1), repeat=2):
+            near = (1.0 - np.abs(x - i - m)) * (1.0 - np.abs(z - k - n))
+            at = np.clip(i + m, 0, rows - 1) * columns + np.clip(k + n, 0, columns - 1)
+            covered += np.bincount(at, near, covered.size)
+            held += np.bincount(at, near * thick, held.size)
+        share = held * np.minimum(MAX_FLECK_SPREAD, 1.0 / np.maximum(covered, 1e-9))
+        return np.minimum(share, 1.0).reshape(rows, columns)
+
+    def carry(self, way: np.ndarray) -> None:
+        """On by a way (nx, nz, 2) [m]; the grain of what comes in from beyond is as it is at the edge."""
+        cells = np.moveaxis(way / self.cell, -1, 0)
+        back = read(cells, np.indices(cells.shape[1:]) - 0.5 * cells)  # in the middle of the way, not at its end: water
+        self.carried = np.stack([moved(self.carried[..., k], back) for k in range(2)], axis=-1) + way  # may go around
+        self.flecks[:2] += read(cells, self.flecks[:2] + 0.5 * read(cells, self.flecks[:2]))
+        self.leave()
+
+    def shift(self, cells: np.ndarray) -> None:
+        """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        self.origin += cells
+        self.flecks[:2] -= cells[:, None]
+        self.leave()
+        for axis, n in enumerate(int(k) for k in cells):
+            self.white, self.carried = beyond(self.white, FLECKS_PER_CELL * n, axis), beyond(self.carried, n, axis)
+
+    def leave(self) -> None:
+        """What is beyond the sides of the grid is given up."""
+        x, z = self.flecks[:2]
+        nx, nz = self.carried.shape[:2]
+        self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
+
+
+def readily(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """How readily white water gathers at places, about 1 apart; 1 in the mean."""
+    return 0.5 + noise(x, z)[0]
+
+
+def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
+    """Values of a grid that moves by n cells along an axis; what it comes upon is 0."""
+    if n == 0:
+        return values
+    shifted = np.roll(values, -n, axis)
+    new = [slice(None)] * values.ndim
+    new[axis] = slice(-n, None) if n > 0 else slice(None, -n)
+    shifted[tuple(new)] = 0.0
+    return shifted
+
+
+def finer(values: np.ndarray) -> np.ndarray:
+    """Values (nx, nz) in the middles of cells as (FLECKS_PER_CELL nx, FLECKS_PER_CELL nz) in the middles of their
+    halves: linear between them, and beyond the outermost as these are."""
+    (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
+    shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
+    fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
+    for i, k in np.ndindex(
+        FLECKS_PER_CELL, FLECKS_PER_CELL
+    ):  # which half along x and z; from the two cells there, the nearer by 3/4
+        fine[i::FLECKS_PER_CELL, k::FLECKS_PER_CELL] = sum(
+            shares[0.25 if i == m else 0.75, 0.25 if k == n else 0.75][i + m : i + m + nx, k + n : k + n + nz]
+            for m, n in np.ndindex(2, 2)
+        )
+    return fine
+
+
+def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """(nx, nz) means of white water over the cells of the waves, of which a frame has this shape."""
+    nx, nz = shape
+    return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
+
+
+def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Values (nx, nz) that have gone by (2, nx, nz) cells, by a cubic spline; what comes in from beyond is as it is at
+    the edge."""
+    from scipy.ndimage import map_coordinates
+
+    return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
+
+
+def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(nx, nz, 2) how far the grain is moved [m]: where water close to water goes otherwise, as behind a ship, the mean
+    around, since patches would be drawn out to threads."""
+    from scipy.ndimage import gaussian_filter
+
+    strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
+    torn = np.clip((strain - TEARING_STRAIN[0]) / (TEARING_STRAIN[1] - TEARING_STRAIN[0]), 0.0, 1.0)
+    if not torn.any():
+        return carried
+    share = np.minimum(2.0 * gaussian_filter(torn, TORN_MEAN_CELLS), 1.0)[..., None]
+    return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
+
+
+def read(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Ways (2, nx, nz) at places (2, ...) in cells, linear between the middles of these."""
+    from scipy.ndimage import map_coordinates
+
+    return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
+
+
+def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
+    """How thick new foam is where convergence is strongest, so much that the mean with the old is the wanted cover."""
+    if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
+        return np.zeros_like(white)
+    rank = np.empty_like(white)
+    rank.flat[np.argsort(-drawn_together, axis=None)] = np.arange(white.size) / white.size
+    low, high = 0.0, 1.0
+
+    def born(area: float) -> np.ndarray:
+        return FRESH_THICKNESS * np.clip((area - rank) / (EDGE_SHARE * max(area, 1e-9)), 0.0, 1.0)
+
+    for _ in range(24):
+        area = 0.5 * (low + high)
+        covered = np.clip(born(area), white, 1.0).mean()
+        low, high = (area, high) if covered < wanted else (low, area)
+    return born(high)
+
+
+def bent(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
+    """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
+    a few values apart a cell would make round blobs of it. Most along the wind, which goes to an `angle` [rad] from +x
+    to +z and whose drift at the surface leaves streaks of it."""
+    c, s = np.cos(angle), np.sin(angle)
+    along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
+    for wave, far in EDGE_BENDS:
+        u, v = along / wave, across / wave
+        way += far * (np.stack([noise(u + 3.0, v + 17.0)[0], noise(u + 29.0, v + 5.0)[0]]) - 0.5)
+    return np.stack([STREAK_STRETCH * c * way[0] - s * way[1], STREAK_STRETCH * s * way[0] + c * way[1]])
+
+
+def drawn_out(places: np.ndarray, angle: float) -> np.ndarray:
+    """Places (n, 2) [m] by which foam finds its grain, nearer to each other along the wind, which goes to an `angle`
+    [rad] from +x to +z: threads are the longer there."""
+    way = np.array([np.cos(angle), np.sin(angle)])
+    return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
+
+
+def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Heights (nx, nz), those inside (nx, nz) of something as the mean of what lies around it, with a Gaussian's weight
+    as wide as so many cells along x and z."""
+    from scipy.ndimage import gaussian_filter
+
+    outside = (~inside).astype(float)
+    around, weight = (gaussian_filter(of, reach, mode="nearest") for of in (elevation * outside, outside))
+    return np.where(inside, around / np.maximum(weight, 1e-9), elevation)
+
+
+def from_ship(x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
+    to_x, to_z = x - position[0], z - position[2]
+    return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
+
+
+def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
+    a = above[triangles]
+    cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
+    ends = []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        p, q = cut[:, i], cut[:, j]
+        crossed = (above[p] < 0.0) != (above[q] < 0.0)
+        share = np.where(crossed, above[p] / np.where(crossed, above[p] - above[q], 1.0), np.nan)[:, None]
+        ends.append(np.where(crossed[:, None], vertices[p] + share * (vertices[q] - vertices[p]), np.nan)[:, [0, 2]])
+    both = np.stack(ends, axis=1)  # one of the three is not a number
+    missing = np.isnan(both[:, :, 0]).argmax(axis=1)
+    kept = np.array([[1, 2], [0, 2], [0, 1]])[missing]
+    return both[np.arange(len(both))[:, None], kept].reshape(-1, 2, 2)
+
+
+def distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
+    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
+    return np.concatenate([_distance(batch, segments) for batch in batches])
+
+
+def _distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """The same of a few points."""
+    (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
+    to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
+    share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)
+    away = np.sqrt(((to_x - share * along_x) ** 2 + (to_z - share * along_z) ** 2).min(axis=1))
+    spans = (to_z < 0.0) != (to_z < along_z)
+    left_of = to_x < to_z * (along_x / np.where(along_z == 0.0, 1.0, along_z))
+    inside = (spans & left_of).sum(axis=1) % 2 == 1
+    return np.where(inside, -away, away)

@@ -1,0 +1,282 @@
+"""The sea in a picture: the basin's surface, the far sea around it, the sky above, shaded per pixel."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ocean_sim import waves
+from ocean_sim.basin.points import middles_of
+from ocean_sim.pictures.frame_files import Frame, ships_in
+from ocean_sim.pictures.ships import ship_glsl
+from ocean_sim.pictures.ships.ship import MIRROR_SHARE, Mirror, ShadedShip
+from ocean_sim.pictures.ships.ship_model import Model
+from ocean_sim.pictures.stage import sky as sky_module
+from ocean_sim.pictures.stage.camera import Vessel
+from ocean_sim.pictures.stage.plotter import Content, Stage
+from ocean_sim.pictures.stage.render_order import Order
+from ocean_sim.pictures.water import far_sea, foam, water_glsl
+from ocean_sim.pictures.water.sea_state import SeaState
+from ocean_sim.pictures.water.sea_surface import SeaSurface
+from ocean_sim.pictures.water.spray import Spray
+from ocean_sim.pictures.water.wake import Kelvin, Wake, standing
+from ocean_sim.pictures.water.water_shading import EXPOSURE, Terms, slope_variance
+from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING, Hull, Met
+
+TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
+NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
+SMOOTHED = 1.5  # pixels across which a final picture is smoothed
+RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
+HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
+
+
+class Dome:
+    """The sky, wherever the eye is."""
+
+    def __init__(self, stage: Stage, image: Any) -> None:
+        dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
+        self.directions = np.asarray(dome.points, dtype=np.float32)
+        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
+        self.shaded.set(exposure=EXPOSURE)
+
+    def stand(self, eye: np.ndarray) -> None:
+        self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
+        self.shaded.set(eyeW=eye)
+
+
+class Sea(Content):
+    """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
+
+    def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
+        """`vessels`: ships by their keys, where they go."""
+        self.stage, self.order, self.state = stage, order, state
+        self.surface = SeaSurface(grid, state, NODES[order.quality])
+        sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
+        self.above = water_glsl.textures_of(sky)
+        self.hulls = {key: Hull(grid, key) for key in ships_in(grid, "_vertices")}
+        rows, columns = HULL_PIXELS
+        self.vessels = vessels
+        self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
+        self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
+        self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
+        self.shadow = np.zeros((max(len(self.hulls), 1), ship_glsl.PIXELS, ship_glsl.PIXELS, 3), np.float32)  # [m]
+        self.shadows = water_glsl.texture(self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
+        textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
+        dark = "".join(ship_glsl.shadow(k) for k in range(len(self.hulls)))
+        body = water_glsl.water(len(self.hulls), "carW.xz", dark)
+        functions = water_glsl.WATER_FUNCTIONS + ship_glsl.OPEN
+        self.near = water_glsl.Shaded(
+            self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, TRAITS
+        )
+        empty = stage.pyvista.PolyData()
+        self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
+        self.dome = Dome(stage, self.above["sky"])
+        glint = None if order.glint == "none" else order.glint
+        terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
+        shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
+        shown["hullFoam"] = np.array([RESTING, CONTACT_WIDTH, 0.0])
+        shown["windAngle"] = state.angle
+        shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
+        self.set(**shown)
+        self.origin = np.zeros(2)  # x, z of the nodes' [m]
+        self.beyond = np.zeros(0, bool)  # triangles of the far sea that are not hidden in the basin
+        self.ships: list[ShadedShip] = []
+        self.mirror: Mirror | None = None
+        self.spray = Spray(stage, float(grid["spacing"])) if order.foam and state.exact is None else None
+        sides = self.surface.x, self.surface.z
+        self.wakes = [Wake(of, self.hulls[key].beam, *sides) for key, of in vessels.items()] if order.foam else []
+        alone = state.exact is not None and "sea_answers" not in grid  # the water of the run knows of no ship
+        self.raises = "sea_answers" not in grid  # likewise of a wave at her bow: particles are too wide for it
+        self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
+
+    def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
+        """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for what is told of them."""
+        points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
+        mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
+        for name in TRAITS:
+            mesh.point_data[name] = np.zeros((len(points), 3), np.float32)
+        return mesh
+
+    def set(self, **values: Any) -> None:
+        """Numbers for the programs of the basin and of the sea around it."""
+        for part in (self.near, self.far):
+            part.set(**values)
+
+    def lay(
+        self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
+    ) -> None:
+        """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
+        part.mesh.points = points.astype(np.float32)
+        values = normals, traits, np.insert(foam.drawn_out(grain, self.state.angle), 1, 0.0, axis=1)
+        for name, value in zip(TRAITS, values, strict=True):
+            part.mesh.point_data[name] = value.astype(np.float32)
+
+    def ship(self, model: Model) -> ShadedShip:
+        """A ship in the light of this sea, not mirrored yet."""
+        self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
+        return self.ships[-1]
+
+    def appear(self) -> None:
+        """Draws water and sky after the ships from now on, the nearer first: what is hidden is then never shaded."""
+        for part in (self.near, self.far, self.dome.shaded):
+            self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
+
+    def reflect(self) -> None:
+        """Mirrors its ships from now on."""
+        self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
+
+    def show(self, frame: Frame) -> None:
+        self.now = self.state.at(frame.time)
+        self.set(rippleVariance=slope_variance(self.now.wind.speed) if self.order.ripples else 0.0)
+        self.show_basin(frame)
+        self.show_beyond(frame)
+        order, eye = self.order, self.stage.camera.eye
+        pixel = self.pixel
+        fine = pixel / SMOOTHED if order.quality == "final" else pixel
+        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=MIRROR_SHARE * pixel)
+        self.dome.stand(eye)
+        levels = [self.meet(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
+        if levels:
+            water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
+        self.darken()
+        if self.mirror is not None and levels:
+            self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
+        if self.spray is not None and frame.position is not None:
+            self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
+
+    def darken(self) -> None:
+        """The shadows of its ships, where they are shown."""
+        for k, ship in enumerate(self.ships):
+            self.shadow[k] = ship.depth
+            low, high = ship_glsl.cast(ship.depth[..., 0], ship.shade.length)
+            known = {"At": ship.position, "Size": ship.shade.length, "Low": low, "High": high}
+            self.set(**{f"shade{name}{k}": value for name, value in known.items()} | ship.across)
+        if self.ships:
+            water_glsl.fill(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
+
+    @property
+    def pixel(self) -> float:
+        """Angle of a pixel [rad]."""
+        angle = np.radians(self.stage.plotter.camera.view_angle)
+        return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
+
+    def crest(self, height: np.ndarray) -> np.ndarray:
+        """0 at rest, 1 on a crest."""
+        return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
+
+    def show_basin(self, frame: Frame) -> None:
+        surface, answer = self.surface, frame.answer
+        if answer is not None:
+            x, z = surface.middles(frame.origin)
+            for key, vessel in self.vessels.items():
+                answer = standing(answer, vessel, self.hulls[key].beam, x, z, frame.time)
+        now = surface.at(frame, self.now, answer)
+        for kelvin in self.kelvins:
+            waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
+            now = replace(now, height=now.height + surface.share * waves_behind)
+        self.frame, self.height = frame, now.height
+        if self.raises:
+            now = replace(now, height=now.height + surface.share * self.bow_waves(frame))
+            self.height = now.height
+        if not np.array_equal(frame.origin, self.origin):
+            self.origin = frame.origin
+            surface.grain = surface.grain_at(frame.origin)
+        asked = self.order.foam_cover
+        cover = frame.cover if asked is None else asked
+        called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
+        fresh = surface.foam(now.convergence, called)
+        nodes = surface.nodes + self.origin
+        white, grain = fresh, nodes
+        if frame.carried is not None:
+            ways = foam.untorn(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
+            moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
+            grain = nodes - np.stack(moved, axis=-1)
+        if frame.foam is not None:
+            white = surface.whole(fresh, frame.foam, grain)
+            if asked is not None:
+                white = foam.shares(white + 1e-3 * fresh, asked)
+        for wake in self.wakes:
+            white = np.maximum(white, wake.share(frame.time, frame.origin))
+        white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
+        traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
+        points = np.insert(nodes, 1, now.height.ravel(), axis=1)
+        self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
+
+    def met(self, key: str, position: np.ndarray, turn: np.ndarray) -> Met:
+        """A ship in the water as it is drawn now."""
+        speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
+        return self.hulls[key].met(position, turn, speed, self.heights_at)
+
+    def bow_waves(self, frame: Frame) -> np.ndarray:
+        """(nx, nz) [m] the waves at the bows of all ships, on the water that is there without them."""
+        places = self.surface.nodes + frame.origin
+        ships = [self.met(key, *frame.ships[key]) for key in self.vessels]
+        raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
+        return raised.reshape(self.height.shape)
+
+    def show_beyond(self, frame: Frame) -> None:
+        """The sea outside the basin, on a fan around the eye."""
+        surface, camera = self.surface, self.stage.camera
+        fan = surface.fan
+        aspect = self.order.size[0] / self.order.size[1]
+        half, lowest = camera.spread(aspect)
+        heading = float(np.arctan2(camera.forward[2], camera.forward[0]))
+        amplitude, eye = self.now.waves.amplitude, camera.eye
+        row = self.pixel / self.stage.samples
+        new = fan.look(float(eye[1]) - self.now.level, heading, half, lowest, self.pixel, row, amplitude)
+        found = surface.around(frame, eye, self.now)
+        rings = fan.seen(found[..., 0], float(eye[1]))
+        height, slope_x, slope_z, _ = np.moveaxis(np.take_along_axis(found, rings[..., None], 0), -1, 0)
+        nodes = np.take_along_axis(fan.nodes.reshape(*fan.shape, 2), rings[..., None], 0).reshape(-1, 2) + eye[[0, 2]]
+        if new:
+            self.far.mesh.DeepCopy(self.mesh_of(nodes, fan.triangles))
+            self.beyond = np.ones(len(fan.triangles), bool)
+        white = np.zeros(rings.shape)
+        if self.order.foam:
+            white = surface.beyond(found, rings, nodes, eye, amplitude)
+        traits = np.stack([white, self.crest(height), fan.lost(amplitude)[rings]], axis=-1).reshape(-1, 3)
+        normals = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1).reshape(-1, 3)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        self.lay(self.far, np.insert(nodes, 1, height.ravel(), axis=1), normals, traits, nodes)
+        lap = 0.5 * np.array([surface.x[1] - surface.x[0], surface.z[1] - surface.z[0]])  # that no gap is seen
+        low, high = surface.lower + self.origin + lap, surface.upper + self.origin - lap
+        x, z = nodes.T
+        outside = (x <= low[0]) | (x >= high[0]) | (z <= low[1]) | (z >= high[1])
+        beyond = np.logical_or.reduce([outside[corner] for corner in fan.triangles.T])
+        if not np.array_equal(beyond, self.beyond):
+            self.far.mesh.regular_faces = fan.triangles[beyond]
+            self.beyond = beyond
+        self.far.set(innerLow=np.insert(low, 1, 0.0), innerHigh=np.insert(high, 1, 0.0))
+
+    def heights_at(self, positions: np.ndarray) -> np.ndarray:
+        """(n,) drawn heights [m] at positions x, z (n, 2) [m]."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        surface = self.surface
+        at = RegularGridInterpolator((surface.x, surface.z), self.height, bounds_error=False)(positions - self.origin)
+        outside = np.isnan(at)
+        if outside.any():
+            at[outside] = self.now.level + waves.elevation(self.now.waves, positions[outside], self.frame.time)
+        return at
+
+    def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
+        """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
+        image; returns the height of the water around it [m]."""
+        hull, ship = self.hulls[key], self.met(key, position, turn)
+        self.set(**{f"useHull{k}": float(ship.wet)})
+        if ship.wet:
+            low, high = ship.around()
+            rows, columns = HULL_PIXELS
+            x, z = middles_of(low[0], high[0], columns), middles_of(low[1], high[1], rows)
+            places = np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2)
+            gap = ship.gap(places)
+            self.gap[k, ..., 0] = gap.astype(np.float32).reshape(rows, columns)
+            self.gap[k, ..., 1] = ship.breaking(places, gap).astype(np.float32).reshape(rows, columns)
+            self.set(**{f"hullBox{k}": np.append(low, 0.0), f"hullSize{k}": np.append(high - low, 1.0)})
+        mirrored = {"At": position, "Size": 0.5 * hull.beam, "Reach": hull.length}
+        self.set(**{f"mirror{name}{k}": value for name, value in mirrored.items()})
+        return float(self.heights_at(ship.line.reshape(-1, 2) if ship.wet else position[None, [0, 2]]).mean())
+
+    def close(self) -> None:
+        if self.mirror is not None:
+            self.mirror.close()

@@ -1,0 +1,150 @@
+"""Heights of a basin and of the far sea around it as one surface: a blend within the basin, never its mirror image."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.water import far_sea, foam
+from ocean_sim.pictures.water.sea_state import Now, SeaState
+from ocean_sim.pictures.water.water_mesh import spline, triangles
+
+FARTHEST = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
+GRAIN = 7.0  # [m] apart at which white water gathers along a crest
+
+
+class SeaSurface:
+    """Nodes of an even grid across the basin, and those of a fan around the eye for the sea beyond it: within its last
+    fifth the basin's own waves give way to the far ones. Only heights change, and the origin where ships sail away."""
+
+    def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
+        """`nodes`: about how many lie within the basin."""
+        self.state = state
+        self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
+        self.margin = far_sea.MARGIN * float((self.upper - self.lower).min())
+        cells = len(grid["x"]), len(grid["z"])
+        factor = int(np.clip(np.sqrt(nodes / (cells[0] * cells[1])), 1, 24))
+        factor += factor % 2  # the points whose heights are known are nodes
+        self.x, self.z = (np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells))
+        self.own = [spline(n, factor) for n in cells]
+        self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
+        self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
+        self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
+        self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
+        self.triangles = triangles(len(self.x), len(self.z))
+        self.grain = self.grain_at(np.zeros(2))
+        self.wanted = 0.0  # share of white water
+
+    def grain_at(self, origin: np.ndarray) -> np.ndarray:
+        """(nx, nz) how readily white water gathers at the nodes around an origin x, z [m]."""
+        return grain(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
+
+    def blend_weight(self, k: int) -> np.ndarray:
+        """Share of the basin's own waves at the nodes along one side."""
+        return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
+
+    def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where heights are kept along x and z [m], around an origin x, z [m]."""
+        cells = [own.shape[1] for own in self.own]
+        step = (self.upper - self.lower) / cells
+        x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
+        return x, z
+
+    def at(self, frame: Frame, now: Now, answer: np.ndarray | None = None) -> far_sea.SeaSample:
+        """Heights, convergence and lost slopes at all nodes (nx, nz).
+
+        `answer`: what ships, winds and steepness add to the exact waves, at the points of the basin [m].
+        """
+        far = self.far.at(far_sea.turning(now.waves, frame.time, frame.origin))
+        (x, z), mine = self.own, self.share
+        if self.exact is not None and self.state.exact is not None:
+            sea = far_sea.grown(self.state.exact, frame.time)
+            near = self.exact.at(far_sea.turning(sea, frame.time, frame.origin))
+            if answer is not None:
+                near = replace(near, height=near.height + x @ answer @ z.T)
+            return far_sea.SeaSample(
+                far.height + mine * (near.height - far.height),
+                near.convergence,
+                far.variance,
+            )
+        step = (self.upper - self.lower) / frame.elevation.shape
+        drawn_together = foam.convergence(frame.elevation, step[0], step[1])
+        # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
+        rest = (1.0 - mine) / np.hypot(mine, 1.0 - mine)
+        mine = mine / np.hypot(mine, 1.0 - mine)
+        level = now.level
+        return far_sea.SeaSample(
+            level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
+            mine * (x @ drawn_together @ z.T) + rest * far.convergence,
+            far.variance,
+        )
+
+    def around(self, frame: Frame, eye: np.ndarray, now: Now) -> np.ndarray:
+        """(rings, rays, 4) of the fan as `far_sea.Fan.at`, around an eye [m]."""
+        found = self.fan.at(far_sea.turning(now.waves, frame.time, eye[[0, 2]]))
+        found[..., 0] += now.level
+        return found
+
+    def normals(self, height: np.ndarray) -> np.ndarray:
+        """(nx, nz, 3) unit normals."""
+        slope_x, slope_z = np.gradient(height, self.x, axis=0), np.gradient(height, self.z, axis=1)
+        normal = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
+        return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+
+    def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
+        """(nx, nz) share of white water: its mean over the basin is the cover; None: what crests call for."""
+        self.wanted = foam.cover(drawn_together) if cover is None else cover
+        return foam.shares(drawn_together * self.grain, self.wanted)
+
+    def beyond(
+        self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
+    ) -> np.ndarray:
+        """(bands, rays) share of white water at nodes x, z (bands * rays, 2) [m], which lie on `rings` (bands, rays) of
+        the fan around an eye [m], of what is `around` it, waves of these amplitudes (m,) [m]: as much near the eye as
+        in the basin, and as much on each ring, the more evenly the fewer waves are drawn there that would tell
+        where."""
+        if self.wanted <= 0.0:
+            return np.zeros(rings.shape)
+        fan = self.fan
+        whole, drawn = fan.gathering(amplitude)
+        told = np.clip(drawn / whole, 1e-3, 1.0)
+        gathered = found[..., 3] / (told * whole)[:, None]
+        near = fan.nodes[fan.evenly] + eye[[0, 2]]
+        known = np.sort(gathered.flat[fan.evenly] * grain(*near.T))
+        here = np.take_along_axis(gathered, rings, axis=0) * grain(*nodes.T).reshape(rings.shape)
+        white = foam.shares(here, self.wanted, known)
+        return self.wanted + told[rings] * (white - self.wanted)
+
+    def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """(nx, nz) share of white water: what frames keep (see `laced`), and where that ends what has just turned white
+        on the far sea's crests (nx, nz); as white in the mean as either."""
+        return self.laced(kept, grain) + (1.0 - self.share) * fresh
+
+    def carried(self, kept: np.ndarray) -> np.ndarray:
+        """(nx, nz) what frames keep at the points of the basin, at the nodes; it ends with the basin's own waves."""
+        x, z = self.own
+        return self.share * (x @ kept @ z.T)
+
+    def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
+        """(nx, nz) the same of white water, at the nodes, whose grain is that of places (n, 2) [m]: its edges are bent
+        within a cell, and go with the grain."""
+        from scipy.ndimage import map_coordinates, maximum_filter
+
+        cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)
+        near = maximum_filter(kept, 2 * FARTHEST + 1) > foam.MIN_SHARE
+        rows, columns = (
+            np.clip((nodes - self.lower[k]) / cell[k], 0, kept.shape[k] - 1).astype(int)
+            for k, nodes in enumerate((self.x, self.z))
+        )
+        some = near[np.ix_(rows, columns)]
+        at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5
+        of_x, of_z = (grain[some.ravel()] / cell).T
+        at += foam.bent(of_x, of_z, self.state.angle)
+        white[some] = map_coordinates(kept, at, order=3, mode="nearest")
+        return self.share * np.clip(white, 0.0, 1.0)
+
+
+def grain(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """How readily white water gathers at positions [m]."""
+    return foam.readily(x / GRAIN, z / GRAIN)

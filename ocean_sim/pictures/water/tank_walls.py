@@ -1,0 +1,116 @@
+"""The vessel of a tank: its bed and walls with lines on them, in soft light; walls that the eye looks through are left
+out."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.water.water_surface import round_above
+
+EDGE = "#eef3f6"
+BELOW = 0.004  # of a tank's height by which bed and walls are drawn outside the water
+BED = np.array([0.68, 0.74, 0.76])  # of bed and walls: on dark ground clear water would not tell how thick it is
+APART, BROAD, LINE = 0.2, 0.03, 0.86  # lines on it: [tank's depths] apart, breadth over that, and their light over its
+CELLS = 24  # along each side of a panel
+NOOK, REACH = 0.25, 0.12  # light that a panel lacks where another meets it, a third of it so many heights away
+DARK, FAINT = (8, 20, 30), 0.16  # lines on the ground, and how far they hide it at the block
+TILES, AROUND = 12.0, 1.5  # lines along the longer side of a block; of that side, how far around they fade away
+SHADED, SUNNY = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
+
+
+class Panel(NamedTuple):
+    """A rectangle that looks along an axis, inwards."""
+
+    axis: int
+    at: float  # [m]
+    inwards: float  # 1 or -1, along the axis
+
+
+def panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
+    """Bed and walls of a tank from `low` to `up` [m]."""
+    walls = [Panel(axis, end[axis], side) for axis in (0, 2) for end, side in ((low, 1.0), (up, -1.0))]
+    return [Panel(1, low[1], 1.0), *walls]
+
+
+def sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) places of a panel at these places along its next two axes [m], so far outside of it [m], and rectangles
+    (m, 4) between them that look inwards."""
+    points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
+    along = np.meshgrid(u, v, indexing="ij")
+    for n, places in enumerate(along, 1):
+        points[:, (panel.axis + n) % 3] = places.ravel()
+    i, k = (number.ravel() for number in np.meshgrid(range(len(u) - 1), range(len(v) - 1), indexing="ij"))
+    first = i * len(v) + k
+    faces = np.stack([first, first + len(v), first + len(v) + 1, first + 1], axis=1)
+    return points, faces if panel.inwards > 0.0 else faces[:, ::-1]
+
+
+def light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
+    """(n,) on places (n, 3) [m] of a panel: less in the nooks where others meet it."""
+    sunny = max(panel.inwards * float(sky.SUN[panel.axis]), 0.0)
+    bright = np.full(len(points), SHADED + SUNNY * sunny)
+    for other in all_of_them:
+        if other.axis != panel.axis:
+            bright *= 1.0 - NOOK * np.exp(-np.abs(points[:, other.axis] - other.at) / (REACH * height))
+    return bright
+
+
+def marked(low: float, up: float, step: float) -> Iterator[np.ndarray]:
+    """Both sides of each line at a multiple of a step along an axis from `low` to `up` [m]."""
+    for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
+        yield np.clip(at + 0.5 * BROAD * step * np.array([-1.0, 1.0]), low, up)
+
+
+def joined(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Places and rectangles of many sheets as one."""
+    begins = np.cumsum([0] + [len(points) for points, _ in sheets])
+    faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
+    return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
+
+
+def ground(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
+    """Add lines on the ground at a height around a block from `low` to `up` [m], a round number of metres apart: bare,
+    it would not tell how far it goes."""
+    longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
+    reach, step = AROUND * longer, round_above(longer / TILES)
+    first, last = low - reach, up + reach
+    x, z = (np.linspace(first[k], last[k], round(2 * AROUND + 1) * CELLS) for k in (0, 2))
+    sheets = [sheet(level, z, pair, 0.0) for pair in marked(first[0], last[0], step)]
+    sheets += [sheet(level, pair, x, 0.0) for pair in marked(first[2], last[2], step)]
+    points, faces = joined(sheets)
+    lines = stage.pyvista.PolyData.from_regular_faces(points, faces)
+    away = np.maximum(0.0, np.maximum(low - points, points - up))[:, [0, 2]]
+    left = FAINT * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
+    lines["colour"] = np.column_stack([np.full((len(points), 3), DARK), 255.0 * left]).astype(np.uint8)
+    stage.plotter.add_mesh(lines, scalars="colour", rgba=True, lighting=False)
+
+
+def build(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
+    """Add the vessel from `low` to `top` [m]: its panels, the lines on them, a round number of metres apart that befits
+    a tank of this depth [m], and its edges."""
+    pyvista, below, step = stage.pyvista, BELOW * (top[1] - low[1]), round_above(APART * depth)
+    box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
+    stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
+    whole = panels(low, top)
+    sheets: list[tuple[np.ndarray, np.ndarray]] = []
+    bright: list[np.ndarray] = []
+
+    def add(panel: Panel, u: np.ndarray, v: np.ndarray, out: float, share: float) -> None:
+        sheets.append(sheet(panel, u, v, out))
+        bright.append(share * light(sheets[-1][0], panel, whole, top[1] - low[1]))
+
+    for panel in whole:
+        a, b = ((panel.axis + n) % 3 for n in (1, 2))
+        even = [np.linspace(low[k], top[k], CELLS + 1) for k in range(3)]
+        add(panel, even[a], even[b], below, 1.0)
+        for pair in marked(low[a], top[a], step):
+            add(panel, pair, even[b], 0.5 * below, LINE)
+        for pair in marked(low[b], top[b], step):
+            add(panel, even[a], pair, 0.5 * below, LINE)
+    drawn: Any = pyvista.PolyData.from_regular_faces(*joined(sheets))
+    colour = np.clip(255.0 * np.concatenate(bright)[:, None] * BED, 0.0, 255.0)
+    drawn["colour"] = colour.astype(np.uint8)
+    stage.plotter.add_mesh(drawn, scalars="colour", rgb=True, lighting=False, culling="back")

@@ -1,0 +1,141 @@
+"""The wake of a ship where the water of the run knows of none: white along the track of its stern, and Kelvin's waves.
+Drawn, without effect on the run."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.pictures.stage.camera import Vessel
+from ocean_sim.pictures.water.foam import from_ship
+
+LASTS = 7.0  # [s] in which it falls to a third
+AGE = 22.0  # [s] after which it is not drawn
+STEPS = 48  # positions of the stern that are kept
+FAST = 4.0  # [m/s] from which a wake is as white as it gets
+WHITEST = 0.8
+HIGHEST = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
+ASTERN, ABEAM, FADES = 9.0, 3.5, 5.0  # lengths of a ship that they are drawn behind her bow and aside; and fade in
+HOLLOW, DEEPEST = 0.15, 0.10  # of V^2 / g: depth of the water behind a transom; and of the breadth: its greatest
+FINEST = 0.5  # lengths of a node of their pattern, over the beam
+SLOWEST = 1.0  # [m/s] under which there are none
+ANGLES = 360  # of the waves that they are made of
+STERN = 0.46  # lengths of a ship from its middle to its stern
+SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
+CLEARED, CLEARS = 0.75, 2.0  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
+FARTHEST = 2.0  # squared half widths from the track at which the white is gone
+SLICK = 0.6  # [half breadths] is left between two lines of foam
+LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
+AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
+
+
+class Wake:
+    """Shares of foam at the nodes of a grid, by how long ago and how far away the stern passed. The laws are ours."""
+
+    def __init__(self, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray) -> None:
+        """`breadth` of the ship [m]; `x`, `z`: nodes along the sides [m]."""
+        self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
+
+    def share(self, time: float, origin: np.ndarray) -> np.ndarray:
+        """(nx, nz) at a time [s], on nodes around an origin x, z [m]."""
+        share = np.zeros((len(self.x), len(self.z)))
+        track = self.vessel.track
+        if time <= track.time[0]:
+            return share
+        stern = track.position - STERN * self.vessel.length * track.turn[:, :, 2]
+        moments = np.linspace(max(track.time[0], time - AGE), time, STEPS)
+        position = np.stack([np.interp(moments, track.time, stern[:, k]) for k in (0, 2)], axis=1) - origin
+        along = np.diff(position, axis=0)
+        length2 = np.maximum((along**2).sum(axis=1), 1e-9)
+        seconds = max(float(moments[-1] - moments[0]), 1e-9) / (STEPS - 1)
+        speed = np.sqrt(length2) / seconds
+        reach = 4.0 * self.half
+        near = [
+            np.flatnonzero((nodes > position[:, k].min() - reach) & (nodes < position[:, k].max() + reach))
+            for k, nodes in enumerate((self.x, self.z))
+        ]
+        if not (len(near[0]) and len(near[1])):
+            return share
+        x, z = self.x[near[0]], self.z[near[1]]
+        found, nearest = np.zeros((len(x), len(z))), np.full((len(x), len(z)), np.inf)
+        for k in range(STEPS - 1):
+            low, high = position[k : k + 2].min(axis=0) - reach, position[k : k + 2].max(axis=0) + reach
+            here = tuple(slice(*np.searchsorted(nodes, ends)) for nodes, ends in zip((x, z), zip(low, high)))
+            (to_x, to_z), (on_x, on_z) = (x[here[0], None] - position[k, 0], z[here[1]] - position[k, 1]), along[k]
+            part = np.clip((to_x * on_x + to_z * on_z) / length2[k], 0.0, 1.0)
+            age = np.maximum(time - moments[k] - part * seconds, 0.0)
+            width = self.half * (0.75 + SPREADING * np.sqrt(age))
+            away2 = (np.square(to_x - part * on_x) + np.square(to_z - part * on_z)) / np.square(width)
+            nearer = (away2 < nearest[here]) & (away2 < FARTHEST)
+            age, away2 = age[nearer], away2[nearer]
+            slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-away2 / SLICK**2)
+            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away2**2) * (1.0 - slick)
+            found[here][nearer], nearest[here][nearer] = white, away2
+        share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
+        return share
+
+
+@lru_cache(maxsize=64)
+def pattern(speed: float, breadth: float, length: float) -> np.ndarray:
+    """(n, m) height [m] of the waves of a pressure as wide as a ship that goes steadily over deep water (Havelock 1908,
+    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes FINEST breadths
+    apart behind its bow and aside."""
+    step = FINEST * breadth
+    x, y = np.arange(0.0, ASTERN * length, step), np.arange(0.0, ABEAM * length, step)
+    k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
+    angle = (np.arange(ANGLES) + 0.5) / ANGLES * np.pi - 0.5 * np.pi
+    secant = 1.0 / np.cos(angle)
+    weight = secant**4 * np.exp(-(secant**4) / (4.0 * np.pi**2 * froude**4))
+    heard = weight > 1e-4 * weight.max()
+    k = k0 * secant[heard] ** 2
+    along, across = np.outer(x, k * np.cos(angle[heard])), np.outer(y, k * np.sin(angle[heard]))
+    height = (weight[heard] * np.sin(along)) @ np.cos(across).T
+    begins = np.clip(x / (0.6 * length), 0.0, 1.0)
+    height *= (begins * begins * (3.0 - 2.0 * begins) * np.exp(-x / (FADES * length)))[:, None]
+    return HIGHEST * speed**2 / GRAVITY * height / max(float(np.abs(height).max()), 1e-12)
+
+
+class Kelvin:
+    """The waves behind a ship."""
+
+    def __init__(self, vessel: Vessel, breadth: float) -> None:
+        """`breadth` of the ship [m]."""
+        self.vessel, self.breadth = vessel, breadth
+
+    def height(self, time: float, places: np.ndarray) -> np.ndarray:
+        """(n,) [m] at places x, z (n, 2) [m] at a time [s]."""
+        from scipy.ndimage import map_coordinates
+
+        track, length = self.vessel.track, self.vessel.length
+        k = int(np.abs(track.time - time).argmin())
+        speed = round(self.vessel.speed(time), 1)
+        if speed < SLOWEST:
+            return np.zeros(len(places))
+        along, aside = from_ship(places[:, 0], places[:, 1], track.position[k], track.turn[k])
+        behind, aside = STERN * length - along, np.abs(aside)
+        at = np.stack([behind, aside]) / (FINEST * self.breadth)
+        waves = map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
+        return waves - hollow(behind - 2.0 * STERN * length, aside, speed, self.breadth)
+
+
+def hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
+    """(n,) depth [m] by which water that leaves a transom stands lower than around it, before it rises again into a
+    wave of the ship's own length; at distances astern of it and aside [m]. The law is ours."""
+    depth = min(HOLLOW * speed**2 / GRAVITY, DEEPEST * breadth)
+    k = GRAVITY / speed**2
+    along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
+    under = np.clip(1.0 + astern / breadth, 0.0, 1.0) * (astern <= 0.0)  # the hull lies there
+    return depth * (along + under) * np.exp(-((aside / (0.5 * breadth)) ** 4))
+
+
+def standing(
+    answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
+) -> np.ndarray:
+    """(nx, nz) [m] what a water answers to a ship, at nodes x, z [m], no higher or deeper around her than a flow of her
+    speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
+    track = vessel.track
+    k = int(np.abs(track.time - time).argmin())
+    along, aside = from_ship(x[:, None], z[None, :], track.position[k], track.turn[k])
+    near = np.exp(-((along / (AROUND[0] * vessel.length)) ** 4) - (aside / (AROUND[1] * breadth)) ** 4)
+    most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), LEAST * vessel.length)
+    return answer + near * (most * np.tanh(answer / most) - answer)

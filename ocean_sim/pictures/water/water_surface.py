@@ -1,0 +1,54 @@
+"""The surface of the water in a picture."""
+
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+
+from ocean_sim.pictures.frame_files import Frame
+from ocean_sim.pictures.stage.plotter import Content, Stage
+from ocean_sim.pictures.water import water_shading
+from ocean_sim.pictures.water.water_mesh import WaterMesh
+
+NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
+
+
+class Water(Content):
+    """The surface and the cut sides of the water, coloured at their nodes for the eye of the picture."""
+
+    def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
+        """`nodes`: about how many the drawn surface has."""
+        pyvista, self.stage = stage.pyvista, stage
+        self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
+        self.most = self.scale  # [m] height from which crests have one colour
+        self.mesh = WaterMesh(grid["x"], grid["z"], grid["lower"], grid["upper"], nodes)
+        points, _ = self.mesh.surface(np.zeros((len(grid["x"]), len(grid["z"]))))
+        self.surface = pyvista.PolyData.from_regular_faces(points.astype(np.float32), self.mesh.surface_triangles)
+        sides = self.mesh.sides(points)
+        self.sides = pyvista.PolyData.from_regular_faces(sides.astype(np.float32), self.mesh.side_triangles)
+        for part in (self.sides, self.surface):
+            part["colour"] = np.zeros((part.n_points, 3), np.uint8)
+            stage.plotter.add_mesh(part, scalars="colour", rgb=True, lighting=False)
+
+    def show(self, frame: Frame) -> None:
+        eye = self.stage.camera.eye
+        points, normals = self.mesh.surface(frame.elevation)
+        points += frame.place
+        self.most = round_above(max(2.5 * float(frame.elevation.std()), self.scale))
+        height = np.clip(points[:, 1] / self.most, -1.0, 1.0)
+        self.surface.points = points.astype(np.float32)
+        camera = self.stage.camera
+        if camera.parallel_height is not None or camera.from_above:
+            self.surface["colour"] = water_shading.display(water_shading.relief(normals, height))
+        else:
+            self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))
+        sides, depth = self.mesh.sides(points), self.mesh.side_depth
+        self.sides.points = sides.astype(np.float32)
+        self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, eye))
+
+
+def round_above(value: float) -> float:
+    """The least number of one digit, or of a half more below 2, times a power of ten that is not below a value."""
+    power = 10.0 ** floor(log10(value))
+    steps = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0
+    return next(m * power for m in steps if m * power >= value * (1.0 - 1e-9))

@@ -1,0 +1,1 @@
+"""The rigid body of a ship and the base classes of the kinds of ships."""

@@ -1,0 +1,463 @@
+"""Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property, lru_cache
+from math import cos, isinf, pi, radians, sin, sqrt
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import ValidationInfo, field_validator
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import WATER_DENSITY, Motions
+from ocean_sim.files.input_file import relative_to_scene
+from ocean_sim.fluid import Contact as Contacting
+from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.model import Vector3, quantity
+from ocean_sim.parts import LedgerRow, Preflight, Problems, named
+from ocean_sim.ship import Afloat, Look, Outline
+from ocean_sim.ship.body.rigid_body import RigidBody, matrix, oriented
+from ocean_sim.ship.body.vessel import Actuators, VesselConfig, outline
+from ocean_sim.ship.forces.damping import Resistance
+from ocean_sim.ship.forces.moorings import Mooring, Moorings
+from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
+from ocean_sim.ship.hull.cubes import Cubes, Wetted
+from ocean_sim.ship.hull.distance import MANY, Distance, memory
+from ocean_sim.ship.hull.hull import Hull, Inertia, explained, hull_of
+from ocean_sim.ship.hull.shapes import outermost
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, metacentric_heights, squat
+from ocean_sim.ship.water.solid import Solid
+from ocean_sim.ship.water.wall_contact import Sides
+from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
+from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact, WaveContact
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
+
+STEPS_A_PERIOD = 50  # of the fastest natural motion
+FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
+BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
+FEW = 4.0  # spacings in a draught
+SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
+STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
+LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
+
+
+class FloatingConfig(VesselConfig):
+    """Keys of a ship that floats by its volume."""
+
+    example: ClassVar[dict[str, Any]] = {"hull": "wigley"}
+
+    hull: str | Hull
+    """A name in configs/hull/, a mesh file (STL, OBJ, PLY), or a mapping with `shape`."""
+    mass: float | None = quantity("kg", None, gt=0.0)
+    """Mass of the whole ship; null: that of the hull."""
+    centre_of_mass: Vector3 | None = quantity("m", None)
+    """Centre of mass, from the hull's origin amidships at the keel; null: that of the hull."""
+    inertia: Inertia | None = quantity("kg m2", None)
+    """Moments of inertia of pitch, yaw and roll about the centre of mass; null: those of the hull."""
+    cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
+    """Cubes over the draught: 8 for motions, 16 for stability curves."""
+    contact: Contact | None = Contact()
+    """How particles and the hull push each other; null: they pass through each other, and the hull feels the surface
+    alone."""
+    propeller: Propeller | None = None
+    rudder: Rudder | None = None
+    moorings: list[Mooring] = []
+    """Lines that hold the ship, and fenders."""
+
+    @field_validator("hull")
+    @classmethod
+    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+        if not isinstance(hull, str) or hull in named("hull"):
+            return hull
+        hull_of(hull)
+        return relative_to_scene(hull, info)
+
+    @cached_property
+    def whole_hull(self) -> Hull:
+        """The hull, with the values of the ship in place of its own."""
+        hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
+        own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
+        return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
+
+    @cached_property
+    def known(self) -> dict[tuple[float, float], Hydrostatics]:
+        """The hull in still water, by gravity and density, as far as it has been asked for."""
+        return {}
+
+    @cached_property
+    def by_faces(self) -> dict[Hydrostatics, float | None]:
+        """GM [m] of the hull itself, likewise."""
+        return {}
+
+    def afloat(self, gravity: float, density: float) -> Hydrostatics:
+        """The hull in still water; raises ValueError."""
+        asked = gravity, density
+        if asked not in self.known:
+            self.known[asked] = self.whole_hull.afloat(self.cells_per_draught, density, gravity)
+        return self.known[asked]
+
+    def still(self, preflight: Preflight) -> Hydrostatics:
+        """The hull in the still water of a scene; raises ValueError."""
+        return self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
+        return np.zeros(6)
+
+    def resistance(self, still: Hydrostatics) -> Resistance | None:
+        """What slows the hull down; None where nothing but particles does."""
+        return None
+
+    def floats(self, preflight: Preflight) -> Afloat:
+        still = self.still(preflight)
+        if isinf(still.draught):
+            return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
+        across, along = still.metacentric_height(), still.metacentric_height(0)
+        periods = still.periods(Motions(*self.moved_along(still).tolist())._asdict())
+        return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
+
+    def gm_of_faces(self, still: Hydrostatics) -> float | None:
+        """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
+        if still not in self.by_faces:
+            heights = metacentric_heights(self.whole_hull.shape, still)
+            self.by_faces[still] = None if heights is None else heights[0]
+        return self.by_faces[still]
+
+    def look(self, preflight: Preflight) -> Look:
+        still = self.still(preflight)
+        name = self.hull if isinstance(self.hull, str) else ""
+        lower, upper = self.whole_hull.shape.bounds()
+        submerged = min(1.0, still.wanted / still.voxels.volume)
+        return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
+
+    def outline(self, preflight: Preflight) -> Outline:
+        still = self.still(preflight)
+        corners = outermost(self.whole_hull.shape) - still.matter.centre
+        return outline(corners, self.body(still.matter, *afloat_pose(still)))
+
+    def solid(self, preflight: Preflight) -> Solid | None:
+        if self.contact is None or preflight.spacing is None:
+            return None
+        still = self.still(preflight)
+        body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
+        reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
+        return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
+
+    def unsettled(self, body: RigidBody, preflight: Preflight) -> RigidBody:
+        """The body where it makes room in water that has not settled yet: higher by as much where its height is given,
+        so that no gap opens under it."""
+        rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
+        return replace(body, position=body.position + [0.0, rise, 0.0])
+
+    def too_large(self, basin: Basin) -> str:
+        """How the hull is larger than the basin, in words; empty where it is not."""
+        beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
+        ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
+        spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
+        sizes = dict(zip("xyz", np.subtract(basin.upper, basin.lower)))
+        beyond = [axis for axis in ("x", "z") if basin.dimension == 3 and spans[axis] > sizes[axis]]
+        sides = [f"{spans[axis]:.3g} m along {axis}, the basin {sizes[axis]:.3g} m" for axis in beyond]
+        return f"the hull takes {' and '.join(sides)}" if sides else ""
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
+        solid = self.solid(preflight)
+        large = self.too_large(basin) if preflight.fluid.made_of_particles else ""
+        if large:
+            return [(("hull",), large)]
+        if solid is not None:
+            if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
+                size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
+                message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
+                return [(("hull",), f"{message}; take a smaller fluid.spacing")]
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+                if depth.max() > 1e-6:
+                    side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
+        if not preflight.fluid.made_of_particles:
+            still = self.still(preflight)
+            body = self.body(still.matter, *afloat_pose(still))
+            sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
+            for _, _, depth in sides.beyond(body):
+                if depth.max() > 1e-6 and not isinf(still.draught):
+                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
+        return found
+
+    def unable(self) -> Problems:
+        """Orders that the ship has nothing to follow with."""
+        found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
+        if pilot is not None and (self.propeller is None or "surge" not in self.free):
+            lacks = "she has no propeller" if self.propeller is None else "her surge is held"
+            cure = "give her one (thrust [N])" if self.propeller is None else "add surge to `free`"
+            found.append((("helm",), f"asks for {pilot.speed:g} m/s, but {lacks}; {cure}, or leave helm out"))
+        if (pilot is not None or autopilot) and self.rudder is None and "yaw" in self.free:
+            key, order = ("controls", "a heading") if autopilot else ("helm", "a heading or a route")
+            cure = f"give her one (area, position), or leave {key} out"
+            found.append(((key,), f"asks for {order}, but she has no rudder; {cure}"))
+        return found
+
+    def problems(self, preflight: Preflight) -> Problems:
+        basin = preflight.tank
+        found = self.misplaced(basin) + self.unable()
+        for k, mooring in enumerate(self.moorings):
+            if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
+                there = f"there are {', '.join(self.points)}" if self.points else "it names none"
+                found.append((("moorings", k, "from"), f"the ship has no point {mooring.fairlead!r}; {there}"))
+        if found:
+            return found
+        try:
+            hull = self.afloat(-basin.gravity[1], WATER_DENSITY)
+        except ValueError as error:
+            return [*found, (("hull",), explained(error))]
+        if not isinf(hull.draught) and hull.draught > basin.depth:
+            message = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
+            found.append((("hull",), message))
+        return found
+
+    def unborne(self, preflight: Preflight) -> list[str]:
+        """Why there may be no water that bears the ship."""
+        fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
+        if not fluid.made_of_particles:
+            large = self.too_large(preflight.tank)
+            return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
+        found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
+        boxes = preflight.untouched.boxes if preflight.untouched is not None else []
+        if preflight.tank.dimension == 3 and not any(
+            low[0] <= x <= up[0] and low[2] <= z <= up[2] for low, up in boxes
+        ):
+            found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
+        return found
+
+    def high_or_deep(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+        """Whether the ship begins more than a draught above where it floats, or wholly under water."""
+        if self.afloat_at_first:
+            return []
+        above = self.position[1] - afloat_pose(hull)[0]
+        freeboard = float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[1]) - hull.draught
+        if -above > freeboard:
+            return [
+                f"the ship begins {-above:.3g} m below where it floats, with its whole hull under water: it shoots up"
+            ]
+        if above <= hull.draught:
+            return []
+        speed = sqrt(2.0 * -preflight.tank.gravity[1] * (above - hull.draught))
+        fall = f"the ship begins {above:.3g} m above where it floats, more than its draught of {hull.draught:.3g} m"
+        rule = "slamming follows a rule of its waterplane, not the pressures"
+        return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
+
+    def feels_bed(self, depth: float) -> bool:
+        """Whether added mass and damping are those over a bed at this depth [m]."""
+        return False
+
+    def over_a_bed(self, hull: Hydrostatics, depth: float) -> str:
+        """What is missing in water of few draughts."""
+        bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
+        message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
+        speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
+        if speed == 0.0:
+            return message
+        sunk = squat(hull.wanted, hull.length, speed, depth)
+        if isinf(sunk):
+            return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
+        touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
+        return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
+
+    def of_cubes(self, still: Hydrostatics) -> list[str]:
+        """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
+        gm, own = still.metacentric_height(), self.gm_of_faces(still)
+        if self.carried_as_body or own is None or abs(gm - own) <= STIFFER * abs(own):
+            return []
+        than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
+        rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
+        cure = f"{rows}: cells_per_draught that leave half a row dry may bring them together"
+        if min(gm, own) <= 0.0:
+            return [f"{than}; {cure}"]
+        slower = sqrt(gm / own) - 1.0
+        rolls = f"she rolls {abs(slower):.1%} {'faster' if slower > 0.0 else 'slower'} than it would"
+        return [f"{than}: {rolls}; {cure}"]
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        hull = self.still(preflight)
+        mesh = self.whole_hull.shape.closed()
+        remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
+        if mesh is not None and not isinf(hull.draught):
+            remarks += mesh.unlike_a_ship(hull.draught, hull.kb)
+        if isinf(hull.draught):
+            return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
+        found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+        orders = [(1.0, 0.0)] if isinstance(self.controls, Autopilot) else Crew(self.controls).orders
+        for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
+            if moved and getattr(self, lacks) is None:
+                found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
+        if self.helm is not None and self.propeller is not None and self.propeller.force(1.0, self.helm.speed) <= 0.0:
+            found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
+        logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
+        if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
+            found.append(f"points: neither a mooring nor motion.point asks for {' or '.join(sorted(unasked))}")
+        if any(preflight.fluid.steady_force):
+            found.append(
+                "fluid.body_force acts on the water alone, which it makes heavier or drives; the ship does not feel it"
+            )
+        cells = hull.draught / float(hull.voxels.size[1])
+        if cells < 0.9 * self.cells_per_draught:
+            found.append(
+                f"the hull has {cells:.2g} cubes over its draught, because only a little of its height is under water"
+            )
+        if hull.metacentric_height() <= 0.0:
+            found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
+        elif at_rest(hull) is None:
+            far = "her centre of mass lies too far from that of her buoyancy"
+            found.append(f"within {LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
+        found += self.of_cubes(hull)
+        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
+            found.append(self.over_a_bed(hull, preflight.tank.depth))
+        resistance = self.resistance(hull)
+        if resistance is not None:
+            found += [*resistance.warnings, *resistance.undamped(self.free)]
+        spacing = preflight.spacing
+        if spacing and hull.draught < FEW * spacing:
+            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
+            found.append(f"{message} the water does not resolve the ship")
+        return found
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        basin, word = preflight.tank, preflight.word
+        n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
+        size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
+        size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
+        why = f"{self.cells_per_draught:g} cells_per_draught"
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        solid = self.solid(preflight)
+        if solid is not None:
+            count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
+            rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
+        return rows
+
+
+class FloatingHull:
+    """The hull in a scene: its cubes, the water around them, and how far they are under water."""
+
+    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid, below: bool) -> None:
+        """`below`: whether the ship asks the water under its surface, which a closed form answers."""
+        water = fluid.of_particles
+        self.still = config.afloat(-basin.gravity[1], fluid.rest_density)
+        self.cubes = Cubes(self.still)
+        lower, upper = config.whole_hull.shape.bounds()
+        self.lower, self.upper = np.array(lower), np.array(upper)
+        width, height, length = upper - lower
+        draught = height if isinf(self.still.draught) else self.still.draught
+        matter = self.still.matter
+        self.contact: WaveContact | None = None
+        self.sides: Sides | None = None
+        if config.contact is not None and water is not None:
+            shape, pull = config.whole_hull.shape, self.still.gravity
+            self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
+            self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
+        if water is None:
+            # Waves pass walls, and so do ships.
+            self.sides = Sides(config.whole_hull.shape, matter.centre, basin, axes=(1,))
+        self.water: SurroundingWater | SurroundingSea
+        closed = fluid.in_closed_form
+        if below and closed is not None:
+            self.water = SurroundingSea(length, width, height, draught, self.still.gravity, closed)
+        else:
+            hollow: tuple[Distance | None, float, Sequence[Contacting]] = (None, 0.0, ())
+            if self.contact is not None and water is not None:
+                hollow = (self.contact.hull.distance, self.contact.rim, water.contacts)
+            self.water = SurroundingWater(length, width, height, *hollow)
+        self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
+        if self.contact is not None and water is not None:
+            self.contact.hull.water = self.water
+            self.contact.begin(self.body)
+            water.meet(self.contact)
+        self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
+        self.moorings: Moorings | None = None
+        if config.moorings:
+            self.moorings = Moorings(config.moorings, config.points, matter.centre, self.body)
+        volume = self.still.voxels.volume
+        self.displaced = min(self.still.wanted, volume)
+        self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
+
+    def carried(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body at the beginning, with the velocity of the water around it where that is a closed form; so it does
+        not drift by what it lacked."""
+        if fluid.of_particles is not None:
+            return body
+        cubes, turn = self.still.voxels, body.matrix
+        wet = self.still.wet(turn[1], -float(body.position[1] - turn[1] @ self.still.matter.centre))
+        moved = fluid.velocities((cubes.centre - self.still.matter.centre) @ turn.T + body.position)
+        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+        return replace(body, velocity=body.velocity + flow)
+
+    def wetted(self, body: RigidBody, wind: Wind, water: Surface | Fluid) -> Wetted:
+        """What water and wind do to the cubes where the body is."""
+        return self.cubes.wetted(body, self.water, water, wind)
+
+    def share(self, wet: Wetted) -> float:
+        """Of added mass, damping and thrust that is left: all of it until half the usual volume is out of the water."""
+        return min(1.0, 2.0 * wet.volume / self.displaced)
+
+    def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
+        """(6,) velocity in body axes [m/s], [rad/s], relative to the water where its own is known."""
+        return np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
+
+    def limits(self, added: dict[str, float] | None = None) -> Limits:
+        """STEPS_A_PERIOD steps in the fastest natural motion."""
+        periods = [period for period in self.still.periods(added).values() if period] if self.floats else []
+        if self.moorings is not None:
+            periods.append(2.0 * pi * sqrt(self.still.matter.mass / float(self.moorings.stiffness.sum())))
+        return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
+
+    @property
+    def floats(self) -> bool:
+        """Whether the hull can carry its mass."""
+        return not isinf(self.still.draught)
+
+
+def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
+    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest, or upright
+    where there is no such pose; a ship that cannot float begins with its deck awash."""
+    if isinf(still.draught):
+        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), oriented(0.0, 0.0, 0.0)
+    found = at_rest(still)
+    angle = np.zeros(2) if found is None else found
+    turn = matrix_of(angle)
+    level = still.level(turn[1])
+    return float((turn @ still.matter.centre)[1] - level), oriented(angle[0], 0.0, angle[1])
+
+
+@lru_cache(maxsize=4)
+def at_rest(still: Hydrostatics) -> np.ndarray | None:
+    """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
+    where there is no such pose within LEAN."""
+
+    def levers(angle: np.ndarray) -> np.ndarray:
+        return still.apart(matrix_of(angle))[::-1]
+
+    upright = np.zeros(2)
+    size = float(np.ptp(still.voxels.centre[:, 2]))
+    if np.abs(levers(upright)).max() <= 1e-6 * size:
+        return upright
+    found = balanced(levers, upright)
+    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(LEAN) else None
+
+
+def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
+    """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a
+    step: to 1e-10 rad, or as near as 20 steps come."""
+    small = 1e-4
+    for _ in range(20):
+        here = levers(angle)
+        slope = np.column_stack([(levers(angle + turn) - here) / small for turn in small * np.eye(2)])
+        step = np.clip(-np.linalg.lstsq(slope, here)[0], -0.1, 0.1)
+        angle = angle + step
+        if np.abs(step).max() < 1e-10:
+            break
+    return angle
+
+
+def matrix_of(angle: np.ndarray) -> np.ndarray:
+    """(3, 3) of pitch and roll."""
+    return matrix(oriented(angle[0], 0.0, angle[1]))

@@ -1,0 +1,301 @@
+"""What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from functools import cached_property
+from math import radians, sqrt
+from typing import Annotated, ClassVar, Literal, get_args
+
+import numpy as np
+from pydantic import Field
+
+from ocean_sim.basin import Basin
+from ocean_sim.conventions import Diverged, Motions
+from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.model import Vector2, Vector3, quantity
+from ocean_sim.parts import Preflight, Problems, ShipConfig, called
+from ocean_sim.ship import PARTS, Load, Outline
+from ocean_sim.ship.body import small_linalg
+from ocean_sim.ship.body.rigid_body import (
+    RigidBody,
+    about,
+    advanced,
+    guided,
+    oriented,
+    product,
+    rotated,
+    spinning,
+)
+from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, towards
+from ocean_sim.ship.hull.shapes import HullShape, drawn, outermost
+from ocean_sim.ship.naval.hydrostatics import Matter
+from ocean_sim.ship.water.wall_contact import Sides
+from ocean_sim.ship.water.wave_contact import WaveContact
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
+
+SLIGHT = 1e-9  # [m/s], [rad/s] of rounding
+FASTEST = 1.0e3  # [m/s] no ship moves like this
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in their order
+Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
+
+
+class VesselConfig(Helm, ShipConfig):
+    """Keys of every kind of ship."""
+
+    slices: ClassVar[bool] = False  # whether it also floats in 2-D
+
+    position: Position = quantity("m", (0.0, 0.0))
+    """Position of the centre of mass: [x, z] afloat, or [x, y, z]."""
+    heading_deg: float = quantity("deg", 0.0)
+    """Heading: 0 is along +z, 90 along +x."""
+    attitude_deg: Vector3 = quantity("deg", (0.0, 0.0, 0.0))
+    """Pitch (bow down), a further yaw (to port) and roll (starboard down) at the beginning."""
+    velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
+    """Velocity at the beginning, in world axes; in closed-form waves a floating hull has that of the water around
+    it, too."""
+    rates: Vector3 = quantity("rad/s", (0.0, 0.0, 0.0))
+    """Pitch, yaw and roll rate at the beginning."""
+    free: list[Free] = list(get_args(Free))
+    """Motions that are not held; surge and sway along and across the heading."""
+    points: dict[Name, Vector3] = {}
+    """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
+
+    def misplaced(self, basin: Basin) -> Problems:
+        """What contradicts the basin: (path below `ship`, sentence)."""
+        found: Problems = []
+        if basin.dimension == 2 and not self.slices:
+            found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
+        if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
+            found.append((("kind",), f"a ship needs gravity straight down, here it is {list(basin.gravity)} m/s2"))
+        if basin.config.motion is not None:
+            moved = "the motion of the tank is an acceleration of its water, which a ship does not feel"
+            found.append((("kind",), f"{moved}; leave basin.motion or the ship out"))
+        for axis, value in zip((0, 2), (self.position[0], 0.0 if basin.dimension == 2 else self.position[-1])):
+            low, high = basin.lower[axis], basin.upper[axis]
+            if not low <= value <= high:
+                where = f"{'xyz'[axis]} = {value:g} m is outside the basin, which reaches from {low:g} to {high:g} m"
+                found.append((("position",), where))
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return [*self.lost_at_first(), *self.late(preflight.duration)]
+
+    def lost_at_first(self) -> list[str]:
+        """Velocity and rates at the beginning in motions that are held, which take none."""
+        heading = about(1, radians(self.heading_deg + self.attitude_deg[1]))
+        motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
+        told = []
+        for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
+            lost = [name for name in names if name not in self.free and abs(motion[name]) > SLIGHT]
+            if lost:
+                them = " and ".join(lost)
+                cure = f"so the ship does not begin with it; add {them} to `free`, or leave it out"
+                told.append(f"{key}: {them} held, {cure}")
+        return told
+
+    @property
+    def afloat_at_first(self) -> bool:
+        """Whether it begins at the height at which it floats, not at one that is given."""
+        return len(self.position) == 2
+
+    def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
+        """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
+        pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
+        turn = oriented(pitch, yaw + radians(self.heading_deg), roll)
+        if not (pitch or roll):
+            turn = product(turn, trim)
+        x, z = self.position[0], self.position[-1]
+        y = height if self.afloat_at_first else self.position[1]
+        body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
+        return spinning(body, rotated(turn, np.array(self.rates)))
+
+    def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
+        x, y, z = body.position
+        return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
+
+
+class Actuators:
+    """Propeller and rudder of one ship, and who orders them."""
+
+    def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
+        """`centre`: the centre of mass from the hull's origin [m]."""
+        self.crew: Crew | Helmsman | Person = config.crew()
+        self.propeller, self.rudder_blade, self.centre = propeller, rudder, centre
+        pushing = np.zeros(3) if propeller is None or propeller.position is None else propeller.position - centre
+        steering = np.zeros(3) if rudder is None else rudder.position - centre
+        self.pushing, self.steering = pushing.tolist(), steering.tolist()  # from there [m]
+        self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
+
+    @property
+    def limit(self) -> float:
+        """The largest angle of the rudder [rad]."""
+        return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
+
+    def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
+        """Follow the orders of the crew `ahead` [s] of the step's beginning, as fast as they can; dt 0 is the first
+        time."""
+        throttle, rudder = self.crew.order(self.time + ahead, body)
+        blade, screw = self.rudder_blade, self.propeller
+        self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
+        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
+        self.time += dt
+
+    def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
+        """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
+        found, thrust = {}, 0.0
+        velocity, rates = motion[:3].tolist(), motion[3:].tolist()
+        if self.propeller is not None:
+            thrust = self.propeller.force(self.throttle, velocity[2])
+            found["propeller"] = at(self.pushing, (0.0, 0.0, wet * thrust))
+        if self.rudder_blade is not None:
+            across, _, ahead = small_linalg.plus(velocity, small_linalg.cross(rates, self.steering))
+            if self.propeller is not None:
+                stream = self.propeller.slipstream(thrust, ahead, density)
+                ahead = self.rudder_blade.behind(self.propeller, stream, ahead)
+            force = self.rudder_blade.load(self.rudder, across, ahead, density)
+            found["rudder"] = at(self.steering, small_linalg.times(wet, force))
+        return found
+
+
+def at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
+    """(2, 3) a force [N] and its torque [N m], at an arm [m]."""
+    return np.array((force, small_linalg.cross(arm, force)))
+
+
+def outline(corners: np.ndarray, body: RigidBody) -> Outline:
+    """The room of a hull with (m, 3) corners from its centre of mass, body axes [m], where its body is."""
+    from scipy.spatial import ConvexHull
+
+    at = np.einsum("ij,kj->ik", corners, body.matrix) + body.position
+    plan = at[:, [0, 2]]
+    return Outline(plan[ConvexHull(plan).vertices], float(at[:, 1].min()), float(at[:, 1].max()))
+
+
+class Vessel(ABC):
+    """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("corners",)  # of its shape, made again when asked for
+    prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
+    parts: tuple[str, ...] = PARTS
+
+    def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
+        """`bed`: its height [m]; what lies on it is not modelled."""
+        self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
+        self.shape: HullShape | None = None  # what it looks like
+        self.free = np.array([motion in config.free for motion in Motions._fields])
+        self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
+        self.sides: Sides | None = None  # walls and bed that stop it
+        self.aground, self.groundings = False, 0
+        self.airborne = False  # whether none of its hull was under water in the last load
+        self.contact: WaveContact | None = None  # where the hull and particles push each other
+        # A body, and what half a step has added to its velocity [m/s] and angular momentum [kg m2/s].
+        self.gained = body, np.zeros(3), np.zeros(3)
+        self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
+        self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
+        actuators.steer(body, 0.0)
+
+    @property
+    def orders(self) -> tuple[float, float]:
+        """Throttle and rudder [rad] as they are now."""
+        return self.actuators.throttle, self.actuators.rudder
+
+    def hand_over(self) -> Person:
+        """From now on a person gives the orders, beginning with those of now; the actuators follow as fast as they do
+        for any crew."""
+        person = Person(*self.orders, self.actuators.limit)
+        self.actuators.crew = person
+        return person
+
+    def sail(self, route: list[Vector2], speed: float) -> Helmsman:
+        """From now on a pilot sails along waypoints x, z [m] at a speed [m/s]; one is reached a ship's length before
+        it."""
+        shape = self.drawn()
+        length = None if shape is None else float(np.ptp(shape[0][:, 2]))
+        pilot = Pilot(route=route, speed=speed, arrival=length).crew()
+        pilot.time = self.actuators.time
+        self.actuators.crew = pilot
+        return pilot
+
+    def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
+        is known."""
+        if self.shape is None:
+            return None
+        vertices, triangles = drawn(self.shape)
+        return vertices - self.actuators.centre, triangles
+
+    @cached_property
+    def corners(self) -> np.ndarray | None:
+        """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
+        return None if self.shape is None else outermost(self.shape) - self.actuators.centre
+
+    def outline(self) -> Outline | None:
+        """The room that it takes; None where it has no shape."""
+        return None if self.corners is None else outline(self.corners, self.body)
+
+    @property
+    def centred(self) -> RigidBody:
+        """The body with the velocities of its own time: those that it has have led to where it is, so they are of half
+        a step before."""
+        body, (of, faster, more) = self.body, self.gained
+        if of is not body:
+            return body
+        return replace(body, velocity=body.velocity + faster, angular_momentum=body.angular_momentum + more)
+
+    @abstractmethod
+    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
+        """(4.27), now."""
+
+    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nothing: only a law of motion is known."""
+        return np.zeros((0, 2)), np.zeros(0)
+
+    def limits(self) -> Limits:
+        """What the time step must stay a fraction of."""
+        return Limits()
+
+    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
+        force, torque = load.total
+        return advanced(body, force, torque, dt)
+
+    def advance(self, load: Load, dt: float) -> None:
+        """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
+        before, sides = self.body, self.sides if self.sides is not None and self.sides.near(self.body, dt) else None
+
+        def guided_step(load: Load) -> RigidBody:
+            return guided(before, self.stepped(before, load, dt), self.free, dt)
+
+        def walled_step(load: Load) -> RigidBody:
+            return guided_step(load) if sides is None else sides.off(guided_step(load))
+
+        touched = False
+        if sides is not None:
+            load = sides.stopped(load, guided_step, dt)
+            touched = sides.bed
+        self.groundings += touched and not self.aground
+        self.aground = touched
+        if self.contact is None:
+            after = walled_step(load)
+        else:
+            load, after = self.contact.collided(load, walled_step, dt)
+        velocity = after.velocity.tolist()
+        speed = sqrt(small_linalg.dot(velocity, velocity))
+        if not speed <= FASTEST:
+            x, y, z = before.position
+            raise Diverged(
+                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} "
+                "m/s); try a smaller time step"
+            )
+        if after.position[1] < self.bed:
+            x, _, z = after.position
+            raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+        faster, more = after.velocity - before.velocity, after.angular_momentum - before.angular_momentum
+        self.acceleration = faster / dt
+        self.turning = (after.angular_velocity - before.angular_velocity) / dt
+        self.body, self.last = after, load
+        self.gained = after, 0.5 * faster, 0.5 * more
+        self.actuators.steer(after, dt, dt if self.prompt else 0.0)

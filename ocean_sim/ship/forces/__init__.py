@@ -1,0 +1,1 @@
+"""Forces on a ship: added mass, damping, radiation, propulsion and moorings."""

@@ -1,0 +1,229 @@
+"""Water that moves with a hull, by rule from its sections, and the motion of hull and water together.
+
+By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch
+(Newman 1977, Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in
+pitch that of each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass
+in surge (Fossen 2021, Handbook of Marine Craft Hydrodynamics, 6.5).
+
+In roll a section and its mirror image at the still water turn about their middle in unbounded water, which is what a
+quick roll is (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a
+rectangle as RECTANGLES says; sections between an ellipse and a rectangle by their fullness. Of a barge of 8 x 2 m that
+is 1 % above the panel method at the natural frequency, a plate 14 % below.
+
+Slamming: the momentum of hull and water is kept while the water that moves along grows, (m + A) V (von Karman 1929,
+NACA TN 321): sections as half plates of their wetted breadth, broader by the water that rises beside them. By that
+Wagner's (1932, ZAMM 12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and less for a larger one, by
+RISE a radian. RISE is ours: fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid
+Mech. 246) are quoted for them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below.
+A step has the impulse of all that it wets, so that its acceleration is a mean over the step and its peak grows as steps
+become shorter, up to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The water's
+mass grows no further than what moves along with the hull afloat. Going out of the water changes nothing: it falls off
+the hull.
+
+A hull that lies half as deep or one and a half times as deep as afloat is a blunt body in heave (Hoerner 1965,
+Fluid-Dynamic Drag, 3): BLUNT on its waterplane, all of it from twice as deep and wholly out.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from ocean_sim.model import Model, quantity
+from ocean_sim.ship.body.rigid_body import RigidBody
+from ocean_sim.ship.body.small_linalg import (
+    Rows,
+    Three,
+    Vector,
+    cross,
+    minus,
+    plus,
+    scaled,
+    solved,
+    times,
+    turned,
+    turned_back,
+)
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+
+DEPTHS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draughts over breadth
+RECTANGLES = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
+"""Added inertia of rectangles that turn about the still water over that of a plate, by 600 panels of potential flow."""
+WAGNER = (pi / 2.0) ** 2
+RISE = 0.75  # [1/rad]
+BLUNT = 1.1  # coefficient of drag
+
+
+class AddedMass(Model):
+    """Added mass about the centre of mass, body axes; what is null comes by rule from the hull."""
+
+    sway: float | None = quantity("kg", None, ge=0.0)
+    """Along x."""
+    heave: float | None = quantity("kg", None, ge=0.0)
+    """Along y."""
+    surge: float | None = quantity("kg", None, ge=0.0)
+    """Along z."""
+    pitch: float | None = quantity("kg m2", None, ge=0.0)
+    """About x."""
+    yaw: float | None = quantity("kg m2", None, ge=0.0)
+    """About y."""
+    roll: float | None = quantity("kg m2", None, ge=0.0)
+    """About z."""
+
+    def diagonal(self, hull: Hydrostatics) -> np.ndarray:
+        """(6,) in the order of `Motions`."""
+        given = [self.sway, self.heave, self.surge, self.pitch, self.yaw, self.roll]
+        return np.array([rule if value is None else value for value, rule in zip(given, by_rule(hull))])
+
+
+def by_rule(hull: Hydrostatics) -> np.ndarray:
+    """(6,) added mass [kg] and inertia [kg m2] of a hull at its draught."""
+    z, breadth, draught = hull.stations
+    ds, rho = float(hull.voxels.size[2]), hull.density
+    z = z - hull.matter.centre[2]
+    length, broad = hull.length, float(breadth.max())
+    plate, circle = rho * pi / 8.0 * breadth**2 * ds, rho * pi / 2.0 * draught**2 * ds  # of each slice [kg]
+    return np.array(
+        [
+            circle.sum(),
+            slenderness(length / broad) * plate.sum(),
+            0.05 * hull.matter.mass,
+            slenderness(length / 2.0 / broad) * (plate * z**2).sum(),
+            (circle * z**2).sum(),
+            (rho * pi / 256.0 * turning(hull, breadth, draught) * ds).sum(),
+        ]
+    )
+
+
+def turning(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
+    """(n,) [m4] breadth^4 of plates that are as hard to roll as sections of the fullness of the whole hull."""
+    full = min(hull.wanted, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
+    share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
+    deep = np.minimum(draught / np.maximum(breadth, 1e-9), DEPTHS[-1])
+    beyond = np.interp(deep, DEPTHS, RECTANGLES) - (1.0 - 4.0 * deep**2) ** 2  # an ellipse
+    return (breadth**2 - 4.0 * draught**2) ** 2 + share * beyond * breadth**4
+
+
+def slenderness(ratio: float) -> float:
+    """Pabst's factor of a plate so many times as long as broad (or as broad as long)."""
+    r = max(ratio, 1.0 / ratio)
+    return r / sqrt(1.0 + r * r) * (1.0 - 0.425 * r / (1.0 + r * r))
+
+
+def reaction(
+    body: RigidBody,
+    added: np.ndarray,
+    between: np.ndarray | None,
+    force: np.ndarray,
+    torque: np.ndarray,
+    drift: np.ndarray,
+    surge: np.ndarray,
+    free: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the water that is moved does back, (2, 3) each in world axes: to a hull that moves, and by moving itself.
+
+    Kirchhoff's equations with the added mass (6,) of each motion in body axes, and what there is `between` them, (6, 6)
+    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes, and the water's own velocity and
+    acceleration (6,) in body axes; the axes turn with the hull, so there the relative velocity of hull and water
+    changes by omega x (the water's own) as well (Fossen 2021, 10.3). They are solved together with the hull, so a
+    light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could
+    feel.
+    """
+    r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
+    v, omega = body.own_velocity, body.own_spin
+    (stream, swirl), (pull, pull_turn) = halves(drift), halves(surge)
+    v_r, omega_r = minus(v, stream), minus(omega, swirl)
+    momentum, turning = swept(water, between, v_r, omega_r)
+    carried, carried_turn = swept(water, between, pull, pull_turn)
+    kept, kept_turn = swept(water, between, cross(omega, stream), cross(omega, swirl))  # of it, as the axes turn
+    along = plus(cross(omega, momentum), kept)
+    around = plus(plus(cross(omega, turning), cross(v_r, momentum)), kept_turn)
+    push = minus(minus(plus(turned_back(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
+    gyration = cross(omega, turned(inertia, omega))
+    twisting = minus(minus(plus(turned_back(r, torque.tolist()), carried_turn), around), gyration)
+    moving = None if between is None else between * np.outer(free, free)
+    rate, twist = sped_up(body.mass, inertia, water, moving, push, twisting)
+    answer, answer_turn = swept(water, moving, rate, twist)
+    moved = turned(r, plus(answer, along)), turned(r, plus(answer_turn, around))
+    return -np.array(moved), np.array([turned(r, carried), turned(r, carried_turn)])
+
+
+def halves(motion: np.ndarray) -> tuple[list[float], list[float]]:
+    """Of (6,) along and about the axes, as plain numbers."""
+    six = motion.tolist()
+    return six[:3], six[3:]
+
+
+def swept(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
+    """Momentum and angular momentum of the water that moves along at such velocities, or their rates at such
+    accelerations."""
+    own = scaled(water[:3], line), scaled(water[3:], turn)
+    if between is None:
+        return own
+    more = halves(between @ [*line, *turn])
+    return plus(own[0], more[0]), plus(own[1], more[1])
+
+
+def sped_up(
+    mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
+) -> tuple[Vector, Vector]:
+    """Acceleration [m/s2] and angular one [rad/s2] of hull and water together under a force [N] and a torque [N m]."""
+    x, y, z = water[3:]
+    (p, q, r), (s, t, u), (v, w, o) = inertia
+    whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)
+    heavy = [mass + more for more in water[:3]]
+    if between is None:
+        (a, b, c), (k, l, m) = push, heavy
+        return (a / k, b / l, c / m), solved(whole, twisting)
+    both = between + np.diag(heavy + [0.0, 0.0, 0.0])
+    both[3:, 3:] += whole
+    return halves(np.linalg.solve(both, [*push, *twisting]))
+
+
+class Slamming:
+    """The water that one hull sets in motion as it enters, by the volume that is under water."""
+
+    def __init__(self, hull: Hydrostatics, usual: float) -> None:
+        """`usual`: what moves along in heave afloat [kg]."""
+        self.volumes, self.masses = entry(hull)
+        self.mass, self.usual = hull.matter.mass, usual
+        self.volume = min(hull.wanted, hull.voxels.volume)  # afloat [m3]
+        self.drag = 0.5 * hull.density * BLUNT * hull.waterplane
+        self.entering, self.moved = False, usual  # since it left the water [kg]
+
+    def added(self, volume: float) -> float:
+        """What moves along [kg] with so much under water [m3]."""
+        return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
+
+    def push(self, volume: float, speed: float, dt: float) -> float:
+        """Force upwards [N] in a step of dt [s] that begins with so much under water [m3], at a vertical speed relative
+        to the water [m/s]; it leaves V (m + A before) / (m + A now)."""
+        if volume == 0.0:
+            self.entering, self.moved = True, 0.0
+        if not self.entering:
+            return 0.0
+        before, now = self.moved, max(self.moved, self.added(volume))
+        self.moved, self.entering = now, volume < self.volume
+        return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
+
+    def held_back(self, volume: float, speed: float) -> float:
+        """Drag in heave, upwards [N], with so much under water [m3] at a vertical speed relative to it [m/s]."""
+        depth = volume / self.volume
+        unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
+        return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
+
+
+def entry(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
+    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and what it has set in motion [kg]."""
+    v = hull.voxels
+    lower = v.centre[:, 1:].min(axis=0)
+    layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T
+    breadth = np.zeros((int(layer.max()) + 1, int(slice_.max()) + 1))
+    np.add.at(breadth, (layer, slice_), v.share * v.size[0])
+    volumes = np.cumsum(breadth.sum(axis=1)) * v.size[1] * v.size[2]
+    deadrise = np.arctan2(2.0 * v.size[1], np.maximum(np.diff(breadth, axis=0, prepend=0.0), 1e-9))
+    breadth = 0.5 * (breadth + np.append(breadth[1:], breadth[-1:], axis=0))  # at the top of each layer
+    wetted = np.minimum(np.maximum(WAGNER * (1.0 - RISE * deadrise), 0.0) * breadth**2, breadth.max(axis=0) ** 2)
+    plates = hull.density * pi / 8.0 * np.maximum.accumulate(wetted, axis=0).sum(axis=1) * v.size[2]
+    length = np.maximum(np.count_nonzero(breadth, axis=1) * v.size[2], v.size[2])
+    slender = np.array([slenderness(a / b) for a, b in zip(length, np.maximum(breadth.max(axis=1), 1e-9))])
+    return np.append(0.0, volumes), np.append(0.0, np.maximum.accumulate(slender * plates))

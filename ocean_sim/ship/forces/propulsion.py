@@ -1,0 +1,334 @@
+"""Propeller and rudder, and who moves them: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27)).
+
+A pilot holds a heading or sails a route at a speed: line of sight, and PID on rudder and throttle. Along a leg from one
+waypoint to the next the pilot steers at a point of it that lies the look-ahead D before the ship: the heading is that
+of the leg less atan((e + s) / D), with e the distance from the leg and s what a steady drift has come to (integral line
+of sight: Fossen 2021, Handbook of Marine Craft Hydrodynamics, 12.5; Borhaug et al. 2008, IEEE CDC). The rudder is K
+(error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
+"""
+
+from bisect import bisect_right
+from itertools import groupby, pairwise
+from math import atan, atan2, cos, hypot, pi, radians, remainder, sin, sqrt
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from ocean_sim.files import csv_file
+from ocean_sim.files.input_file import Checked, FileName, Rule
+from ocean_sim.model import Model, Vector2, Vector3, quantity
+from ocean_sim.ship.body.rigid_body import RigidBody
+from ocean_sim.ship.body.small_linalg import Three
+
+COLUMNS = ("throttle", "rudder_rad")
+MAX_ORDERS = (1.0, pi / 2)  # to either side
+ORDERS = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
+CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDERS,)),)
+SWIFT = 0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
+AHEAD = 6.0  # [s] of way: how far a pilot looks ahead
+DRIFT = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+HERE = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
+PULL, SLOW = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
+BENT = 0.35  # [rad] the most that the integral of the heading's error may steer
+
+
+class Propeller(Model):
+    """T = K (n |n| - |n| (1 - w) u / u0), n the throttle: alpha_0 n|n| + alpha_1 n V_a / D of Blanke (1981) in terms of
+    bollard pull and of the speed at which full throttle gives no thrust."""
+
+    thrust: float = quantity("N", gt=0.0)
+    """Thrust at rest and full throttle ahead, less the thrust deduction."""
+    astern: float = quantity("1", 0.5, gt=0.0, le=1.0)
+    """Share of `thrust` that it gives astern."""
+    zero_thrust_speed: float | None = quantity("m/s", None, gt=0.0)
+    """Speed of the water through it at which full throttle gives no thrust; null: thrust does not fall with speed."""
+    wake: float = quantity("1", 0.0, ge=0.0, lt=1.0)
+    """Share of the ship's speed by which the water behind the hull follows it."""
+    position: Vector3 | None = quantity("m", None)
+    """Position, from the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
+    rate: float | None = quantity("1/s", None, gt=0.0)
+    """How fast the throttle can change; null: at once."""
+    diameter: float | None = quantity("m", None, gt=0.0)
+    """Diameter of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels no
+    slipstream."""
+
+    def force(self, throttle: float, speed: float) -> float:
+        """Thrust [N] at a speed of the ship ahead [m/s]."""
+        slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
+        bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
+        return bare if throttle >= 0.0 else self.astern * bare
+
+    def slipstream(self, thrust: float, speed: float, density: float) -> float:
+        """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
+        gets far behind by the momentum of an actuator disc, the share SWIFT."""
+        if self.diameter is None or thrust <= 0.0 or speed < 0.0:
+            return speed
+        far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
+        return speed + SWIFT * (far - speed)
+
+
+class Rudder(Model):
+    """N = 1/2 rho A U^2 6.13 L / (L + 2.25) sin(angle to the flow) (Fujii & Tuda 1961; Kose 1982), -N cos(rudder)
+    across and -N sin(rudder) along."""
+
+    area: float = quantity("m2", gt=0.0)
+    """A: area of one side of the blade."""
+    aspect_ratio: float = quantity("1", 1.5, gt=0.0)
+    """Height over mean chord."""
+    position: Vector3 = quantity("m")
+    """Position, from the hull's origin."""
+    limit: float = quantity("rad", radians(35.0), gt=0.0, le=pi / 2)
+    """Largest angle."""
+    rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
+    """How fast it turns; null: at once."""
+
+    def behind(self, propeller: Propeller, stream: float, speed: float) -> float:
+        """Speed [m/s] of which the square is the mean over the rudder: of the `stream` as high as the propeller is
+        wide, and of water at the ship's speed beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
+        if propeller.diameter is None or stream <= speed:
+            return speed
+        share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
+        return sqrt(share * stream**2 + (1.0 - share) * speed**2)
+
+    def load(self, angle: float, across: float, ahead: float, density: float) -> Three:
+        """Force [N], body axes, in water that it moves through at such speeds across and ahead [m/s], body axes."""
+        speed = hypot(ahead, across)
+        incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
+        slope = 6.13 * self.aspect_ratio / (self.aspect_ratio + 2.25)
+        normal = 0.5 * density * self.area * speed**2 * slope * sin(incidence)
+        normal *= 1.0 if ahead >= 0.0 else -1.0
+        return -normal * cos(angle), 0.0, -normal * sin(angle)
+
+
+class Row(Model):
+    """Orders at a time; straight lines between rows."""
+
+    time: float = quantity("s", ge=0.0)
+    """Time at which these orders hold; before the first row and after the last, that row holds."""
+    throttle: float = quantity("1", 0.0, ge=-1.0, le=1.0)
+    """Throttle; 1 is full ahead."""
+    rudder: float = quantity("rad", 0.0, ge=-pi / 2, le=pi / 2)
+    """Positive turns to port."""
+
+
+class Track(Model):
+    """Orders from a file."""
+
+    file: FileName
+    """A CSV file with columns time_s, throttle, rudder_rad."""
+
+    @field_validator("file")
+    @classmethod
+    def _readable(cls, file: str) -> str:
+        _, *orders = csv_file.Table(file).series(*COLUMNS)
+        for name, values, most in zip(COLUMNS, orders, MAX_ORDERS, strict=True):
+            row = int(np.abs(values).argmax())
+            if abs(values[row]) > most:
+                raise ORDERS.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
+        return file
+
+
+class Course(Model):
+    """A heading to hold, by proportional and differential steering."""
+
+    heading_deg: float = quantity("deg")
+    """Heading: 0 is along +z, 90 along +x."""
+    throttle: float = quantity("1", 0.6, ge=-1.0, le=1.0)
+    """Throttle; 1 is full ahead."""
+    gain: float = quantity("1", 1.0, gt=0.0)
+    """Rudder angle over the error of the heading."""
+    rate_time: float = quantity("s", 2.0, ge=0.0)
+    """Rudder angle over gain and the yaw rate."""
+
+
+class Autopilot(Model):
+    """An autopilot that holds a heading."""
+
+    autopilot: Course
+
+
+class Pilot(Model):
+    """A pilot who steers the ship."""
+
+    route: Annotated[list[Vector2], Field(min_length=1)] | None = quantity("m", None)
+    """Waypoints [x, z] one after the other, from where the ship begins; after the last the ship goes on as on the last
+    leg. A ship that begins at her only waypoint goes on as she heads."""
+    heading_deg: float | None = quantity("deg", None)
+    """A heading to hold, in place of a route: 0 heads along +z, 90 along +x."""
+    speed: float = quantity("m/s", gt=0.0)
+    """Speed ahead, over the ground."""
+    look_ahead: float | None = quantity("m", None, gt=0.0)
+    """How far ahead on a leg the pilot steers; null: six seconds of way."""
+    arrival: float | None = quantity("m", None, gt=0.0)
+    """How near to a waypoint the next leg begins; null: as far as the look-ahead."""
+    gain: float = quantity("1", 1.5, gt=0.0)
+    """Rudder angle over the error of the heading."""
+    integral_time: float | None = quantity("s", 20.0, gt=0.0)
+    """Time in which a steady error of the heading doubles the rudder angle; null: never."""
+    rate_time: float = quantity("s", 2.0, ge=0.0)
+    """Rudder angle over gain and the yaw rate."""
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> Self:
+        if (self.route is None) == (self.heading_deg is None):
+            raise ValueError("helm: give either a route or a heading_deg to hold")
+        return self
+
+    def crew(self) -> "Helmsman":
+        return Helmsman(self)
+
+
+Controls = list[Row] | Track | Autopilot
+
+
+class Helm(Model):
+    """Keys that every steered ship has."""
+
+    controls: Controls = []
+    """Rows of time, throttle and rudder, `{file: ...}` or `{autopilot: {heading_deg: ...}}`."""
+    helm: Pilot | None = None
+    """A pilot, in place of `controls`: `{route: [[x, z], ...], speed: ...}`."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.helm is not None and self.controls != []:
+            raise ValueError("helm: the ship has controls, too; leave one of them out")
+        if isinstance(self.controls, list):
+            times = [row.time for row in self.controls]
+            if any(later <= earlier for earlier, later in pairwise(times)):
+                raise ValueError("controls: the times of the rows must increase")
+        return self
+
+    def late(self, duration: float) -> list[str]:
+        """What is said of orders that come when a run of this duration [s] is over."""
+        if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
+            return []
+        times = np.array(Crew(self.controls).time)
+        return csv_file.unreached("controls", times, duration, "only its {} row holds")
+
+    def crew(self) -> "Crew | Helmsman":
+        return Crew(self.controls) if self.helm is None else self.helm.crew()
+
+
+class Crew:
+    """Who gives orders: throttle and rudder [rad] at a time."""
+
+    def __init__(self, controls: Controls) -> None:
+        self.course = controls.autopilot if isinstance(controls, Autopilot) else None
+        self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
+        if isinstance(controls, Track):
+            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*COLUMNS))
+            self.orders = list(zip(*orders, strict=True))
+        elif isinstance(controls, list) and controls:
+            self.time = [row.time for row in controls]
+            self.orders = [(row.throttle, row.rudder) for row in controls]
+
+    def between(self, time: float) -> tuple[float, float]:
+        """Throttle and rudder [rad] at a time [s], on straight lines between the rows."""
+        later = bisect_right(self.time, time)
+        throttle, rudder = self.orders[max(later - 1, 0)]
+        if later in (0, len(self.time)):
+            return throttle, rudder
+        since, step = time - self.time[later - 1], self.time[later] - self.time[later - 1]
+        next_throttle, next_rudder = self.orders[later]
+        return throttle + (next_throttle - throttle) / step * since, rudder + (next_rudder - rudder) / step * since
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """Throttle and rudder [rad] that are asked for."""
+        if self.course is None:
+            return self.between(time)
+        error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
+        rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
+        return self.course.throttle, rudder
+
+
+class Helmsman:
+    """The pilot at work."""
+
+    start: tuple[float, float] | None
+
+    def __init__(self, config: Pilot) -> None:
+        self.config = config
+        self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
+        self.reach = config.look_ahead or AHEAD * config.speed  # [m]
+        self.near = config.arrival or self.reach  # [m]
+        self.time = 0.0
+        self.leg = 0  # number of the waypoint ahead
+        self.start = None  # of the leg [m]
+        self.drifted = 0.0  # what a steady drift has come to [m]
+        self.bent, self.driven = 0.0, 0.0  # the integrals: of the heading's error [rad], and throttle
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """Throttle and rudder [rad] that are asked for."""
+        config, dt = self.config, time - self.time
+        self.time = time
+        error = remainder(self.heading(body, dt) - float(body.angles[1]), 2.0 * pi)
+        if config.integral_time is not None and abs(error) < BENT:
+            self.bent = min(max(self.bent + dt * error / config.integral_time, -BENT), BENT)
+        rudder = config.gain * (error + self.bent - config.rate_time * float(body.angular_velocity[1]))
+        missing = config.speed - float(body.velocity @ body.matrix[:, 2])
+        wanted = PULL * missing + self.driven
+        if abs(wanted) < 1.0:
+            self.driven += dt * PULL * missing / SLOW
+        return min(max(wanted, -1.0), 1.0), rudder
+
+    def heading(self, body: RigidBody, dt: float) -> float:
+        """Where to head [rad]."""
+        if not self.route:
+            return radians(self.config.heading_deg or 0.0)
+        route, x, z = self.route, float(body.position[0]), float(body.position[2])
+        if self.start is None:
+            here = hypot(route[0][0] - x, route[0][1] - z) < HERE
+            back, course = self.reach if here else 0.0, float(body.angles[1])
+            self.start = (x - back * sin(course), z - back * cos(course))
+        along, ahead, aside = self.place(x, z)
+        while ahead < self.near and self.leg < len(route) - 1:
+            self.start, self.leg, self.drifted = route[self.leg], self.leg + 1, 0.0
+            along, ahead, aside = self.place(x, z)
+        off = aside + self.drifted
+        if abs(aside) < 0.25 * self.reach:  # not while the ship turns onto the leg
+            self.drifted += dt * DRIFT * self.reach * aside / (self.reach**2 + off**2)
+        return along - atan(off / self.reach)
+
+    @property
+    def ahead(self) -> list[Vector2]:
+        """The waypoints that are not passed yet."""
+        return self.route[self.leg :]
+
+    def arrived(self, body: RigidBody) -> bool:
+        """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
+        if self.start is None or len(self.ahead) > 1:
+            return False
+        return self.place(float(body.position[0]), float(body.position[2]))[1] < self.near
+
+    def place(self, x: float, z: float) -> tuple[float, float, float]:
+        """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
+        assert self.start is not None
+        (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
+        along = atan2(x_1 - x_0, z_1 - z_0)
+        ahead = (x_1 - x) * sin(along) + (z_1 - z) * cos(along)
+        return along, ahead, (x - x_0) * cos(along) - (z - z_0) * sin(along)
+
+
+class Person:
+    """Someone at the helm: what was ordered last stands."""
+
+    def __init__(self, throttle: float, rudder: float, limit: float) -> None:
+        """`limit` [rad]: of the rudder."""
+        self.throttle, self.rudder, self.limit = throttle, rudder, limit
+
+    def give(self, throttle: float, rudder: float) -> None:
+        """Order a throttle, -1 to 1, and a rudder [rad]; what lies beyond is held back."""
+        self.throttle = min(max(throttle, -1.0), 1.0)
+        self.rudder = min(max(rudder, -self.limit), self.limit)
+
+    def order(self, time: float, body: RigidBody) -> tuple[float, float]:
+        """What stands."""
+        return self.throttle, self.rudder
+
+
+def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
+    """What a machine that turns at most `rate` a second, within a limit, makes of an order."""
+    wanted = min(max(wanted, -limit), limit)
+    return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -1,0 +1,287 @@
+"""What damps roll besides waves of a table: friction, eddies, bilge keels, the hull's own waves, and lift under way.
+
+Ikeda's prediction by components (Himeno 1981, Univ. of Michigan report 239; ITTC 7.5-02-07-04.5) in its simple form of
+Kawahara, Maekawa & Ikeda (2009, 10th STAB; 2012, in Contemporary Ideas on Ship Stability, Springer), whose regressions
+of form, axis and amplitude are of their published program (2009). Lift under way is that of Ikeda, Himeno & Tanaka
+(1978), as in ITTC 7.5-02-07-04.5, 2.2.2. A component at an amplitude phi and a frequency omega is a moment over the
+rate; what of their sum grows with the amplitude becomes a moment over the square of the rate, 8 / (3 pi) omega phi of
+which is the same work in a period.
+
+Regressions hold within LIMITS; beyond them a hull is taken as one at the limit, and `outside` says so.
+"""
+
+from collections.abc import Sequence
+from math import exp, log, pi, radians, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.model import Model, quantity
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+
+VISCOSITY = 1.14e-6  # of sea water of 15 degrees C [m2/s]
+AMPLITUDES = tuple(float(a) for a in range(1, 21))  # [deg] over which a linear and a quadratic part are fitted
+WATERLINE = 1.75  # draughts of a hull's sides in the wetted surface
+
+LIMITS = {
+    "block coefficient": (0.5, 0.85),
+    "midship section coefficient": (0.9, 0.99),
+    "breadth / draught": (2.5, 4.5),
+    "depth of the centre of mass / draught": (-1.5, 0.2),
+    "roll frequency sqrt(B / 2g)": (0.0, 1.0),
+    "breadth of bilge keels / breadth": (0.01, 0.06),
+    "length of bilge keels / length": (0.05, 0.4),
+}
+
+# Regressions of the waves: polynomials in B/d, each a row from the highest power down. Of A1: by powers of C_B, of
+# 1 - OG/d; of its correction: by powers of C_B, of C_M.
+WAVE_A1 = (
+    (
+        (-0.002222, 0.040871, -0.286866, 0.599424),
+        (0.010185, -0.161176, 0.904989, -1.641389),
+        (-0.015422, 0.220371, -1.084987, 1.834167),
+    ),
+    (
+        (-0.0628667, 0.4989259, 0.52735, -10.7918672, 16.616327),
+        (0.1140667, -0.8108963, -2.2186833, 25.1269741, -37.7729778),
+        (-0.0589333, 0.2639704, 3.1949667, -21.8126569, 31.4113508),
+        (0.0107667, 0.0018704, -1.2494083, 6.9427931, -10.2018992),
+    ),
+    (
+        (0.192207, -2.787462, 12.507855, -14.764856),
+        (-0.350563, 5.222348, -23.974852, 29.007851),
+        (0.237096, -3.535062, 16.368376, -20.539908),
+        (-0.067119, 0.966362, -4.407535, 5.894703),
+    ),
+)
+WAVE_A1_SHAPE = (
+    (
+        (17.945, -166.294, 489.799, -493.142),
+        (-25.507, 236.275, -698.683, 701.494),
+        (9.077, -84.332, 249.983, -250.787),
+    ),
+    (
+        (-16.872, 156.399, -460.689, 463.848),
+        (24.015, -222.507, 658.027, -660.665),
+        (-8.56, 79.549, -235.827, 236.579),
+    ),
+)
+WAVE_A2 = (-1.402, 7.189, -10.993, 9.45)  # in 1 - OG/d
+# Of A3: polynomials in C_B, by powers of 1 - OG/d.
+WAVE_A3 = (
+    (-7686.0287, 30131.5678, -49048.9664, 42480.7709, -20665.147, 5355.2035, -577.8827),
+    (61639.9103, -241201.0598, 392579.5937, -340629.4699, 166348.6917, -43358.7938, 4714.7918),
+    (-130677.4903, 507996.2604, -826728.7127, 722677.104, -358360.7392, 95501.4948, -10682.8619),
+    (-110034.6584, 446051.22, -724186.4643, 599411.9264, -264294.7189, 58039.7328, -4774.6414),
+    (709672.0656, -2803850.2395, 4553780.5017, -3888378.9905, 1839829.259, -457313.6939, 46600.823),
+    (-822735.9289, 3238899.7308, -5256636.5472, 4500543.147, -2143487.3508, 538548.1194, -55751.1528),
+    (299122.8727, -1175773.1606, 1907356.1357, -1634256.8172, 780020.9393, -196679.7143, 20467.0904),
+)
+WAVE_A3_SHAPE = ((-17.102, 41.495, -33.234, 8.8007), (36.566, -89.203, 71.8, -18.108))  # in C_B, by 1 - OG/d
+WAVE_A3_BREADTH = (-0.3767, 3.39, -10.356, 11.588)  # in B/d
+WAVE_A3_SHIFT = (-0.0727, 0.7, -1.2818)  # in B/d
+WAVE_A3_AXIS = (-1.05584, 12.688, -63.70534, 172.84571, -274.05701, 257.68705, -141.40915, 44.13177, -7.1654)
+WAVE_A3_LAST = (-0.0495, 0.4518, -0.61655)  # in B/d
+EDDIES_FORM = (-79.414, 215.695, -215.883, 93.894, -14.848)  # in C_B
+EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
+
+
+def polynomial(coefficients: Sequence[float], x: float) -> float:
+    """By falling powers."""
+    return float(np.polyval(coefficients, x))
+
+
+class BilgeKeels(Model):
+    """A pair of plates along the bilges."""
+
+    length: float = quantity("m", ..., gt=0.0)
+    """Length of each keel."""
+    breadth: float = quantity("m", ..., gt=0.0)
+    """How far they stand out from the hull."""
+
+
+class Ikeda(Model):
+    """Roll damping by components, from the form of the hull (Kawahara, Maekawa & Ikeda 2012)."""
+
+    bilge_keels: BilgeKeels | None = None
+    """The bilge keels; null: the hull is bare."""
+    kinematic_viscosity: float = quantity("m2/s", VISCOSITY, gt=0.0)
+    """Of the water."""
+
+
+class Form(NamedTuple):
+    """A hull as the regressions see it."""
+
+    length: float  # of the waterline [m]
+    breadth: float  # [m]
+    draught: float  # [m]
+    block: float  # C_B
+    midship: float  # C_M
+    axis: float  # depth of the centre of mass under the still water over the draught
+    frequency: float  # omega sqrt(B / 2g)
+    keels: tuple[float, float] | None  # length over that of the hull, breadth over that of the hull
+
+    @property
+    def ratios(self) -> dict[str, float]:
+        """What LIMITS bound."""
+        found = {
+            "block coefficient": self.block,
+            "midship section coefficient": self.midship,
+            "breadth / draught": self.breadth / self.draught,
+            "depth of the centre of mass / draught": self.axis,
+            "roll frequency sqrt(B / 2g)": self.frequency,
+        }
+        if self.keels is not None:
+            found["breadth of bilge keels / breadth"] = self.keels[1]
+            found["length of bilge keels / length"] = self.keels[0]
+        return found
+
+
+class Components(NamedTuple):
+    """Moments over the rate of roll, as B / (rho V B^2) sqrt(B / 2g), at one amplitude and frequency."""
+
+    friction: float
+    wave: float
+    eddies: float
+    bilge_keels: float
+
+
+def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
+    """Of a hull that rolls at a frequency [rad/s]."""
+    _, breadth, draught = hull.stations
+    length, broad = hull.length, float(breadth.max())
+    deep = float(draught.max())
+    volume = min(hull.wanted, hull.voxels.volume)
+    return Form(
+        length,
+        broad,
+        deep,
+        volume / (length * broad * deep),
+        float(hull.sections.max()) / (broad * deep),
+        (hull.keel + deep - float(hull.matter.centre[1])) / deep,
+        omega * sqrt(broad / (2.0 * hull.gravity)),
+        None if keels is None else (keels.length / length, keels.breadth / broad),
+    )
+
+
+def outside(form: Form) -> list[str]:
+    """Which ratios of a hull lie beyond the regressions, in words."""
+    return [
+        f"{name} {value:.3g} ({LIMITS[name][0]:g} to {LIMITS[name][1]:g})"
+        for name, value in form.ratios.items()
+        if not LIMITS[name][0] - 1e-6 <= value <= LIMITS[name][1] + 1e-6
+    ]
+
+
+def components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
+    """At an amplitude [deg]; ratios beyond LIMITS count as those at the limit."""
+    held = {name: min(max(value, LIMITS[name][0]), LIMITS[name][1]) for name, value in form.ratios.items()}
+    cb, cm, bd, og, frequency, *keels = held.values()
+    return Components(
+        friction(form, amplitude, viscosity, gravity),
+        waves_made(cb, cm, bd, og, frequency),
+        eddies(cb, cm, bd, og, amplitude) * frequency,
+        bilge_keels(cb, cm, bd, og, amplitude, keels[1], keels[0]) * frequency if keels else 0.0,
+    )
+
+
+def friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
+    """Of the skin (Kato 1958): Blasius's layer on a cylinder of the hull's mean radius."""
+    _, broad, deep, cb, _, og, frequency, _ = form
+    phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
+    radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
+    reynolds = 3.22 * (radius * phi) ** 2 * omega / (2.0 * pi * viscosity)
+    wetted = WATERLINE * deep + cb * broad  # a metre of length
+    moment = 4.0 / (3.0 * pi) * wetted * radius**3 * phi * omega * 1.328 / sqrt(reynolds)
+    return moment / (cb * deep * broad**3) * sqrt(broad / (2.0 * gravity))
+
+
+def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
+    """Of the hull at rest."""
+    if frequency == 0.0:
+        return 0.0
+    over = 1.0 - og
+    a1 = polynomial([polynomial([polynomial(row, bd) for row in rows], cb) for rows in WAVE_A1], over)
+    shape = polynomial([polynomial([polynomial(row, bd) for row in rows], cb) for rows in WAVE_A1_SHAPE], cm)
+    a3 = polynomial([polynomial(row, cb) for row in WAVE_A3], over)
+    bent = polynomial(WAVE_A3_BREADTH, bd) * polynomial([polynomial(row, cb) for row in WAVE_A3_SHAPE], over)
+    last = polynomial(WAVE_A3_LAST, bd)
+    a3 += bent * polynomial([*WAVE_A3_AXIS, last], over - polynomial(WAVE_A3_SHIFT, bd))
+    a1 *= shape * (1.0 - over) + 1.0
+    return a1 / frequency * exp(-polynomial(WAVE_A2, over) * (log(frequency) - a3) ** 2 / 1.44)
+
+
+def eddies(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
+    """Of vortices at the naked hull, over the frequency; none where the regression, beyond a block coefficient of 0.84,
+    falls below zero: a drag takes energy."""
+    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial(EDDIES_FORM, cb), 0.0)
+    axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
+    axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
+    section = (0.25 * og + 0.95) * og + polynomial(EDDIES_SECTION, cb)
+    power = -15.0 * cb * bd + 46.5 * cb + 11.2 * bd - 28.6
+    drag = form * exp(axis + section * cm**power)
+    return 4.0 * radians(amplitude) / (3.0 * pi * cb * bd**3) * drag
+
+
+def bilge_keels(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
+    """Of bilge keels, `long` and `broad` over the hull's length and breadth, over the frequency."""
+    form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
+    swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
+    size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2
+    size += (5.2857 * broad**2 - 0.01185 * broad + 0.00189) * long
+    axis = (5.0 * broad + 0.3 * bd - 0.2 * long + 0.00125 * amplitude**2 - 0.0425 * amplitude - 1.86) * og
+    section = -15.0 * broad + 1.2 * cb - 0.1 * bd - 0.0657 * og**2 + 0.0586 * og + 1.6164
+    return form * swing * size * exp(axis + section * cm ** (2.5 * og + 15.75))
+
+
+def lift(form: Form, density: float) -> float:
+    """Moment over the rate of roll and the speed ahead [N s2 rad-1]: of the hull's lift."""
+    length, broad, deep, _, cm, _, _, _ = form
+    held = min(max(cm, 0.91), 0.99)
+    slope = 2.0 * pi * deep / length
+    slope += (106.0 * (held - 0.91) ** 2 - 700.0 * (held - 0.91) ** 3) * (4.1 * broad / length - 0.045)
+    push, arm, og = 0.3 * deep, 0.5 * deep, form.axis * deep
+    return 0.5 * density * length * deep * slope * push * arm * (1.0 - 1.4 * og / arm + 0.7 * og**2 / (push * arm))
+
+
+class RollDamping:
+    """The roll damping of one hull: moments over the rate, its square, and the rate and the speed ahead."""
+
+    def __init__(self, config: Ikeda, hull: Hydrostatics, added: float, waves: bool) -> None:
+        """`added`: inertia of the water that rolls along [kg m2]; `waves`: whether the hull's own waves are part of it,
+        which a table of radiation has already. Of a hull that nothing rights, at no frequency, it is none."""
+        stiffness = hull.stiffness["roll"]
+        omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
+        self.keels = config.bilge_keels
+        self.form = form = form_of(hull, omega, config.bilge_keels)
+        volume = min(hull.wanted, hull.voxels.volume)
+        self.scale = hull.density * volume * form.breadth**2 / sqrt(form.breadth / (2.0 * hull.gravity))  # [N m s]
+        self.omega, self.critical = omega, 2.0 * sqrt(max(stiffness, 0.0) * (hull.inertia["roll"] + added))
+        self.parts: dict[float, Components] = {}
+        self.linear, self.quadratic, self.ahead = 0.0, 0.0, lift(form, hull.density)
+        if omega > 0.0:
+            found = [components(form, a, config.kinematic_viscosity, hull.gravity) for a in AMPLITUDES]
+            self.parts = {a: each if waves else each._replace(wave=0.0) for a, each in zip(AMPLITUDES, found)}
+            whole = self.scale * np.array([sum(each) for each in self.parts.values()])
+            rate = 8.0 / (3.0 * pi) * omega * np.radians(AMPLITUDES)
+            rows = np.stack([np.ones_like(rate), rate], axis=1)
+            self.linear, self.quadratic = (max(float(x), 0.0) for x in np.linalg.lstsq(rows, whole, rcond=None)[0])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader of the results should know."""
+        beyond = outside(self.form)
+        said = (
+            [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
+        )
+        if any(each.eddies == 0.0 for each in self.parts.values()):
+            said.append("roll damping: for so full a hull Ikeda's regression gives negative eddy damping, counted as 0")
+        return said
+
+    def share(self, amplitude: float) -> float:
+        """Of critical damping, by all components at one of AMPLITUDES [deg]; 0 of a hull that nothing rights."""
+        return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
+
+    def moment(self, rate: float, ahead: float) -> float:
+        """[N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
+        return -(self.linear + self.quadratic * abs(rate) + self.ahead * max(ahead, 0.0)) * rate

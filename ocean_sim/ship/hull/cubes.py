@@ -1,0 +1,276 @@
+"""Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.columns import Columns
+from ocean_sim.fluid import Fluid
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
+from ocean_sim.runtime import Array, Array2, Integers, Template, alone, in_kernels
+from ocean_sim.ship.body.rigid_body import RigidBody
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+from ocean_sim.ship.water.water_samples import (
+    HANDED,
+    TOP,
+    SurroundingSea,
+    SurroundingWater,
+    pose,
+    turned,
+    vector,
+    write_pose,
+)
+from ocean_sim.surface import Surface
+from ocean_sim.wind import Wind
+
+BLOCK = 128  # cubes that are summed one after the other
+SUMS = Columns(
+    buoyancy=6,  # forces and torques [N], [N m]
+    wave=6,
+    wind_drag=6,
+    wind_lift=6,
+    volume=1,  # under water [m3]
+    velocity=6,  # of the water, times the area that it meets, and times how far that lies ahead and to port
+    acceleration=6,  # over gravity, likewise
+    face=10,  # `FACES` of the areas that the water meets
+    cut=1,  # volume of the cubes that the surface cuts [m3]
+)
+
+
+FACES = Columns(
+    area=3,  # across sway, heave and surge [m2]
+    arm=3,  # that across heave times z (pitch), across sway times z (yaw), across heave times x (roll) [m3]
+    spread=3,  # likewise, times the squares [m4]
+    skew=1,  # across heave, times x z [m4]
+)
+
+
+class Wetted(NamedTuple):
+    """What acts on all cubes together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
+
+    buoyancy: np.ndarray
+    wave: np.ndarray
+    wind_drag: np.ndarray
+    wind_lift: np.ndarray
+    volume: float  # under water [m3]
+    velocity: np.ndarray  # (6,) of the water about the centre of mass, as one body, body axes [m/s], [rad/s]
+    acceleration: np.ndarray  # (6,) [m/s2], [rad/s2]
+
+
+@in_kernels
+class Cubes:
+    """The cubes of a hull in its body axes, from the centre of mass."""
+
+    def __init__(self, hull: Hydrostatics) -> None:
+        cubes, matter = hull.voxels, hull.matter
+        self.n, self.cubes = len(cubes.share), cubes
+        self.blocks = -(-self.n // BLOCK)
+        upwards = np.argsort(cubes.centre[:, 1], kind="stable")  # so that whole blocks stay dry
+        arm = (cubes.centre - matter.centre)[upwards]
+        edges = range(0, self.n, BLOCK)
+        lower, upper = np.minimum.reduceat(arm, edges), np.maximum.reduceat(arm, edges)
+        self.weight = hull.density * hull.gravity  # [N/m3]
+        self.gravity = hull.gravity
+        self.arm = ti.Vector.field(3, float, shape=self.n)  # [m]
+        self.area = ti.Vector.field(3, float, shape=self.n)  # outward [m2]
+        self.volume = ti.field(float, shape=self.n)  # inside the hull [m3]
+        self.key = ti.field(int, shape=self.n)  # by which a wind distinguishes them
+        self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
+        self.mass_density = matter.mass / cubes.volume  # [kg/m3]
+        self.size: list[float] = cubes.size.tolist()  # [m]
+        self.square = tm.vec3(cubes.square)  # of their sides [m2]
+        real = to_numpy_type(self.volume.dtype)
+        volume = (cubes.share * cubes.size.prod())[upwards]
+        box = np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).reshape(-1, 3)
+        numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
+        self.hold(*numbers, upwards.astype(np.int32))
+        self.found = np.zeros((self.n, 3))
+        self.table = np.zeros((1 + self.blocks, max(HANDED.size, SUMS.size)))  # the pose, and the sums of each block
+
+    @ti.kernel
+    def hold(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
+        ti.loop_config(serialize=ti.static(alone()))
+        for k in range(self.n):
+            self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
+            self.area[k] = tm.vec3(area[k, 0], area[k, 1], area[k, 2])
+            self.volume[k], self.key[k] = volume[k], key[k]
+        ti.loop_config(serialize=ti.static(alone()))
+        for b in range(2 * self.blocks):
+            self.box[b // 2, b % 2] = tm.vec3(box[b, 0], box[b, 1], box[b, 2])
+
+    @staticmethod
+    def bytes(n: int, word: int) -> int:
+        """Memory that n cubes take."""
+        return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS.size * 8 + 6 * word)
+
+    def wetted(
+        self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
+    ) -> Wetted:
+        """What water and wind do to the hull where it is."""
+        table = self.table
+        write_pose(table[0], body)
+        around.place(body, table[0])
+        table[0, HANDED.since], table[0, HANDED.step] = wind.since, wind.step
+        self.sum_up(around, water, wind, table)
+        total = table[1:].sum(axis=0)
+        dx, dz = self.cubes.aside(body.rows, self.weight * float(total[SUMS.cut]))
+        total[SUMS.buoyancy + 3] -= dz
+        total[SUMS.buoyancy + 5] += dx
+        velocity = acceleration = np.zeros(6)
+        if isinstance(around, SurroundingSea):
+            faces = total[SUMS.face : SUMS.cut].tolist()
+            velocity = as_one_body(total[SUMS.velocity : SUMS.acceleration].tolist(), faces, self.size)
+            acceleration = self.gravity * as_one_body(total[SUMS.acceleration : SUMS.face].tolist(), faces, self.size)
+        parts = total[: SUMS.volume].reshape(4, 2, 3)
+        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
+
+    def displaced(self, body: RigidBody, around: SurroundingWater | SurroundingSea) -> tuple[np.ndarray, np.ndarray]:
+        """x and z (m, 2) [m] of the cubes under water where the body is, and how much water each displaces [m3]; the
+        water stands as it was last asked, where its current has carried it since."""
+        write_pose(self.table[0], body)
+        middle = around.carried()
+        self.table[0, [pose.position, pose.position + 2]] -= middle
+        self.immersed(around, self.table, self.found)
+        wet = self.found[self.found[:, 2] > 0.0]
+        return wet[:, :2] + middle, wet[:, 2]
+
+    @ti.kernel
+    def immersed(self, around: Template, table: Array2, found: Array2):
+        ti.loop_config(serialize=ti.static(alone()))
+        for block in range(self.blocks):
+            position, turn = vector(table, pose.position), turned(table)
+            up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
+            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
+            for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
+                x = position + turn @ self.arm[k]
+                share = tm.clamp((around.elevation(x.x, x.z) - x.y) / tall + 0.5, 0.0, 1.0)
+                found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, share * self.volume[k]
+
+    @ti.kernel
+    def sum_up(
+        self,
+        around: Template,
+        water: Template,
+        wind: Template,
+        table: Array2,
+    ):
+        around.look(water, table)
+        wind.set_clock(ti.cast(table[0, HANDED.since], float), ti.cast(table[0, HANDED.step], float))
+        ti.loop_config(serialize=ti.static(alone()))
+        for block in range(self.blocks):
+            position, turn = vector(table, pose.position), turned(table)
+            velocity, omega = vector(table, pose.velocity), vector(table, pose.spin)
+            middle = tm.vec3(ti.cast(table[0, HANDED.middle], float), 0.0, ti.cast(table[0, HANDED.middle + 1], float))
+            up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
+            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
+            total = ti.Vector.zero(ti.f64, SUMS.size)
+            lowest = position.y + up.dot(self.box[block, 0]) - abs(up).dot(self.box[block, 1]) - 0.5 * tall
+            if ti.static(wind.blows) or lowest < around.frame[TOP]:
+                for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
+                    self.add(total, k, around, wind, tall, position, middle, turn, velocity, omega)
+            for c in ti.static(range(SUMS.size // 2)):
+                table[1 + block, c] = total[c]
+                table[1 + block, SUMS.size // 2 + c] = total[SUMS.size // 2 + c]
+
+    @ti.func
+    def add(
+        self,
+        total: Template,
+        k,
+        water: Template,
+        wind: Template,
+        tall,
+        position,
+        middle,
+        turn: Template,
+        velocity,
+        omega,
+    ):
+        arm = turn @ self.arm[k]
+        x, wet = position + arm, 0.0
+        if x.y - 0.5 * tall < water.frame[TOP]:
+            wet = self.immerse(total, k, water, tall, arm, x, turn)
+        if ti.static(wind.blows):
+            bare = (1.0 - wet) * (turn @ self.area[k])
+            mass = self.mass_density * self.volume[k]
+            blown = wind.force(self.key[k], x + middle, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
+            if (blown != 0.0).any():  # most cubes lie outside most gusts
+                self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
+                self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
+
+    @ti.func
+    def immerse(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
+        """Add what the water does to a cube that it may reach; the share that is under water."""
+        corner = water.corner(x.x, x.z)
+        eta, slope = water.sheet(corner)
+        depth = eta - x.y
+        share = depth / tall + 0.5
+        wet = tm.clamp(share, 0.0, 1.0)
+        if wet > 0.0:
+            volume, pull = wet * self.volume[k], slope
+            self.put(total, SUMS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
+            if ti.static(water.below):
+                pull = half(water.moving(corner, eta, depth), 3)
+            self.put(total, SUMS.wave, arm, self.weight * volume * pull)
+            self.count(total, SUMS.volume, volume)
+            if share < 1.0:
+                self.count(total, SUMS.cut, self.volume[k])
+            if ti.static(water.below):
+                own, face = self.arm[k], wet * abs(self.area[k])
+                under = depth + 0.5 * tall  # where its lower face is
+                moved = water.moving(corner, eta, under)
+                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ half(moved, 0))
+                self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ half(moved, 3))
+                met, along = tm.vec3(face.y, face.x, face.y), tm.vec3(own.z, own.z, own.x)
+                for c in ti.static(range(3)):
+                    self.count(total, SUMS.face + FACES.area + c, face[c])
+                    self.count(total, SUMS.face + FACES.arm + c, met[c] * along[c])
+                    self.count(total, SUMS.face + FACES.spread + c, met[c] * along[c] * along[c])
+                self.count(total, SUMS.face + FACES.skew, face.y * own.x * own.z)
+        return wet
+
+    @ti.func
+    def count(self, total: Template, column: Template, number):
+        total[column] += ti.cast(number, ti.f64)
+
+    @ti.func
+    def put(self, total: Template, column: Template, arm, force):
+        torque = arm.cross(force)
+        for c in ti.static(range(3)):
+            self.count(total, column + c, force[c])
+            self.count(total, column + 3 + c, torque[c])
+
+    @ti.func
+    def put_motion(self, total: Template, column: Template, own, face, moved):
+        """Of water at a cube: its motion by the area that it meets, and that times the arms of pitch, yaw and roll."""
+        for c in ti.static(range(3)):
+            self.count(total, column + c, face[c] * moved[c])
+        self.count(total, column + 3, -face.y * own.z * moved.y)
+        self.count(total, column + 4, face.x * own.z * moved.x)
+        self.count(total, column + 5, face.y * own.x * moved.y)
+
+
+def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
+    """(6,) how water that moves at cubes of a size (3,) as `put_motion` sums it (6,) moves and turns about the centre
+    of mass: least squares over `FACES`, so water that streams alike everywhere turns nothing."""
+    x, y, z, turned_x, turned_y, turned_z = moved
+    area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
+    ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y
+    dx, _, dz = (1e-4 * side**2 for side in size)  # matters where only one row of cubes is wet
+    along = faces[6] + area_y * (dz - ahead**2)
+    along_x = faces[7] + area_x * (dz - ahead_x**2)
+    across = faces[8] + area_y * (dx - aside**2)
+    skew = faces[9] - area_y * ahead * aside
+    turned_x, turned_y, turned_z = turned_x + ahead * y, turned_y - ahead_x * x, turned_z - aside * y
+    both = along * across - skew**2
+    pitch = (turned_x * across + turned_z * skew) / both
+    yaw = turned_y / along_x
+    roll = (turned_z * along + turned_x * skew) / both
+    heave = y / area_y + pitch * ahead - roll * aside
+    return np.array([x / area_x - yaw * ahead_x, heave, z / area_z, pitch, yaw, roll])
+
+
+@ti.func
+def half(six: Template, first: Template):
+    """Three of six numbers."""
+    return tm.vec3(six[first], six[first + 1], six[first + 2])

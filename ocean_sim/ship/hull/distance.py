@@ -1,0 +1,110 @@
+"""Distance from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its cubes, and
+kept with them."""
+
+import numpy as np
+
+from ocean_sim.files.cache_file import kept
+from ocean_sim.kernel_library import ti, tm, to_numpy_type
+from ocean_sim.runtime import in_kernels
+from ocean_sim.ship.hull.shapes import HullShape
+from ocean_sim.ship.hull.voxels import voxels
+
+MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
+MANY = 1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
+SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
+
+
+def coarsest(shape: HullShape, side: float, reach: float) -> float:
+    """The side asked for [m], or that of MOST cubes."""
+    lower, upper = shape.bounds()
+    return max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
+
+
+def nodes(shape: HullShape, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) sides of a cube [m], and (3,) cubes that are added on each side of a hull."""
+    lower, upper = shape.bounds()
+    side = coarsest(shape, side, reach)
+    size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
+    return size, np.ceil(reach / size).astype(int) + 1
+
+
+def memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
+    """Nodes of a lattice, and the bytes that they take."""
+    size, margin = nodes(shape, side, reach)
+    lower, upper = shape.bounds()
+    n = int((np.round((upper - lower) / size) + 2 * margin).prod())
+    return n, 2 * word * n
+
+
+def around(
+    shape: HullShape, side: float, support: float, reach: float
+) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
+    the position of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
+    over the hull [m]."""
+    lower, upper = shape.bounds()
+    size, margin = nodes(shape, side, reach)
+    cubes = voxels(shape, coarsest(shape, side, reach), 1.0)
+
+    def made() -> dict[str, np.ndarray]:
+        from scipy.ndimage import distance_transform_edt, gaussian_filter
+        from scipy.signal import fftconvolve
+
+        counts = np.round((upper - lower) / size).astype(int)
+        full = np.zeros(counts + 2 * margin, dtype=bool)
+        where = cubes.cells[cubes.share > 0.5]
+        full[tuple((where + margin).T)] = True
+        # A face lies half way between the middles of a full cube and of an empty one.
+        half = 0.5 * size.mean()
+        outside = distance_transform_edt(~full, sampling=size) - half
+        inside = distance_transform_edt(full, sampling=size) - half
+        distance = gaussian_filter(np.where(full, -inside, outside), SMOOTH, mode="nearest")
+        solid = np.zeros(full.shape)
+        solid[tuple((cubes.cells + margin).T)] = cubes.share
+        along = (np.arange(-margin[k], margin[k] + 1) * size[k] for k in range(3))
+        q = np.minimum(np.sqrt(sum(np.square(x) for x in np.meshgrid(*along, indexing="ij"))) / support, 1.0)
+        kernel = (1.0 - q) ** 4 * (1.0 + 4.0 * q)
+        share = fftconvolve(solid, kernel / kernel.sum(), mode="same")
+        return {"distance": distance, "share": share}
+
+    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTH} {support}".encode()
+    return kept("distances", content, made), lower + (0.5 - margin) * size, size
+
+
+@in_kernels
+class Distance:
+    """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
+
+    def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
+        """`side` of the cubes, `support` of the water, `reach` over the hull [m]."""
+        values, first, step = around(shape, side, support, reach)
+        size = values["share"].shape
+        self.lower = first - centre  # [m]
+        self.upper = self.lower + (np.array(size) - 1) * step
+        self.first, self.per_step, self.last = tm.vec3(self.lower), tm.vec3(1.0 / step), tm.ivec3(size) - 2
+        self.nodes = ti.Vector.field(2, float, shape=size)  # distance [m] and share
+        both = np.stack([values["distance"], values["share"]], axis=-1)
+        self.nodes.from_numpy(both.astype(to_numpy_type(self.nodes.dtype)))
+        self.far = float(reach)
+
+    @ti.func
+    def at(self, position):
+        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m]: the
+        integral of the kernel's gradient over the hull."""
+        a = (position - self.first) * self.per_step
+        c = tm.clamp(int(ti.floor(a)), 0, self.last)
+        normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)
+        if (a >= 0.0).all() and (a <= self.last + 1).all():
+            f = a - c
+            shares, distance = (1.0 - f, f), 0.0
+            for i, j, k in ti.static(ti.ndrange(2, 2, 2)):
+                x, y, z = shares[i].x, shares[j].y, shares[k].z
+                here = self.nodes[c.x + i, c.y + j, c.z + k]
+                rise = tm.vec3((2 * i - 1) * y * z, (2 * j - 1) * x * z, (2 * k - 1) * x * y)
+                distance += x * y * z * here[0]
+                normal += here[0] * rise
+                thinning -= here[1] * rise
+            normal *= self.per_step
+            normal /= tm.max(normal.norm(), 1e-6)
+            thinning *= self.per_step
+        return normal, distance, thinning

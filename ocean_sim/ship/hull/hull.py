@@ -1,0 +1,100 @@
+"""A hull as a scene gives it: shape, mass, centre of mass, inertia; and the cubes that it becomes."""
+
+from math import isinf
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, ValidationError
+
+from ocean_sim.conventions import AxisName
+from ocean_sim.model import Model, Vector3, quantity
+from ocean_sim.parts import named, preset
+from ocean_sim.ship.hull.shapes import MeshFile, Shape
+from ocean_sim.ship.hull.voxels import FLAT, Voxels, voxels
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
+
+OF_MOTIONS = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
+CUBES_ACROSS = 8.0  # across a hull that is narrower than its draught, at least
+COARSE = 16  # cubes over the height of a hull whose draught is not known yet
+ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
+MESHES = (".stl", ".obj", ".ply")
+
+
+def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Principal moments that some distribution of mass has."""
+    if not min(inertia) > 0.0:
+        raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
+    if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
+        raise ValueError(f"no body has {list(inertia)}: each moment of inertia is at most the sum of the other two")
+    return inertia
+
+
+Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
+
+
+class Hull(Model):
+    """A hull; positions are from its origin amidships at the keel: x to port, y up, z to the bow."""
+
+    shape: Shape
+    mass: float | None = quantity("kg", None, gt=0.0)
+    """Mass of the whole ship."""
+    centre_of_mass: Vector3 | None = quantity("m", None)
+    """Null: the centroid of the hull, as if its density were uniform."""
+    inertia: Inertia | None = quantity("kg m2", None)
+    """Moments of inertia of pitch, yaw and roll (about x, y, z) about the centre of mass; null: those of uniform
+    density."""
+
+    def matter(self, cubes: Voxels) -> Matter:
+        """Mass, centre and inertia, given or of uniform density; raises ValueError where there is no mass."""
+        if self.mass is None:
+            raise ValueError("has no mass; give mass [kg]")
+        centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
+        own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
+        return Matter(self.mass, centre, own)
+
+    def afloat(self, cells: float, density: float, gravity: float) -> Hydrostatics:
+        """The hull in still water, with so many cubes over its draught; raises ValueError."""
+        lower, upper = self.shape.bounds()
+        breadth, height, length = (upper - lower).tolist()
+        least, flat = self.finest, FLAT if cells <= OF_MOTIONS else 1.0
+        mesh = self.shape.closed()
+        draught = min(self.floating(height / COARSE, density, gravity).draught, height)
+        if draught > min(breadth, length):  # slender and upright
+            cells = max(cells, draught / min(breadth, length) * CUBES_ACROSS)
+        if mesh is not None and mesh.thickness < draught / cells:
+            return self.floating(least, density, gravity, 1.0)
+        fine = self.floating(max(draught / cells, least), density, gravity, flat)
+        if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
+            return fine
+        return self.floating(max(fine.draught / cells, least), density, gravity, flat)
+
+    @property
+    def finest(self) -> float:
+        """Side of the smallest cubes that the hull is cut in, to find where it floats [m]."""
+        lower, upper = self.shape.bounds()
+        return float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
+
+    def floating(self, side: float, density: float, gravity: float, flat: float = FLAT) -> Hydrostatics:
+        """The hull in cubes of a given height [m], up to `flat` times as long."""
+        cubes = voxels(self.shape, side, flat)
+        return Hydrostatics(cubes, self.matter(cubes), density, gravity)
+
+
+def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
+    """The hull of a name in configs/hull/, or in a mesh file, read with these axes and metres per unit where they are
+    given; raises ValueError."""
+    if name in named("hull"):
+        return Hull.model_validate(preset("hull", name))
+    if Path(name).suffix.lower() in MESHES:
+        return Hull(shape=MeshFile(kind="mesh", file=name, up=up, bow=bow, scale=scale))
+    raise ValueError(
+        f"there is no hull {name!r}, and it is not a {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
+    )
+
+
+def explained(error: ValidationError | ValueError) -> str:
+    """An error as one sentence."""
+    if isinstance(error, ValidationError):
+        return "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors(include_url=False))
+    return str(error)

@@ -1,0 +1,131 @@
+"""A hull as cubes with the share of each that lies inside it, made once and kept by content.
+
+They are as tall as asked for, and up to FLAT times as long and broad where a hull has plenty of them that way: what is
+clipped at the water is their height. Whole ones fill the box around the hull.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+
+import numpy as np
+
+from ocean_sim.files.cache_file import kept
+from ocean_sim.ship.body import small_linalg
+from ocean_sim.ship.hull.mesh import column_shares
+from ocean_sim.ship.hull.shapes import HullShape
+
+SAMPLES = 4  # along each edge of a cube
+SAMPLES_OF_MESH = (SAMPLES, 8, 16)  # across and along a cube of a mesh: more where fewer miss it
+MISSED_SHARE = 0.02  # of the volume of a mesh
+MOST = 4_000_000  # cubes
+FLAT = 3.0  # the most that a cube is longer and broader than tall
+ENOUGH = np.array([14, 1e9, 24])  # cubes across and along a hull, which leave no error that the height does not
+OFFSET = 1.0e-4  # of a cube: columns do not run through the edges of a mesh that was drawn on a lattice
+
+
+@dataclass(frozen=True, eq=False)
+class Voxels:
+    """Cubes of a hull, in its axes."""
+
+    lower: np.ndarray  # (3,) corner of the box that they fill [m]
+    size: np.ndarray  # (3,) of each [m]
+    centre: np.ndarray  # (n, 3) of the part of each that lies inside [m]
+    share: np.ndarray  # (n,) inside the hull
+    area: np.ndarray  # (n, 3) outward area of the hull in each [m2]
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """(n, 3) which cube along each axis each is."""
+        return np.floor((self.centre - self.lower) / self.size).astype(int)
+
+    @cached_property
+    def volume(self) -> float:
+        """[m3]."""
+        return float(self.share.sum() * self.size.prod())
+
+    def heights(self, up: np.ndarray) -> np.ndarray:
+        """(n,) of their centres along a unit vector [m]; summed by hand, as the same bytes come of any threads."""
+        return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
+
+    def spread(self, up: np.ndarray) -> float:
+        """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
+        return float(np.linalg.norm(self.size * up))
+
+    def aside(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
+        """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
+        lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
+        x, square_of_spread, z = small_linalg.turned(turn, small_linalg.scaled(self.square, turn[1]))
+        share = -cut / (12.0 * sqrt(square_of_spread))
+        return share * x, share * z
+
+    @cached_property
+    def square(self) -> small_linalg.Three:
+        """Of the size along each axis [m2]."""
+        x, y, z = (self.size**2).tolist()
+        return x, y, z
+
+    @cached_property
+    def centroid(self) -> np.ndarray:
+        """(3,) [m]."""
+        return (self.share[:, None] * self.centre).sum(axis=0) / self.share.sum()
+
+    def inertia(self, mass: float, about: np.ndarray) -> np.ndarray:
+        """(4.18): (3, 3) of a homogeneous body about a point, by parallel axes from its centroid [kg m2]."""
+        m = mass * self.share / self.share.sum()
+        r = self.centre - about
+        own = mass * np.diag(self.size**2) / 12.0  # spread of each cube
+        moments = np.stack([(m * r[:, a])[:, None] * r for a in range(3)]).sum(axis=1) + own
+        return np.trace(moments) * np.eye(3) - moments
+
+
+def voxels(shape: HullShape, side: float, flat: float = FLAT) -> Voxels:
+    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
+    lower, upper = shape.bounds()
+    sides = np.clip((upper - lower) / ENOUGH, side, flat * side)
+    counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
+    if counts.prod() > MOST:
+        raise ValueError(
+            f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
+            f"{counts.prod():.3g} of them (at most {MOST:g}); take fewer cells_per_draught"
+        )
+    content = shape.content() + f"{counts.tolist()} {SAMPLES} {SAMPLES_OF_MESH} {MISSED_SHARE}".encode()
+    size = (upper - lower) / counts
+
+    def made() -> dict[str, np.ndarray]:
+        mesh = shape.closed()
+        for samples in SAMPLES_OF_MESH:
+            arrays = sampled(shape, counts, lower, upper, samples)
+            if mesh is None or abs(arrays["share"].sum() * size.prod() / mesh.volume - 1.0) <= MISSED_SHARE:
+                break
+        return arrays
+
+    arrays = kept("hulls", content, made)
+    return Voxels(lower, size, arrays["centre"], arrays["share"], arrays["area"])
+
+
+def sampled(
+    shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
+) -> dict[str, np.ndarray]:
+    """Share, centre and outward area of the cubes that hold something, by so many columns along x and z of each."""
+    size = (upper - lower) / counts
+    per_cube = (samples, SAMPLES, samples)
+    axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]
+    share, centre = np.zeros(counts), np.zeros((*counts, 3))
+    mesh = shape.closed()
+    for k in range(counts[2]):
+        z = axes[2][k * samples : (k + 1) * samples]
+        if mesh is None:
+            inside = shape.filled(axes[0], axes[1], z).astype(float)
+        else:
+            edges = lower[1] + size[1] * np.arange(counts[1] * SAMPLES + 1) / SAMPLES
+            inside = column_shares(mesh.triangles, axes[0] + OFFSET * size[0], z + 0.7 * OFFSET * size[2], edges)
+        blocks = inside.reshape(counts[0], samples, counts[1], SAMPLES, 1, samples)
+        share[:, :, k] = blocks.mean(axis=(1, 3, 4, 5))
+        for a, position in enumerate(np.ix_(axes[0], axes[1], z)):
+            centre[:, :, k, a] = (inside * position).reshape(blocks.shape).mean(axis=(1, 3, 4, 5))
+    full = share > 1e-9
+    steps = [np.diff(share, axis=a, prepend=0.0, append=0.0).swapaxes(0, a) for a in range(3)]
+    bare = [np.maximum(-step[1:], 0.0) - np.maximum(step[:-1], 0.0) for step in steps]  # ahead less behind
+    area = size.prod() / size * np.stack([each.swapaxes(0, a) for a, each in enumerate(bare)], axis=-1)
+    return {"share": share[full], "centre": centre[full] / share[full][:, None], "area": area[full]}

@@ -1,0 +1,1 @@
+"""Naval architecture of a hull at rest: hydrostatics and stability."""

@@ -1,0 +1,346 @@
+"""Still water and a hull: where it floats, its stability, its dry periods, and how much deeper it lies under way.
+
+By its cubes: one is wet as far as the water stands over its lower side; one that is turned has the same spread of
+heights, so a straight ramp serves it too (variance side^2 / 12 in any direction).
+
+By its faces, without cubes, metacentric heights are KB + I / V - KG, by integrals over its wet faces. Over a closed
+surface the integral of f(x, z) n_y is 0, so that over the waterplane, where n_y = 1, it is that over the wet faces with
+the other sign; with heights from the waterplane, volume and its moment are the integrals of y n_y and y^2 n_y / 2
+(Gauss).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+from math import inf, pi, radians, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ocean_sim.conventions import GRAVITY
+from ocean_sim.ship.body.rigid_body import about
+from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, lone_corner_first, stretches
+from ocean_sim.ship.hull.shapes import HullShape, drawn
+from ocean_sim.ship.hull.voxels import Voxels
+
+UP = np.array([0.0, 1.0, 0.0])
+SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
+HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
+ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
+LEVEL_ROUNDING = 1e-13  # of a hull's height
+BLUNT_AREA = 0.1  # of the greatest area, of a slice at an end
+BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
+
+
+@dataclass(frozen=True)
+class Matter:
+    """What the water carries."""
+
+    mass: float  # [kg]
+    centre: np.ndarray  # (3,) from the hull's origin [m]
+    inertia: np.ndarray  # (3, 3) about the centre, hull axes [kg m2]
+
+
+@dataclass(frozen=True, eq=False)
+class Hydrostatics:
+    """A hull of given matter in still water."""
+
+    voxels: Voxels
+    matter: Matter
+    density: float  # of the water [kg/m3]
+    gravity: float  # [m/s2]
+    lost: tuple[float, float] = (0.0, 0.0)  # of the metacentric heights across and along by liquids on board [m]
+
+    @property
+    def wanted(self) -> float:
+        """Volume that carries the mass [m3]."""
+        return self.matter.mass / self.density
+
+    def wet(self, up: np.ndarray, level: float) -> np.ndarray:
+        """Volume of each cube under a level [m3] along a unit vector of the hull's axes."""
+        return self.whole * np.clip(self.shares(up, level), 0.0, 1.0)
+
+    def shares(self, up: np.ndarray, level: float) -> np.ndarray:
+        """How far each cube is wet: 0 where it touches the water, 1 where it is under it."""
+        return (level - self.voxels.heights(up)) / self.voxels.spread(up) + 0.5
+
+    @cached_property
+    def whole(self) -> np.ndarray:
+        """Volume of each cube inside the hull [m3]."""
+        return self.voxels.size.prod() * self.voxels.share
+
+    def level(self, up: np.ndarray) -> float:
+        """How high along a unit vector the water stands where it carries the mass [m]; infinite where it cannot."""
+        if self.wanted >= self.voxels.volume:
+            return inf
+        height, spread = self.voxels.heights(up), self.voxels.spread(up)
+        low, high = float(height.min()) - spread, float(height.max()) + spread
+        near, whole, sunk = height, self.whole, 0.0  # cubes that the surface may cut, and the volume of those under it
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            volume = sunk + _under(middle, near, spread, whole)
+            if abs(volume - self.wanted) < ROUNDING * self.voxels.volume:  # where the order of a sum may decide
+                volume = _under(middle, height, spread, self.whole)
+            low, high = (middle, high) if volume < self.wanted else (low, middle)
+            if high - low > 0.25 * spread:
+                under = near <= low - 0.5 * spread
+                cut = (near < high + 0.5 * spread) & ~under
+                near, whole, sunk = near[cut], whole[cut], sunk + float(whole[under].sum())
+        return 0.5 * (low + high)
+
+    @cached_property
+    def draught(self) -> float:
+        """Upright [m]."""
+        return self.level(UP) - self.keel
+
+    @cached_property
+    def keel(self) -> float:
+        """Height of the lowest cubes' lower side over the hull's origin [m]: 0, or that of an outline's points."""
+        return float(self.voxels.lower[1])
+
+    def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
+        """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
+        turn = np.eye(3) if turn is None else turn
+        share = self.shares(turn[1], self.level(turn[1]))
+        volume = self.whole * np.clip(share, 0.0, 1.0)
+        dx, dz = self.voxels.aside(turn.tolist(), float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
+        return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
+
+    def apart(self, turn: np.ndarray) -> np.ndarray:
+        """(2,) from the centre of mass to that of buoyancy of a turned hull, to port and ahead [m]; free surfaces move
+        the former to the lower side."""
+        between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
+        return between[[0, 2]] + self.lost * turn[1, [0, 2]]
+
+    def lever(self, axis: int, degrees: float) -> float:
+        """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
+        to_port, ahead = self.apart(about(axis, radians(degrees))).tolist()
+        return -to_port if axis == 2 else ahead
+
+    def gz(self, degrees: float) -> float:
+        """Righting lever [m] at a heel, starboard down where positive."""
+        return self.lever(2, degrees)
+
+    @cached_property
+    def kb(self) -> float:
+        """Height of the centre of buoyancy over the keel [m]."""
+        return float(self.centre_of_buoyancy()[1]) - self.keel
+
+    def metacentric_height(self, axis: int = 2) -> float:
+        """GM [m], by a small turn both ways."""
+        return (self.lever(axis, SMALL) - self.lever(axis, -SMALL)) / (2.0 * sin(radians(SMALL)))
+
+    @cached_property
+    def waterplane(self) -> float:
+        """Area of the hull at the still water [m2]."""
+        level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
+        return float(self.wet(UP, level + step).sum() - self.wet(UP, level - step).sum()) / (2.0 * step)
+
+    @cached_property
+    def stiffness(self) -> dict[str, float]:
+        """Of heave [N/m], roll and pitch [N m/rad]."""
+        weight = self.matter.mass * self.gravity
+        gm, trim = self.metacentric_height(2), self.metacentric_height(0)
+        return {"heave": self.density * self.gravity * self.waterplane, "roll": weight * gm, "pitch": weight * trim}
+
+    @property
+    def inertia(self) -> dict[str, float]:
+        """Of heave [kg], roll and pitch [kg m2]."""
+        m = self.matter
+        return {"heave": m.mass, "roll": float(m.inertia[2, 2]), "pitch": float(m.inertia[0, 0])}
+
+    def periods(self, added: dict[str, float] | None = None) -> dict[str, float | None]:
+        """Natural periods of heave, roll and pitch [s], with added mass where given; None where nothing rights it."""
+        found = {}
+        for motion, k in self.stiffness.items():
+            inertia = self.inertia[motion] + (added or {}).get(motion, 0.0)
+            found[motion] = 2.0 * pi * sqrt(inertia / k) if k > 0.0 else None
+        return found
+
+    @cached_property
+    def at_the_water(self) -> np.ndarray:
+        """Volume of each cube within a quarter of a cube's height of the still water [m3]."""
+        step = 0.25 * self.voxels.size[1]
+        return self.wet(UP, self.waterline + step) - self.wet(UP, self.waterline - step)
+
+    @cached_property
+    def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
+        v, level = self.voxels, self.waterline
+        _, tall, long = v.size
+        number, n = self.slices
+        lowest = np.full(n, level)
+        np.minimum.at(lowest, number, self.keel + tall * v.cells[:, 1])
+        along = v.lower[2] + long * (np.arange(n) + 0.5)
+        return along, np.bincount(number, self.at_the_water, n) / (0.5 * tall * long), level - lowest
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Position along z of the stern and of the bow at the still water [m], in the slices at the ends: a transom
+        reaches twice as far into one as the middle of what is wet there, a wedge three times."""
+        along, breadth, _ = self.stations
+        number, _ = self.slices
+        long = float(self.voxels.size[2])
+
+        def end(k: int, way: int) -> float:
+            inner, there = float(along[k]) - 0.5 * way * long, number == k
+            middle = np.average(self.voxels.centre[there, 2], weights=self.at_the_water[there])
+            reach = 2.0 * abs(float(middle) - inner)
+            bluntness = float(breadth[k] * long / (reach * max(breadth[k - way], breadth[k])))  # a wedge's is 3/4
+            return inner + way * reach * min(max(3.0 - 2.0 * bluntness, 1.0), 1.5)
+
+        wet = np.flatnonzero(breadth > 0.0)
+        return end(wet[0], -1), end(wet[-1], 1)
+
+    @property
+    def length(self) -> float:
+        """Of the waterline [m]."""
+        stern, bow = self.ends
+        return bow - stern
+
+    @cached_property
+    def sections(self) -> np.ndarray:
+        """(n,) area under the still water of every slice of cubes [m2]."""
+        number, n = self.slices
+        return np.bincount(number, self.wet(UP, self.waterline), n) / self.voxels.size[2]
+
+    @property
+    def waterline(self) -> float:
+        """Height of the still water over the hull's origin [m]; of a ship that sinks, that of its deck."""
+        return min(self.draught + self.keel, float(self.voxels.centre[:, 1].max()))
+
+    @cached_property
+    def slices(self) -> tuple[np.ndarray, int]:
+        """In which slice along z each cube lies, and how many there are."""
+        number = self.voxels.cells[:, 2]
+        return number, int(number.max()) + 1
+
+
+def _under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
+    """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
+    return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
+
+
+class Wet(NamedTuple):
+    """What lies under a level, from integrals over its faces."""
+
+    volume: float  # [m3]
+    below: float  # moment of the volume about the level, negative [m4]
+    area: float  # of the waterplane [m2]
+    first: np.ndarray  # (2,) its moments along x and z [m3]
+    second: np.ndarray  # (2,) the same, second [m4]
+
+
+def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
+    """GM across and along [m] of a hull upright in still water; None where its faces only approach it, or it sinks."""
+    from scipy.optimize import brentq
+
+    if shape.rounded:
+        return None
+    vertices, triangles = drawn(shape)
+    faces, mesh = vertices[triangles], shape.closed()
+    wet_under = partial(under, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
+    low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
+    if still.wanted >= wet_under(high).volume:
+        return None
+    level = brentq(lambda y: wet_under(y).volume - still.wanted, low, high, xtol=LEVEL_ROUNDING * (high - low))
+    wet = wet_under(level)
+    about_middle = wet.second - wet.first**2 / wet.area
+    km = level + (wet.below + about_middle) / wet.volume
+    across, along = km - still.matter.centre[1] - np.array(still.lost)
+    return float(across), float(along)
+
+
+def under(faces: np.ndarray, level: float) -> Wet:
+    """Of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
+    cut = parts(faces - [0.0, level, 0.0])
+    upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
+    x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
+
+    def over(values: np.ndarray) -> float:
+        return float(upwards @ values.mean(axis=1))
+
+    plane = [np.ones_like(x), x, z, x * x, z * z]
+    area, *moments = (-over(values) for values in plane)
+    return Wet(over(y), 0.5 * over(y * y), area, np.array(moments[:2]), np.array(moments[2:]))
+
+
+def columns_under(mesh: ClosedMesh, level: float) -> Wet:
+    """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
+    volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
+    positions, along = gauss_points(mesh.vertices[:, 2])
+    line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
+    z, dz = positions[line], along[line]
+    area, first, second = (dz * (starboard**n - port**n) / n for n in (1, 2, 3))
+    moments = np.array([first.sum(), z @ area]), np.array([second.sum(), z**2 @ area])
+    return Wet(volume, below, float(area.sum()), *moments)
+
+
+def parts(faces: np.ndarray) -> np.ndarray:
+    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
+    tips that are cut off, turned round where they are to be taken away."""
+    over = faces[..., 1] > 0.0
+    number = np.count_nonzero(over, axis=1)
+    cut = number % 3 > 0
+    a, b, c, above = lone_corner_first(faces[cut], over[cut])
+    ab, ac = (a + (a[:, 1] / (a[:, 1] - end[:, 1]))[:, None] * (end - a) for end in (b, c))
+    tips = np.where(above[:, None, None], np.stack([a, ac, ab], axis=1), np.stack([a, ab, ac], axis=1))
+    return np.concatenate([faces[number <= 1], tips])
+
+
+def squat(volume: float, length: float, speed: float, depth: float) -> float:
+    """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
+    depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
+    1980 has it); infinite from F = 1 on, where the law ends."""
+    return BOW_SINKAGE * volume / length**2 * of_speed(speed, depth)
+
+
+def of_speed(speed: float, depth: float) -> float:
+    """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
+    froude_2 = speed**2 / (GRAVITY * depth)
+    return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
+
+
+class Slender(NamedTuple):
+    """Squat of a slender hull in shallow open water, per F^2 / sqrt(1 - F^2) (Tuck 1966)."""
+
+    sinkage: float  # of the centre of her waterplane [m]
+    trim: float  # bow down [rad]
+    levers: tuple[float, float]  # from there to the stern and to the bow [m]
+    blunt: bool = False  # whether she ends in more than a tenth of her greatest area, which the theory does not allow
+
+    @property
+    def deepest(self) -> float:
+        """How much deeper the lower of her ends lies [m]."""
+        return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
+
+    def at(self, speed: float, depth: float) -> "Slender":
+        """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
+        factor = of_speed(speed, depth)
+        return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
+
+
+def slender(hull: Hydrostatics) -> Slender:
+    """Of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S pulls at
+    the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and turns it
+    by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
+    along, breadth, _ = hull.stations
+    half = 0.5 * hull.voxels.size[2]
+    wet = np.flatnonzero(breadth > 0.0)
+    inside = slice(wet[0], wet[-1] + 1)
+    x = np.concatenate([[along[inside][0] - half], along[inside], [along[inside][-1] + half]])
+    b, s = (np.pad(values[inside], 1) for values in (breadth, hull.sections))
+    centre = float((along * breadth).sum() / breadth.sum())
+    apart = np.abs(x[:, None] - x)
+    kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
+
+    def bends(values: np.ndarray) -> np.ndarray:
+        """Of straight lines between the nodes, at each of them."""
+        return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
+
+    def pulled(values: np.ndarray) -> float:
+        return -float(bends(values) @ kernel @ bends(s)) * hull.density * hull.gravity / (2.0 * pi)
+
+    stiff = hull.stiffness
+    blunt = bool(max(s[1], s[-2]) > BLUNT_AREA * s.max())
+    levers = (centre - float(x[0]), float(x[-1]) - centre)
+    return Slender(-pulled(b) / stiff["heave"], -pulled((x - centre) * b) / stiff["pitch"], levers, blunt)

@@ -1,0 +1,280 @@
+"""Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
+
+The hull pushes the particles as still water in its place would (`moving_hull`). What still comes nearer then collides,
+and that alone is new to the ship. The water bears what it gives back and the collisions; the ship is carried by its own
+law and the collisions. Afloat and at rest the hull's share balances the water's own pressure, collisions have nothing
+to do in the mean, and the draught is that without contact: Archimedes is counted once. Added mass and damping of a kind
+stay as they are, so slamming comes on top of them.
+
+Collisions are solved together, not one by one (n particles would push a light ship n times). With J = (n, r x n) of a
+particle at r from the centre of mass, U the ship's velocities and e the restitution, every particle that comes nearer
+leaves with n . v' = J U' - e (n . v - J U), and (M + c A) (U' - U) = c b with A = m sum J J^T, c the response and
+b = m (1 + e) sum J (n . v - J U). Impulses that would pull are none. Coulomb friction follows; how fast a particle
+slips is reduced by M / (M + mass of the particles that touch the ship), so that friction does not turn a light ship.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ocean_sim.basin import Basin
+from ocean_sim.columns import Columns
+from ocean_sim.fluid import ParticleFluid
+from ocean_sim.kernel_library import ti, tm
+from ocean_sim.model import Model, quantity
+from ocean_sim.runtime import Array2, Template, in_kernels
+from ocean_sim.ship import PARTS, Load
+from ocean_sim.ship.body.rigid_body import RigidBody
+from ocean_sim.ship.hull.distance import Distance
+from ocean_sim.ship.hull.shapes import HullShape
+from ocean_sim.ship.water.moving_hull import BOXED, MovingHull
+from ocean_sim.ship.water.water_samples import POSE, vector, write_pose
+
+TASK = 512  # a parallel loop is never cut finer than this
+SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
+FINE = 3.0  # cubes of the distance to a spacing
+MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+NEAR = 0.5  # [spacings] before the hull, where a collision may yet move it to
+RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
+LEAPS = 3  # off the hull and back to the walls
+WAVE = PARTS.index("wave")
+PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
+FOUND = Columns(touching=1, b=6, a=len(PAIRS))  # particles that touch, b and A
+PUSHED = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
+HANDED = Columns(**POSE, velocity_before=3, spin_before=3, slip=1)  # the last: the share that friction may take
+
+
+class Contact(Model):
+    """How particles bounce off the hull."""
+
+    restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
+    """Share of the normal speed that is returned."""
+    friction: float = quantity("1", 0.0, ge=0.0)
+    """Coulomb friction: tangential over normal impulse, at most."""
+    response: float = quantity("1", 1.0, ge=0.0, le=1.0)
+    """Share of the collisions' impulse that the ship feels; below 1 momentum is lost."""
+
+
+class WaveContact:
+    """The hull among the particles: `collided` in every step."""
+
+    def __init__(
+        self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
+    ) -> None:
+        """`centre` of mass from the hull's origin [m]."""
+        spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
+        self.config, self.mass = config, fluid.particles.mass
+        self.margin, self.rim = MARGIN * spacing, RIM * spacing  # the rim: where the water's height cannot be asked [m]
+        distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
+        self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
+        self.collisions = Collisions(config, self.hull, basin, fluid)
+        # One table: each costs a kernel its time.
+        self.table = np.zeros((1 + self.collisions.layers, max(HANDED.size, FOUND.size)))
+        self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
+        self.lost = np.zeros((2, 3))  # what the water gave beyond that
+        self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
+
+    def begin(self, body: RigidBody) -> None:
+        """Put the hull where it is at the beginning, by a push of none: that is compiled now, not where the first
+        particle collides in a run."""
+        write_pose(self.table[0], body)
+        self.collisions.push(self.table)
+
+    def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
+        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body
+        after a load. The particles move off the hull."""
+        trial, table = after(load), self.table
+        write_pose(table[0], trial)
+        self.collisions.find(table)
+        touching = table[1:, FOUND.touching].sum()
+        if touching == 0.0:
+            return load, trial
+        total = table[1:, : FOUND.size].sum(axis=0)
+        response = self.config.response
+        a = total[FOUND.a :][SQUARE]
+        turn = trial.matrix
+        own = np.zeros((6, 6))
+        own[:3, :3] = trial.mass * np.eye(3)
+        own[3:, 3:] = turn @ trial.inertia_body @ turn.T
+        change = own @ np.linalg.solve(own + response * a, response * total[FOUND.b : FOUND.a])
+        write_pose(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
+        table[0, HANDED.velocity_before : HANDED.spin_before] = trial.velocity
+        table[0, HANDED.spin_before : HANDED.slip] = trial.angular_velocity
+        table[0, HANDED.slip] = trial.mass / (trial.mass + self.mass * touching)
+        self.collisions.push(table)
+        pushed = table[1, : PUSHED.size]
+        met = -pushed[: PUSHED.work].reshape(2, 3)
+        self.impulse += response * met
+        self.lost += (1.0 - response) * met
+        self.given += pushed[: PUSHED.moment]
+        self.work += float(pushed[PUSHED.work])
+        load = with_wave(load, response * met / dt)
+        return load, after(load)
+
+
+@in_kernels
+class Collisions:
+    """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
+
+    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: ParticleFluid) -> None:
+        self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
+        self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
+        self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing
+        self.margin, self.mass = MARGIN * self.spacing, self.particles.mass
+        self.layers = fluid.grid.cells[2]
+        self.serial = self.particles.n <= SERIAL
+        self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
+
+    @ti.kernel
+    def find(self, table: Array2):
+        """List what is near the hull, and sum over what touches it."""
+        self.hull.take(table)
+        if ti.static(self.serial):
+            ti.loop_config(serialize=True)
+            for layer in range(self.layers):
+                self.find_in(layer, table)
+        else:
+            for t in range(self.layers * TASK):
+                if t % TASK == 0:
+                    self.find_in(t // TASK, table)
+
+    @ti.func
+    def cells(self, k: Template):
+        """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
+        scheme that sorts in the middle of its step may have moved a particle on from its cell."""
+        pose = ti.static(self.hull.pose)
+        middle = pose[ti.static(BOXED.position + k)] + pose[ti.static(BOXED.middle + k)] - self.grid.lower[k]
+        half, last = pose[ti.static(BOXED.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
+        end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
+        if ti.static(self.hull.periods[k] > 0.0):
+            end = ti.min(end, first + last - 1)
+        else:
+            first, end = tm.clamp(first, 1, last), tm.clamp(end, 1, last)
+            if ti.static(k == 1):
+                if end == last:  # and with it what flies above the grid
+                    first = ti.min(first, last + 1 - self.grid.sky)
+        return first, end - first + 1
+
+    @ti.func
+    def home(self, cell, k: Template):
+        """The cell along an axis that one beyond a periodic side repeats."""
+        if ti.static(self.hull.periods[k] > 0.0):
+            n = ti.static(self.grid.cells[k] - 2)
+            cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
+        return cell
+
+    @ti.func
+    def find_in(self, layer, table: Template):
+        """The same in a layer of cells across z."""
+        total, count = ti.Vector.zero(ti.f64, FOUND.size), 0
+        first_x, across = self.cells(0)
+        first_y, down = self.cells(1)
+        first_z, along = self.cells(2)
+        listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
+        for z in range(first_z, first_z + along):
+            if self.home(z, 2) == layer:
+                for y in range(first_y, first_y + down):
+                    for x in range(first_x, first_x + across):
+                        c = self.grid.cell_at(tm.ivec3(self.home(x, 0), self.home(y, 1), layer))
+                        for i in range(self.grid.start[c], self.grid.start[c + 1]):
+                            count += self.meet(total, i, listed + count)
+        self.count[layer] = count
+        for c in ti.static(range(FOUND.size)):
+            table[1 + layer, c] = total[c]
+
+    @ti.func
+    def meet(self, total: Template, i, to):
+        """List particle i where it is near, and add it where it touches; whether it is near."""
+        p, u, near = self.particles.position, self.particles.velocity, 0
+        d = self.hull.apart(tm.vec3(p.x[i], p.y[i], p.z[i]))
+        if self.hull.around(d, self.spacing):
+            normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+            if away < NEAR * self.spacing:
+                self.near[to] = i
+                near = 1
+            if away < self.margin:
+                self.touch(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.velocity(d))
+        return near
+
+    @ti.func
+    def touch(self, total: Template, normal, d, v):
+        """Add a particle that meets the hull with a relative velocity v."""
+        total[FOUND.touching] += 1.0
+        speed = v.dot(normal)
+        if speed < 0.0:
+            moment = d.cross(normal)
+            j = ti.cast(tm.vec3(normal), ti.f64)
+            k = ti.cast(moment, ti.f64)
+            six = ti.Vector([j.x, j.y, j.z, k.x, k.y, k.z])
+            gain = ti.cast(self.mass * (1.0 + ti.static(self.config.restitution)) * speed, ti.f64)
+            for c in ti.static(range(6)):
+                total[FOUND.b + c] += gain * six[c]
+            for c, pair in ti.static(enumerate(PAIRS)):
+                total[FOUND.a + c] += self.mass * six[pair[0]] * six[pair[1]]
+
+    @ti.kernel
+    def push(self, table: Array2):
+        """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
+        self.hull.take(table)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            first, spin = vector(table, HANDED.velocity_before), vector(table, HANDED.spin_before)
+            slipping = ti.cast(table[0, HANDED.slip], float)
+            total = ti.Vector.zero(ti.f64, PUSHED.size)
+            for layer in range(self.layers):
+                listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
+                for k in range(listed, listed + self.count[layer]):
+                    self.collide(total, self.near[k], first, spin, slipping)
+            for c in ti.static(range(PUSHED.size)):
+                table[1, c] = total[c]
+
+    @ti.func
+    def collide(self, total: Template, i, first, spin, slipping):
+        """Particle i, of a hull that moved at `first` and `spin` before."""
+        p, u = self.particles.position, self.particles.velocity
+        x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
+        d = self.hull.apart(x)
+        normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+        if away < self.margin:
+            before = (v - first - spin.cross(d)).dot(normal)
+            slip = v - self.hull.velocity(d)
+            speed = slip.dot(normal)
+            bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
+            if bounce > 0.0:
+                kick = bounce * normal
+                along = slip - speed * normal
+                rub = ti.static(self.config.friction) * bounce / tm.max(along.norm(), 1e-12)
+                kick -= tm.min(rub, 1.0) * slipping * along
+                new = v + kick
+                u.x[i], u.y[i], u.z[i] = new.x, new.y, new.z
+                impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
+                moment = ti.cast(d, ti.f64).cross(impulse)
+                for c in ti.static(range(3)):
+                    total[PUSHED.impulse + c] += impulse[c]
+                    total[PUSHED.moment + c] += moment[c]
+                total[PUSHED.work] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+            total[PUSHED.work] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
+
+    @ti.func
+    def leave(self, i, x):
+        """Put a particle off the hull, by whole quanta of the grid, but not through a wall; how far it went [m]."""
+        start, turn = x, self.hull.turn()
+        for _ in range(LEAPS):
+            normal, away, _thinning = self.hull.seen(self.hull.apart(x), turn)
+            way = tm.max(self.margin - away, 0.0)
+            x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
+            for k in ti.static(self.walls.axes):
+                x[k] = tm.clamp(x[k], self.walls.low[k], self.walls.up[k])
+        p = self.particles.position
+        p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
+        return x - start
+
+
+def with_wave(load: Load, more: np.ndarray) -> Load:
+    """The load with (2, 3) more under `wave`."""
+    parts = load.parts.copy()
+    parts[WAVE] += more
+    return replace(load, parts=parts)

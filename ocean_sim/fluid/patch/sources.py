@@ -7,7 +7,6 @@ from typing import ClassVar, NamedTuple, Protocol
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.fluid.open_sea.high_order import evolving, step_of
 from ocean_sim.fluid.open_sea.wave_tile import Tile
 from ocean_sim.fluid.patch.relaxation_zone import Band, cells_of
 from ocean_sim.waves import Components
@@ -78,6 +77,8 @@ class SteepSource:
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "fed", "turn", "places")
 
     def __init__(self, band: Band, sea: Components, depths: Depths, count: tuple[int, ...]) -> None:
+        from ocean_sim.fluid.open_sea.high_order import evolving, step_of  # a linear sea does without it
+
         assert band.nonlinear is not None
         basin, (cells, rows) = band.lattice.basin, cells_of(band)
         tile = Tile(basin.periods[0], cells, rows, basin.depth, sea.gravity)

@@ -353,8 +353,8 @@ def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
         for beside in (True, False):
             if not beside:
                 for one in simulation.ships.values():
-                    one.hull.water.others = ()
-                    one.hull.cubes = type(one.hull.cubes)(one.hull.still)  # its kernels anew
+                    one.water.others = ()
+                    one.cubes = type(one.cubes)(one.hydrostatics)  # its kernels anew
             for name, one in simulation.ships.items():
                 load_on = one.load(simulation.wind_on_ship, simulation.fluid, simulation.surface)
                 torques[name, beside] = float(load_on.torque[2])

@@ -16,7 +16,7 @@ from ocean_sim.files.meshes import Glb
 from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.export.wakes import Wakes, read
 from ocean_sim.pictures.frame_files import frame_files, ships_in
-from ocean_sim.pictures.ships.ship_model import Model, build_model
+from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
 from ocean_sim.pictures.water.foam import coarser
 from ocean_sim.pictures.water.water_mesh import triangles
 
@@ -110,7 +110,7 @@ def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
-def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
+def models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
     """Ships as they are drawn, by key."""
     return {
         key: build_model(

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.fluid import Copied, Fluid, Totals
+from ocean_sim.fluid import Fluid, Totals
+from ocean_sim.fluid.sph.particles import Copied
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.wind.shared.drawing import NOTHING

@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
-from ocean_sim.fluid import Copied, Fluid
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
@@ -23,6 +23,7 @@ from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
+    from ocean_sim.fluid import Copied
     from ocean_sim.surface import Mesh
 
 
@@ -174,7 +175,7 @@ class Frames(Observer):
         points: np.ndarray,
         elevation: np.ndarray,
         origin: np.ndarray,
-        copied: Copied | None,
+        copied: "Copied | None",
     ) -> dict[str, np.ndarray]:
         """The white water at the points, how far its grain has been carried, and the velocity of the surface; and the
         cover that is called for, where the water does not know of crests that break."""
@@ -285,7 +286,7 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
     return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
-def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
+def topmost_velocity(copied: "Copied", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
     where there is none in the cells around it."""
     high = np.flatnonzero(copied.position[:, 1] > top.min())  # the others lie under all of them

@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only
     from ocean_sim.fluid.neighbours.point_sum import Around
     from ocean_sim.fluid.open_sea.wave_window import Window
     from ocean_sim.fluid.sph.lattice import Lattice as Lattice
-    from ocean_sim.fluid.sph.particles import Copied as Copied
     from ocean_sim.fluid.sph.particles import Particles
+    from ocean_sim.fluid.sph.particles import Snapshot as Snapshot
     from ocean_sim.fluid.sph.pressure_solver import Solver
 
 
@@ -87,7 +87,7 @@ class Hull(Protocol):
 
     distance: Any  # signed distance of a point
 
-    def away(self, x: Any) -> Any:
+    def distance_to(self, x: Any) -> Any:
         """ti.func: distance of x [m] from the hull [m], below 0 inside it; a lower bound far from it."""
         ...
 
@@ -134,7 +134,7 @@ class Fluid(Protocol):
     status: Status
     boundary: Boundary | None = None  # None where the laws of the water meet no body
     current: tuple[float, float] = (0.0, 0.0)  # [m/s] velocity of all the water along x and z
-    sunk: float = 0.0  # [m] depth of the first surface below the level that a scene gives
+    surface_drop: float = 0.0  # [m] depth of the first surface below the level that a scene gives
     solvers: Mapping[str, Solver] = {}  # by name
 
     @property
@@ -153,7 +153,7 @@ class Fluid(Protocol):
         return None
 
     @property
-    def answers(self) -> bool:
+    def can_be_disturbed(self) -> bool:
         """True if the surface is, or may become, more than the sum of `plane_waves`."""
         return False
 
@@ -195,7 +195,7 @@ class Fluid(Protocol):
         """Set `adjustable` settings; no kernel is compiled anew."""
         return
 
-    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+    def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         """Let these ships displace the water from now on. Return the water that each ship feels: this one for all,
         unless a kind keeps the waves of each ship apart."""
         return (self,) * len(ships)
@@ -212,7 +212,7 @@ class Fluid(Protocol):
         """(m, 2) points x, z [m] -> (m,) heights [m] of the water, from Python."""
         ...
 
-    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
+    def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray | None:
         """(m,) heights [m] without the waves of ships, where the `elevation` with them is (m,) [m]; None where the
         water does not keep these waves apart."""
         return None
@@ -252,7 +252,7 @@ class Arriving(NamedTuple):
     heading: np.ndarray  # direction of travel [rad]: 0 along +z, a right angle along +x
     wavenumber: np.ndarray  # [rad/m]
 
-    def met(self, velocity: np.ndarray) -> np.ndarray:
+    def encounter_frequencies(self, velocity: np.ndarray) -> np.ndarray:
         """(n,) encounter frequency [rad/s] at a place that moves through the water (3,) [m/s]; negative where the place
         overtakes a wave."""
         ahead = np.sin(self.heading) * velocity[0] + np.cos(self.heading) * velocity[2]
@@ -295,7 +295,7 @@ class ParticleFluid(Fluid, Protocol):
         """Start from the present state of the particles."""
         ...
 
-    def meet(self, contact: Contact) -> None:
+    def add_contact(self, contact: Contact) -> None:
         """Add a hull that pushes the water from the first step on."""
         ...
 

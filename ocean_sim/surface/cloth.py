@@ -133,7 +133,7 @@ class Cloth:
 
     def lay(self, particles: "Particles") -> None:
         """Let the sheet down on the water from above."""
-        top = float(particles.copied().position[:, 1].max()) + self.thickness
+        top = float(particles.snapshot().position[:, 1].max()) + self.thickness
         self.height.fill(top)
         moves = 4.0 * (top - self.bed) / self.thickness + CONTACTS
         for _ in range(int(moves / CONTACTS) + 1):

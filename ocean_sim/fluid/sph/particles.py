@@ -29,7 +29,7 @@ def staggered_field(dtype: Any, n: int) -> Any:
     return field
 
 
-class Copied(NamedTuple):
+class Snapshot(NamedTuple):
     """State of n particles at one time, in storage order."""
 
     position: np.ndarray  # (n, 3) [m]
@@ -151,7 +151,7 @@ class Particles:
         for i in self.density:
             self.density[i] = density
 
-    def copied(self) -> Copied:
+    def snapshot(self) -> Snapshot:
         """All of them now, by one launch."""
         n, real = self.count.now, self.position.precision
         position: np.ndarray = np.empty((n, 3), dtype=real)
@@ -159,7 +159,7 @@ class Particles:
         number: np.ndarray = np.empty(n, dtype=np.int32)
         pressure: np.ndarray = np.empty(n, dtype=real)
         self.copy_to(position, velocity, number, pressure)
-        return Copied(position, velocity, number, pressure)
+        return Snapshot(position, velocity, number, pressure)
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):

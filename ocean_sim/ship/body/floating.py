@@ -371,7 +371,7 @@ class FloatingHull:
         if self.contact is not None and water is not None:
             self.contact.hull.water = self.water
             self.contact.begin(self.body)
-            water.meet(self.contact)
+            water.add_contact(self.contact)
         self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
         self.moorings: Moorings | None = None
         if config.moorings:

@@ -114,7 +114,10 @@ class VesselConfig(Helm, ShipConfig):
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
         x, y, z = body.position
-        return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
+        level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
+        return replace(body, position=np.array([x, level, z]))
+            body, position=np.array([x, y - fluid.surface_drop if self.afloat_at_first else self.position[1], z])
+        )
 
 
 class Actuators:
@@ -292,7 +295,9 @@ class Vessel(ABC):
             )
         if after.position[1] < self.bed:
             x, _, z = after.position
-            raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
+            raise Diverged(
+                f"{called(self.name)} has surface_drop to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m"
+            )
         faster, more = after.velocity - before.velocity, after.angular_momentum - before.angular_momentum
         self.acceleration = faster / dt
         self.turning = (after.angular_velocity - before.angular_velocity) / dt

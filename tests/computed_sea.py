@@ -12,7 +12,7 @@ from ocean_sim.fluid import Fluid, Totals
 from ocean_sim.fluid.sph.particles import Snapshot
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
-from ocean_sim.wind.shared.drawing import NOTHING
+from ocean_sim.wind import NOTHING
 
 SPACING = 0.5
 

@@ -3,8 +3,9 @@
 A model stands on the deck of the physical hull and is scaled by its dimensions.
 """
 
+from collections.abc import Mapping
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -14,6 +15,7 @@ from ocean_sim.model import Model
 from ocean_sim.parts import library
 from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
 from ocean_sim.pictures.ships.ship_parts import Block, Mesh, level_outline, merge_meshes, mirrored_pair, tube_mesh
+from ocean_sim.pictures.stage.render_order import RenderFailed
 
 PAINTS = {  # linear RGB
     "white": (0.80, 0.80, 0.77),
@@ -98,6 +100,15 @@ class ShipModel(NamedTuple):
     length: float  # of the hull [m]
 
 
+def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
+    """Model of a ship that frames keep under a key; raises RenderFailed."""
+    if f"{key}_look" not in grid:
+        raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
+    names = "vertices", "triangles", "submerged", "look", "helm"
+    vertices, triangles, submerged, look, helm = (grid[f"{key}_{name}"] for name in names)
+    return build_model(vertices, triangles, float(submerged), str(look), helm)
+
+
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
 ) -> ShipModel:
@@ -142,9 +153,8 @@ def styled_model(hull: Hull, style: Style, helm: np.ndarray | None) -> ShipModel
         bar = style.strake
         parts.append(sheer.strake(bar.share, bar.out * unit, bar.radius * unit, PAINTS[bar.paint]))
     for cabin in style.cabins:
-        outlines = [(*zip(*cabin.bottom), cabin.low), (*zip(*cabin.top), cabin.high)]
-        low, high = (origin + scale * (level_outline(*each) + [cabin.aside, 0.0, 0.0]) for each in outlines)
-        block = Block(low, high)
+        outlines = level_outline(cabin.bottom, cabin.low), level_outline(cabin.top, cabin.high)
+        block = Block(*(origin + scale * (outline + [cabin.aside, 0.0, 0.0]) for outline in outlines))
         mesh = block.mesh(PAINTS[cabin.walls], PAINTS[cabin.lid])
         parts.append(mirrored_pair(mesh) if cabin.aside else mesh)
         parts += [block.panes(*window, PAINTS["glass"]) for window in cabin.windows]

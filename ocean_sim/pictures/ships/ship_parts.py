@@ -93,9 +93,9 @@ class Block:
         return flat_mesh(corners, colour, 1.0, self.middle)
 
 
-def level_outline(half: Triple, z: Triple, y: float) -> np.ndarray:
-    """Level outline (k, 3) from half breadths at stations along the ship, port and then back along starboard."""
-    port = np.stack([half, np.full(len(z), y), z], axis=1)
+def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
+    """Outline (k, 3) at a height from half breadths and stations, along port and then back along starboard."""
+    port = np.insert(np.array(corners), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
 

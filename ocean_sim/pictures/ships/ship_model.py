@@ -5,7 +5,7 @@ A model stands on the deck of the physical hull and is scaled by its dimensions.
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -37,6 +37,9 @@ PAINTS = {  # linear RGB
 }
 
 
+Window = Annotated[tuple[int, int, float, float, float], Field(strict=False)]
+
+
 class Cabin(Model):
     """A symmetric body between two level outlines."""
 
@@ -47,7 +50,7 @@ class Cabin(Model):
     high: float
     walls: str
     lid: str
-    windows: list[tuple[int, int, float, float, float]] = Field([], strict=False)
+    windows: list[Window] = []
     """As `Block.panes`: the walls count from aft on port."""
     aside: float = 0.0
     """Distance of its middle to port; there is one to starboard, too."""

@@ -35,7 +35,6 @@ LINE_WIDTH = 2.0  # [pixels]
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
-    reads_surface: ClassVar[bool] = True
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)
     """Simulated time between pictures."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})

@@ -28,7 +28,7 @@ from ocean_sim.ship.body.rigid_body import RigidBody, advanced, angles, oriented
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.naval.hydrostatics import UP
 from ocean_sim.simulation import Simulation
-from ocean_sim.surface.shared.mesh import sheet
+from ocean_sim.surface import sheet
 from ocean_sim.wind.shared.air_load import drag, drag_coefficient, lift, stress
 
 BLOWS = 10.0  # wind [m/s]

@@ -12,7 +12,7 @@ import numpy as np
 from _options import options
 from _paper import keep, paper
 
-from ocean_sim.surface.shared.cube_cases import CORNERS, EDGES, MIDDLES, table
+from ocean_sim.surface.shared.isosurface import CORNERS, EDGES, MIDDLES, table
 
 WATER, SKIN = "#0b4f6c", "#7fb7d6"
 

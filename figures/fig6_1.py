@@ -13,7 +13,7 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.surface.shared.mesh import Mesh
+from ocean_sim.surface import Mesh
 
 SCENE, MOMENT = "thesis/fig6_3c_wide", 6.0  # [s]
 SOON = 3.0  # [s] in haste: the gust has come in

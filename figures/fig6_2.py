@@ -19,10 +19,9 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.observers.shared.surface_fit import Tops, fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.surface import Surface
+from ocean_sim.surface import Mesh, Surface
 from ocean_sim.surface.cloth import Cloth
 from ocean_sim.surface.marching_cubes import MarchingCubes
-from ocean_sim.surface.shared.mesh import Mesh
 
 SCENE, MOMENT, ROUNDS = "thesis/fig6_3c_wide", 6.0, 9  # [s]; medians of so many
 HIGH, TALLER = 2.0, 2.5  # [m] to which colours reach; how much larger heights are drawn

@@ -8,7 +8,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, of_accounts
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, account_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
@@ -53,7 +53,7 @@ class Config(WaterConfig):
         return [
             LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
-            *of_accounts(size, word, preflight.sums_impulses),
+            *account_ledger(size, word, preflight.sums_impulses),
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:

@@ -25,16 +25,23 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.neighbours.grid_size import ListSize
 from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
-from ocean_sim.fluid.neighbours.list_size import ListSize
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
-from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw
-from ocean_sim.fluid.sph.particles import Components
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive, smaller
+from ocean_sim.fluid.sph.particles import Components, staggered_field
+from ocean_sim.fluid.sph.smoothing import (
+    NEUTRAL,
+    NEUTRAL_RATIO,
+    Kernel,
+    Smoothing,
+    Stencil,
+    of_rigidity,
+    positive,
+    smaller,
+)
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
@@ -462,7 +469,7 @@ class DeltaSph(Sph):
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
-        self.excess, self.rate = (staggered(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
+        self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = Copy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
@@ -471,7 +478,7 @@ class DeltaSph(Sph):
         else:
             graded = self.carried[CARRIED : CARRIED + GRADED]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(staggered(float, particles.n) for _ in range(GRADED))  # the same at its end
+            self.fresh = tuple(staggered_field(float, particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = BLOWN if wind.blows else CALM

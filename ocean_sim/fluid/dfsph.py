@@ -42,15 +42,13 @@ from ocean_sim.fluid.budget.momentum_budget import (
     absent,
     pushing,
 )
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
-from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import Force
-from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.particles import Components, staggered_field
 from ocean_sim.fluid.sph.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Stencil, of_rigidity
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -149,7 +147,7 @@ class Config(SphConfig):
         numbers = 27 + self.enclosed(basin)
         if preflight.sums_impulses:
             numbers += 3 * len(pushing(absent(basin)))
-        kept = sizes.grid.plan.pairs(sizes, neighbours, word)
+        kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*rows(preflight, sizes, numbers, what, PAIR, particle=PARTICLE), pairs]
 
@@ -336,9 +334,9 @@ class Dfsph(Sph):
         if self.closed:
             self.shift = Components(n)  # [1/m] where to
         else:
-            self.closing = staggered(float, n)  # what a gap may gain in density in a step [kg/m3]
-            self.rate = staggered(float, n)  # what the velocities that are left compress, a sum over pairs
-        self.diagonal = staggered(float, n)  # A_ii / dt^2
+            self.closing = staggered_field(float, n)  # what a gap may gain in density in a step [kg/m3]
+            self.rate = staggered_field(float, n)  # what the velocities that are left compress, a sum over pairs
+        self.diagonal = staggered_field(float, n)  # A_ii / dt^2
         kept = self.accounts.pushing if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
         self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))

@@ -14,10 +14,10 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.patch.attenuation import Attenuation
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw, PairSph
+from ocean_sim.fluid.sph.particles import staggered_field
 from ocean_sim.fluid.sph.smoothing import positive
 from ocean_sim.fluid.sph.sph import SphConfig, rows
 from ocean_sim.kernel_library import ti, tm
@@ -196,7 +196,7 @@ class Mueller(PairSph):
         super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
-        self.specific_volume = staggered(float, self.particles.n)  # 1 / density [m3/kg]
+        self.specific_volume = staggered_field(float, self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self)
         self.densities = Copy(self.particles.density)
         self.stiffness = self.sound_speed**2

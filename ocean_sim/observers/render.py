@@ -639,7 +639,7 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     picture.close()
 
 
-def join(pictures: list[Path], path: Path, every: float) -> None:
+def join_film(pictures: list[Path], path: Path, every: float) -> None:
     """The same film of pictures that lie there as files, one for each `every` [s]."""
     import imageio.v2 as imageio
 

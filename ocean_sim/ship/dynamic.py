@@ -1,10 +1,229 @@
-"""A ship in water that moves along with it: `hydrostatic` with added mass, its Coriolis term, and damping by waves."""
+"""A ship in water that moves along with it: `hydrostatic` with added mass, its Coriolis term, and damping by waves.
 
+In a sea in closed form every cube feels the pressure at its own depth, so short waves lose their grip on a deep hull
+(Smith's factor), and added mass feels the water's acceleration. With a surface over particles both are those of long
+waves. A kind may derive from `SeakeepingShip` and add forces of its own.
+"""
+
+from collections.abc import Iterator
+from functools import cached_property
+from math import isinf, pi
 from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import field_validator
+
+from ocean_sim import waves
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Fluid
-from ocean_sim.ship.body.seakeeping import SeakeepingConfig, SeakeepingShip
+from ocean_sim.conventions import Motions
+from ocean_sim.files.input_file import FileName
+from ocean_sim.fluid import ClosedForm, Fluid
+from ocean_sim.parts import Preflight, Problems
+from ocean_sim.ship import Load
+from ocean_sim.ship.body.floating import FloatingConfig
+from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
+from ocean_sim.ship.body.rigid_body import to_world
+from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, reaction
+from ocean_sim.ship.forces.damping import Damping, Resistance
+from ocean_sim.ship.forces.radiation import Memory, Radiation, Scattering, columns_of
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics
+
+OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
+OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
+DEEPEST = 1.0e5  # [m] as deep as any water
+ALIKE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
+COUPLED = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
+COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave", "surge"))  # unless they are alike
+
+
+class SeakeepingConfig(FloatingConfig):
+    """Keys of a ship with added mass."""
+
+    added_mass: AddedMass = AddedMass()
+    damping: Damping = Damping()
+    radiation: FileName | None = None
+    """A CSV file of added mass and damping over frequency: `omega_rad_s`, `heave_added_kg`, `heave_damping_kg_s`,
+    `pitch_added_kg_m2`, `pitch_damping_kg_m2_s`, or of any other motion, and of two that act on each other
+    `heave_pitch_added_kg_m`, `heave_pitch_damping_kg_m_s`; or a NetCDF file (.nc) that Capytaine wrote, six by six.
+    These motions remember the waves that they made; `damping` is then only what else damps them, by default nothing.
+    Where the file has the force of scattered waves (`heave_scattered_90_re`, `_im` in N/m, waves that go to port; of
+    Capytaine its diffraction force), that takes the place of added mass and damping in the water's own motion. Null:
+    added mass and damping are constant."""
+
+    @field_validator("radiation")
+    @classmethod
+    def _complete(cls, file: str | None) -> str | None:
+        if file is not None:
+            Radiation(file)
+        return file
+
+    @cached_property
+    def table(self) -> Radiation | None:
+        """What the file of `radiation` gives."""
+        return None if self.radiation is None else Radiation(self.radiation)
+
+    def moved_along(self, still: Hydrostatics) -> np.ndarray:
+        return self.added_mass.diagonal(still)
+
+    def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
+        """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
+        added = self.moved_along(still)
+        if self.table is not None:
+            added[self.table.numbers] = np.diag(self.table.response.added)
+        return added
+
+    def moved_together(self) -> np.ndarray | None:
+        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None where a table has none."""
+        if self.table is None:
+            return None
+        own, found = self.table.response.added, np.zeros((6, 6))
+        found[np.ix_(self.table.numbers, self.table.numbers)] = own - np.diag(np.diag(own))
+        return found if found.any() else None
+
+    def resistance(self, still: Hydrostatics) -> Resistance:
+        radiated = [] if self.table is None else [Motions._fields[k] for k in self.table.numbers]
+        return Resistance(self.damping, still, self.moved_at_once(still), radiated)
+
+    def mismatches(self, preflight: Preflight) -> Problems:
+        found = super().mismatches(preflight)
+        if self.table is not None:
+            still = self.still(preflight)
+            own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
+            for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
+                if mass + water <= 0.0:
+                    sentence = f"water of {water:.3g} in {motion} leaves her less than no mass, she has {mass:.3g}"
+                    found.append((("radiation",), f"{sentence}; check the sign and the unit of {motion}_added"))
+        if self.radiation is not None and preflight.fluid.made_of_particles:
+            twice = "particles carry the waves that a hull makes, and a table of radiation would count them twice"
+            found.append((("radiation",), f"{twice}; leave it out, or take water in closed form"))
+        return found
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        deep = "a hull that feels only the surface of the water is lifted too much by short waves"
+        found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
+        still = self.still(preflight)
+        if self.table is None or isinf(still.draught):
+            return found
+        said = [*self.of_table(self.table, preflight.tank, still), *self.table.doubts, *self.unsaid(self.table, still)]
+        return found + [f"radiation: {sentence}" for sentence in said]
+
+    def unsaid(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+        """Forces on motions that are free of which the table says nothing."""
+        names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
+        _, breadth, draught = still.stations
+        ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
+        ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
+        for a, b in COUPLED + (COUPLED_BY_ENDS if ends > ALIKE else ()):
+            if a in names and b in names and not table.couples(a, b):
+                neither = f"the table has {a} and {b}, and nothing of what they do to each other"
+                yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
+        periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
+        for name in names:
+            period = periods.get(name)
+            if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
+                reach = f"{2.0 * pi / table.omega[-1]:.3g} to {2.0 * pi / table.omega[0]:.3g} s"
+                yield f"the natural period of {name}, {period:.3g} s, lies beyond the table, which has {reach}"
+        if table.scattering is not None:
+            headings, force = table.scattering.scattered
+            mute = [name for name in names if not force[Motions._fields.index(name)].any()]
+            if mute:
+                lacks = f"not what they do in {', '.join(mute)}: no wave moves her there"
+                yield f"the table has scattered waves, but {lacks}"
+            if len(headings) == 1:
+                only = f"waves that go to {headings[0]:g} degrees from her heading"
+                yield f"the scattered forces of the table are of {only}, and are taken for those of any waves"
+
+    def feels_bed(self, depth: float) -> bool:
+        return self.table is not None and self.table.depth == depth
+
+    def of_table(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
+        """Differences between the case of a table and this one."""
+        found = list[str]()
+        if self.propeller is not None or any(self.velocity):
+            found.append(
+                "the table is of a hull without forward speed; under way it counts at the frequency of "
+                "encounter, with strip theory's terms of speed, which are those of a slender hull without a transom"
+            )
+        if table.depth is not None and table.depth != tank.depth:
+            here, there = (
+                waves.wavenumber(float(table.omega[0]), min(depth, DEEPEST), -tank.gravity[1])
+                for depth in (tank.depth, table.depth)
+            )
+            if abs(there / here - 1.0) > OTHER:
+                deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
+                found.append(
+                    f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
+                    f"{2.0 * pi / table.omega[0]:.3g} s, are {abs(there / here - 1.0):.0%} "
+                    f"{'shorter' if there < here else 'longer'} here; forces are those of the table"
+                )
+        if table.axis is not None:
+            centre = float(still.matter.centre[1]) - still.keel - still.draught
+            if abs(table.axis - centre) > OFF * still.draught:
+                about = f"the table turns about a point {table.axis:.3g} m over the still water"
+                found.append(f"{about}, the centre of mass lies at {centre:.3g} m")
+        return found
+
+
+class SeakeepingShip(FloatingShip):
+    """A hull of cubes, and the water that it moves."""
+
+    samples_depth: ClassVar[bool] = True
+
+    def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
+        super().__init__(name, config, basin, fluid)
+        self.added, self.between = config.moved_at_once(self.hydrostatics), config.moved_together()
+        self.memory: Memory | None = None
+        self.scattering: Scattering | None = None  # where a table has it
+        self.sea: ClosedForm | None = None  # whose waves the hull scatters
+        self.through = np.ones(6)  # of each motion: 1 where it is one through the water, 0 where one of its own
+        self.made = np.zeros(6)  # (6,) the motion that makes waves
+        self.stream = np.zeros(3)  # velocity of a current [m/s]
+        if config.table is not None:
+            self.memory, self.scattering = Memory(config.table), config.table.scattering
+        if self.scattering is not None:
+            self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
+        if self.sea is not None:
+            self.stream[[0, 2]] = self.sea.current
+        self.resistance = config.resistance(self.hydrostatics)
+        if self.contact is None:
+            self.slamming = Slamming(self.hydrostatics, float(self.added[1]))
+        self.motion_limits = self.limits_of_motion(Motions(*self.added)._asdict())
+
+    def damping(self, now: Immersion) -> np.ndarray:
+        resisted = self.resistance.load(now.motion)
+        if self.memory is not None:
+            self.made = now.motion + (now.wet.velocity - self.drift(now))
+            resisted = resisted + self.memory.load(self.actuators.time, self.made)
+        return now.share * to_world(resisted, now.body)
+
+    def drift(self, now: Immersion) -> np.ndarray:
+        """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
+        what waves do to it, the current alone."""
+        if self.scattering is None:
+            return now.wet.velocity
+        stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
+        return self.through * now.wet.velocity + (1.0 - self.through) * stream
+
+    def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
+        `wave`."""
+        force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
+        wet = now.wet
+        if self.scattering is not None and self.sea is not None:
+            (x, _, z), (_, yaw, _) = now.body.position, now.body.angles
+            through = now.body.velocity - self.stream
+            scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
+            forces = forces | {"wave": forces["wave"] + scattered}
+            force, torque = force + scattered[0], torque + scattered[1]
+        drift, surge = self.drift(now), self.through * wet.acceleration
+        between = None if self.between is None else now.share * self.between
+        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge, self.free)
+        return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
+
+    def advance(self, load: Load, dt: float) -> None:
+        if self.memory is not None:
+            self.memory.keep(self.actuators.time, self.made)
+        super().advance(load, dt)
 
 
 class Config(SeakeepingConfig):

@@ -1,12 +1,66 @@
-"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name; what they share
-lies in `shared`."""
+"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name, `shared` holds
+their common parts."""
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 
 from ocean_sim.fluid import Particles
-from ocean_sim.surface.shared.mesh import Mesh
+
+AREA_AND_VOLUME = {
+    "surface_area_m2": "of what faces the air",
+    "surface_volume_m3": "water between surface and bed",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that face away from the water; without any where the basin is a slice."""
+
+    vertices: np.ndarray  # (n, 3) [m]
+    triangles: np.ndarray  # (m, 3) corners, numbers of vertices, anticlockwise seen from outside the water
+    normals: np.ndarray  # (n, 3) unit normals at the vertices, away from the water
+
+    @property
+    def vector_areas(self) -> np.ndarray:
+        """(m, 3) area times outward normal of each triangle [m2]."""
+        a, b, c = (self.vertices[self.triangles[:, k]].astype(float) for k in range(3))
+        return 0.5 * np.cross(b - a, c - a)
+
+    @property
+    def area(self) -> float:
+        """Area of all triangles [m2]."""
+        return float(np.linalg.norm(self.vector_areas, axis=1).sum())
+
+    def volume(self, bed: float = 0.0) -> float:
+        """Volume inside a closed mesh, or between a sheet and a flat bed at this height [m3]: the flux of (0, y - bed,
+        0), which passes neither upright sides nor the bed."""
+        height = self.vertices[:, 1].astype(float)[self.triangles].mean(axis=1) - bed
+        return float((height * self.vector_areas[:, 1]).sum())
+
+
+def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
+    """Heights (len(x), len(z)) [m] over a grid, two triangles a cell, with the normals of central differences."""
+    along = [np.gradient(height, at, axis=k) if len(at) > 1 else 0.0 * height for k, at in enumerate((x, z))]
+    normals = np.stack([-along[0], np.ones_like(height), -along[1]], axis=-1).reshape(-1, 3)
+    positions = np.meshgrid(x, z, indexing="ij")
+    return Mesh(
+        vertices=np.stack([positions[0], height, positions[1]], axis=-1).reshape(-1, 3),
+        triangles=halves(*height.shape),
+        normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+    )
+
+
+@lru_cache(maxsize=4)  # a sheet that moves keeps them
+def halves(nx: int, nz: int) -> np.ndarray:
+    """(m, 3) corners of two triangles a cell of a grid of nx x nz points; not to be written to."""
+    number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    corners = np.concatenate([np.stack([a, d, b], axis=1), np.stack([b, d, c], axis=1)])
+    corners.flags.writeable = False
+    return corners
 
 
 class Surface(Protocol):

@@ -21,9 +21,8 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.surface import Surface
+from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights, columns
-from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last

@@ -15,11 +15,10 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import Array, in_kernels
-from ocean_sim.surface import Surface
+from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
-from ocean_sim.surface.shared.mesh import AREA_AND_VOLUME, Mesh
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
 
 NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water

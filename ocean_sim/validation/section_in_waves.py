@@ -175,7 +175,7 @@ def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
     """Motions over the amplitude a, roll over k a, in a regular wave of a period [s]."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
-    rest = np.array([0.0, KG - floating_ship(simulation).hull.still.draught, 0.0])
+    rest = np.array([0.0, KG - floating_ship(simulation).hydrostatics.draught, 0.0])
     set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     fluid.begin(waves.regular(2.0 * AMPLITUDE, period, waves.direction(90.0, 3), DEPTH, GRAVITY))
     simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS

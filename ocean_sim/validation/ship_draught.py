@@ -67,7 +67,7 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
     """Draught at which weight and buoyancy balance, upright."""
     ship = floating_ship(simulation)
     balance_heave(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
-    found = float(ship.hull.still.matter.centre[1] - ship.body.position[1])
+    found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
     return Finding([percent_error(found, exact)], [Curve("draught", np.array([exact]), np.array([found]), True)])
 
 

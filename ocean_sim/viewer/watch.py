@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim.basin.points import middles, pairs
 from ocean_sim.fluid import Particles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
-from ocean_sim.pictures.live.preview_scene import PreviewScene
+from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
@@ -54,8 +54,9 @@ class Watch(Observer, TakesMotion):
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, FAST
-        self.scene = PreviewScene(simulation)
         self.setting = setting_of(simulation)
+        lengths = [float(np.ptp(vessel.vertices, axis=0).max()) for vessel in self.setting.vessels]
+        self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
@@ -145,7 +146,7 @@ class Watch(Observer, TakesMotion):
         if self.platform is not None:
             arrays["platform"] = self.commands
         if self.seldom or self.setting.flat:
-            ends, hues = self.scene.lines()
+            ends, hues = scene_lines(simulation, self.top)
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
         arrays["scalars"] = np.nan_to_num(np.array(self.scalars(heights), np.float32), posinf=0.0, neginf=0.0)

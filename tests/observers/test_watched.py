@@ -67,7 +67,7 @@ def test_no_observer_changes_a_byte(kind, tmp_path):
     """Each by itself, with a ship afloat."""
     shape = {"kind": "box", "length": 0.2, "breadth": 0.2, "height": 0.2}
     ship = {"kind": "hydrostatic", "hull": {"shape": shape, "mass": 4.0}, "position": [-0.1, 0.0]}
-    data = scene(kind, TANK | {"width": 0.4}, ship=ship)
+    data = scene(kind, TANK | {"width": 0.4}, ship=ship, surface="cloth")
     data["fluid"] |= {"spacing": 0.1, "fill": None}
     three = {
         "tracers": KEYS["tracers"] | {"boxes": [{"min": [-0.3, -0.3, -0.1], "max": [-0.1, -0.1, 0.1]}]},

@@ -3,6 +3,9 @@
 import pytest
 
 from ocean_sim.pictures.live import vulkan
+from tests.computed_sea import watched
+
+__all__ = ["vulkan_there", "watched"]
 
 
 @pytest.fixture(scope="session")

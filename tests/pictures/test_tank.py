@@ -142,7 +142,7 @@ def test_drops_fly_where_water_is_torn_along_its_way_and_are_the_same_ones_in_th
 
 
 def test_balls_are_closed_and_as_large_as_they_are_told():
-    from ocean_sim.surface.shared.mesh import Mesh
+    from ocean_sim.surface import Mesh
 
     corners = np.concatenate([np.eye(3), -np.eye(3)])
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])

@@ -11,8 +11,7 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
-from ocean_sim.ship.forces.bem_table import ACROSS, Scattering, bem_table
-from ocean_sim.ship.forces.radiation import Memory, Radiation
+from ocean_sim.ship.forces.radiation import ACROSS, Memory, Radiation, Scattering, bem_table
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.validation.open_sea_box import ImposedMotion, impose_motion
 from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating_ship, follow_body

@@ -14,7 +14,7 @@ from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
 from ocean_sim.ship import PARTS, Load
 from ocean_sim.ship.body import rigid_body as rigid
-from ocean_sim.ship.body.seakeeping import SeakeepingShip
+from ocean_sim.ship.dynamic import SeakeepingShip
 from ocean_sim.simulation import Simulation
 
 QUIET = {name: None for name in observer_names() if name != "manifest"} | {"runtime.threads": 1}

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ocean_sim.surface.shared.cube_cases import CORNERS, EDGES, FACES, MIDDLES, MOST, is_ambiguous, table
+from ocean_sim.surface.shared.isosurface import CORNERS, EDGES, FACES, MIDDLES, MOST, is_ambiguous, table
 
 COUNTS, CUTS, AMBIGUOUS = table()
 

@@ -8,13 +8,11 @@ wanted), r <= 0, and r = 0 where p > 0.
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.images import displaced
-from ocean_sim.fluid.neighbours.pair_slots import KeptLaw, KeptPairs
+from ocean_sim.fluid.neighbours.kept_pairs import KeptLaw, KeptPairs
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
-from ocean_sim.fluid.sph.lattice_moments import Stencil
-from ocean_sim.fluid.sph.particles import Components, Particles
-from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
+from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
@@ -215,7 +213,7 @@ class Solver:
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
         self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
-        self.gain, self.next, self.best = (staggered(float, fluid.particles.n) for _ in range(3))
+        self.gain, self.next, self.best = (staggered_field(float, fluid.particles.n) for _ in range(3))
         self.compression, self.push = Compression(fluid, self), Push(fluid, self)
         self.account = Account(fluid, self)
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density

@@ -13,9 +13,8 @@ from ocean_sim.fluid.bodies.absorption import warnings as of_zones
 from ocean_sim.fluid.bodies.absorption import zones
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.field import Field
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, of_accounts
-from ocean_sim.fluid.neighbours.grid_size import GridSize
-from ocean_sim.fluid.neighbours.list_size import ListSize
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
+from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.patch.relaxation_zone import band, cells_of
@@ -123,7 +122,7 @@ class SphConfig(WaterConfig):
 
     def most_particles(self, preflight: Preflight) -> int:
         sizes = self.untouched_sizes(preflight)
-        counted = sizes.grid.plan.counted(sizes, self.neighbours_kept(preflight.tank))
+        counted = sizes.grid.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.grid.lattice.n * COUNTED // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> ListSize:
@@ -330,9 +329,9 @@ def rows(
 
 def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
     """The ledger of what walks over neighbours."""
-    lists = sizes.grid.plan.lists(sizes, word)
+    lists = sizes.grid.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
-    return [*found, *of_accounts(sizes.grid, word, impulses)]
+    return [*found, *account_ledger(sizes.grid, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:

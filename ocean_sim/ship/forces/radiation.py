@@ -1,4 +1,11 @@
-"""The waves that a hull makes and goes on feeling: its radiation force, from added mass and damping over frequency.
+"""Tables of a panel method (added mass and damping over frequency, force of scattered waves), and the radiation and
+scattering forces on one hull by them.
+
+A table is a CSV file, or the NetCDF file that Capytaine writes; that is HDF5 and read without Capytaine. Capytaine's
+axes (x to the bow, y to port, z up) are ours in another order; its rotations must be about the centre of mass. It gives
+six by six entries; the coupling of two motions is the mean of the two that reciprocity makes equal. Tables are of a
+hull without forward speed. Under way they count at the frequency of encounter, with strip theory's terms of speed
+(Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78).
 
 A motion's force is -A(infinity) times its acceleration, less the integral of K(t - tau) times its velocity (Cummins
 1962, Schiffstechnik 9), with Ogilvie's relations (1964, 5th Symposium on Naval Hydrodynamics)
@@ -8,33 +15,244 @@ Where a table says so, motions act on each other: A, B and K are then symmetric 
 What has been left in the waves is a momentum, the integral of L(t - tau) times the velocity with L(t) = -int K from t
 on, and the force is less its rate. A hull that moves on through the water at v is turned by it, by -v x momentum, as
 Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these are strip theory's terms of speed,
-U A33, U B33 / omega^2 and U^2 / omega^2 times both (Salvesen, Tuck & Faltinsen 1970, Trans. SNAME 78, table 1, without
-those of a transom), omega being the frequency at which she meets the waves.
+U A33, U B33 / omega^2 and U^2 / omega^2 times both (table 1 there, without those of a transom), omega being the
+frequency of encounter.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
-from itertools import combinations_with_replacement
+from io import BytesIO
+from itertools import combinations_with_replacement, product
 from math import pi
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files.input_file import Checked, Rule
+from ocean_sim.files import csv_file, input_file
+from ocean_sim.files.input_file import DECLARED, WORDS, Checked, Rule, data_set, shown
+from ocean_sim.fluid import Arriving
 from ocean_sim.ship.body.rigid_body import cross
-from ocean_sim.ship.forces.bem_table import Scattering, bem_table
 
+FREQUENCY = "omega_rad_s"
+ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+UNEQUAL = 0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
+ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
+PANELS = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
 LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
 FEWEST, MOST = 4, 300  # frequencies
 NEGATIVE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
 FREQUENCIES = Rule(f"there are {FEWEST} to {MOST} frequencies above 0, which rise, each once")
 DAMPED = Rule("damping is above 0, or there are no waves to remember; of the other sign it is of another convention")
 FALLEN = Rule(f"damping has fallen below {LEFT:.0%} of its most at the highest frequency; let the table go on")
-CHECKS = (Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCIES, DAMPED, FALLEN)),)
+CHECKS = (
+    Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANELS)),
+    Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCIES, DAMPED, FALLEN)),
+)
 FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL = 3.0  # [highest frequencies] to which damping is carried on
 GIVEN = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
 LOST = 0.003  # of the largest K: what is forgotten
+HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
+
+
+class Scattered(NamedTuple):
+    """Force of waves of unit amplitude that the hull scatters, crest at the centre of mass: Re(X exp(-i omega t))."""
+
+    headings: np.ndarray  # (h,) to which waves go, from that of the ship [deg], rising
+    force: np.ndarray  # (6, h, n) [N/m], [N m/m], of the `Motions`
+
+
+class BemTable(NamedTuple):
+    """Of some motions; what one does to another is symmetric, 0 where a table does not say."""
+
+    omega: np.ndarray  # (n,) [rad/s]
+    motions: list[str]
+    added: np.ndarray  # (m, m, n) [kg], [kg m], [kg m2]
+    damping: np.ndarray  # (m, m, n) [kg/s], [kg m/s], [kg m2/s]
+    scattered: Scattered | None
+    depth: float | None = None  # of the water [m]; infinite where it is deep, None where the table does not say
+    axis: float | None = None  # height over the still water about which it turns [m]; None where it does not say
+
+
+def columns_of(motion: str, other: str) -> tuple[str, str]:
+    """What the columns of a motion, or of what two motions do to each other, are called."""
+    whole = motion if motion == other else f"{motion}_{other}"
+    unit = ADDED[motion] if ADDED[motion] == ADDED[other] else "kg_m"
+    return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
+
+
+def bem_table(file: str) -> BemTable:
+    """The table in a file; raises ValueError where it gives too little."""
+    return of_capytaine(file) if Path(file).suffix == ".nc" else of_csv(file)
+
+
+def of_csv(file: str) -> BemTable:
+    table = csv_file.Table(file)
+    names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
+    given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
+    scattering = dict(scattering_columns(table))
+    wanted = [FREQUENCY, *(column for a, b in given for column in columns_of(a, b))]
+    parts = sorted({f"{column[:-2]}{part}" for column in scattering for part in ("re", "im")})
+    missing = [name for name in wanted + parts if name not in table]
+    unread = [name for name in table if name.split("_")[0] in Motions._fields and name not in wanted + parts]
+    if not names:
+        raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
+    if missing:
+        raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+    if unread:
+        right = "a motion has heave_added_kg and the like, two of them heave_pitch_added_kg_m"
+        raise ValueError(f"{shown(file)}: nothing reads the column {', '.join(unread)}; {right}")
+    table.finite(*wanted, *scattering)
+    added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
+    for (i, a), (j, b) in product(enumerate(names), repeat=2):
+        pair = (a, b) if (a, b) in given else (b, a)
+        if pair in given:
+            added[i, j], damping[i, j] = (table[column] for column in columns_of(*pair))
+    found = None
+    if scattering:
+        headings = np.unique([heading for _, heading, _ in scattering.values()])
+        force = np.zeros((6, len(headings), len(table[FREQUENCY])), dtype=complex)
+        for column, (number, heading, part) in scattering.items():
+            force[number, np.searchsorted(headings, heading)] += part * table[column]
+        found = Scattered(headings, force)
+    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
+    return BemTable(table[FREQUENCY], names, added, damping, found)
+
+
+def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
+    """Columns like `heave_scattered_90_re`: number of the motion, heading [deg], and 1 or i."""
+    for column in table:
+        motion, _, rest = column.partition("_scattered_")
+        heading, _, part = rest.rpartition("_")
+        if motion in Motions._fields and part in ("re", "im"):
+            yield column, (Motions._fields.index(motion), float(heading), 1.0 if part == "re" else 1.0j)
+
+
+def of_capytaine(file: str) -> BemTable:
+    import h5py
+
+    content = BytesIO(input_file.content(file))
+    try:
+        with h5py.File(content) as data:
+            words, push = ([word.decode().lower() for word in data_set(data, name, WORDS)] for name in DIRECTIONS)
+            omega = data_set(data, "omega")
+            names = [motion for motion in Motions._fields if motion in words and motion in push]
+            rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
+            order = np.argsort(omega, kind="stable")
+            axes = ("omega", *DIRECTIONS)
+            mass, loss = (laid(data, name, axes)[order] for name in ("added_mass", "radiation_damping"))
+            added, damping = (np.moveaxis(whole[:, rows][:, :, columns], 0, 2) for whole in (mass, loss))
+            found = None
+            if "diffraction_force" in data:
+                parts = laid(data, "diffraction_force", ("complex", DIRECTIONS[0], "wave_direction", "omega"))
+                headings = np.degrees(data_set(data, "wave_direction"))
+                inwards = np.argsort(headings)
+                force = np.zeros((6, len(headings), len(omega)), dtype=complex)
+                numbers = [Motions._fields.index(motion) for motion in names]
+                force[numbers] = (parts[0] + 1j * parts[1])[rows][:, inwards][:, :, order]
+                found = Scattered(headings[inwards], force)
+            speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
+            depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None
+            axis = float(data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
+    except Exception as error:  # HDF5 has errors of its own
+        why = f"{error}" if type(error) is ValueError else "a part of it is missing or damaged"
+        raise PANELS.broken(file, why) from None
+    if not names or not all(np.isfinite(part).all() for part in (omega, added, damping, *(found or ()))):
+        what = "a value that is not a finite number" if names else f"no motion among {', '.join(Motions._fields)}"
+        raise PANELS.broken(file, f"it has {what}")
+    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
+    if speed != 0.0:
+        raise PANELS.broken(file, f"it is of a hull under way at {speed:g} m/s")
+    return BemTable(omega[order], names, added, damping, found, depth, axis)
+
+
+def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
+    """(m, m, n) with the mean of each pair of entries that are mirrored; raises Unreadable where they differ."""
+    most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
+    mirrored = matrix.transpose(1, 0, 2)
+    apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
+    i, j = np.unravel_index(apart.argmax(), apart.shape)
+    if apart[i, j] > UNEQUAL:
+        both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]} is equal by reciprocity"
+        raise input_file.Unreadable(file, f"{both}, and differs by {apart[i, j]:.0%} of their own entries")
+    return 0.5 * (matrix + mirrored)
+
+
+def laid(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
+    """An array of an HDF5 file with its axes in this order."""
+    numbers = data_set(data, name)
+    names = [dimension[0].name.strip("/") for dimension in data[name].dims]
+    return np.transpose(numbers, [names.index(axis) for axis in axes])
+
+
+class Scattering:
+    """The force of scattered waves on one hull, as they arrive.
+
+    A hull holds against the water's own motion w: X(omega) = (B - i omega A) w. One that goes through the water meets
+    the same w at another frequency, to which its own A and B belong, and what has been given to it, the integral of
+    the force, turns it as it moves on (`radiation`; table 2 of Salvesen, Tuck & Faltinsen).
+    """
+
+    def __init__(self, table: BemTable) -> None:
+        assert table.scattered is not None
+        self.omega, self.scattered = table.omega, table.scattered
+        self.numbers = [Motions._fields.index(motion) for motion in table.motions]
+        own = np.diag_indices(len(table.motions))
+        self.added, self.lost = table.added[own], table.damping[own] / table.omega
+        self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
+
+    def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad] that moves through the
+        water (3,) [m/s]."""
+        if self.known is None or abs(yaw - self.known[0]) > HEADED or not np.array_equal(waves.omega, self.known[1]):
+            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
+        omega = waves.met(velocity)
+        given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
+        c, s = np.cos(yaw), np.sin(yaw)
+        level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+        momentum, rate = ((part.real.sum(axis=1).reshape(2, 3)) @ level.T for part in (given, -1j * omega * given))
+        rate[1] += cross(velocity, momentum[0])
+        return rate
+
+    def given(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """(6, n) momentum that waves give a hull at rest, over its inertia at their frequency."""
+        return self.forces(omega, heading) / (-1j * omega * self.inertia(omega))
+
+    def inertia(self, omega: np.ndarray) -> np.ndarray:
+        """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
+        found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
+        for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
+            found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
+        return found
+
+    def forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+        """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the
+        table ends at 180 degrees, constant beyond its frequencies."""
+        headings, force = self.scattered
+        angle, turned = heading % 360.0, np.ones((6, len(heading)))
+        if headings.max() <= 180.0:
+            beyond = angle > 180.0
+            angle = np.where(beyond, 360.0 - angle, angle)
+            turned = np.where(beyond, ACROSS[:, None], 1.0)
+        found = np.zeros((6, len(omega)), dtype=complex)
+        for number in self.numbers:
+            by_heading = [np.interp(omega, self.omega, row) for row in force[number]]
+            found[number] = interpolated(angle, headings, np.array(by_heading))
+        return found * turned
+
+
+def interpolated(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(n,) of (h, n) values at (h,) headings; the nearest beyond them."""
+    each = np.arange(len(angle))
+    if len(headings) == 1:
+        return values[0, each]
+    at = np.clip(angle, headings[0], headings[-1])
+    above = np.clip(np.searchsorted(headings, at), 1, len(headings) - 1)
+    part = (at - headings[above - 1]) / (headings[above] - headings[above - 1])
+    return (1.0 - part) * values[above - 1, each] + part * values[above, each]
 
 
 class Response(NamedTuple):

@@ -1,10 +1,15 @@
 """Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
 
-The hull pushes the particles as still water in its place would (`moving_hull`). What still comes nearer then collides,
-and that alone is new to the ship. The water bears what it gives back and the collisions; the ship is carried by its own
-law and the collisions. Afloat and at rest the hull's share balances the water's own pressure, collisions have nothing
-to do in the mean, and the draught is that without contact: Archimedes is counted once. Added mass and damping of a kind
-stay as they are, so slamming comes on top of them.
+The hull pushes the particles as still water in its place would (`MovingHull.push`): as a wall would that shows every
+particle the pressure p = rho g (height of the water - y) of the nearest point of the hull, a = -(2 p / rho) times the
+integral of grad W over the hull (both pressures of the symmetric gradient are p). This push is one of the forces of the
+water's own step. Given after the step, water at rest would be moved by all other forces and turned back each time:
+density would follow a speed that is not there, and no force would do the work that is counted.
+
+Particles that still come nearer collide, and that alone is new to the ship. The water bears this push and the
+collisions; the ship is carried by its own law and the collisions. Afloat and at rest the push balances the water's own
+pressure, collisions do nothing in the mean, and the draught is that without contact: Archimedes is counted once. Added
+mass and damping of a kind stay as they are, so slamming comes on top of them.
 
 Collisions are solved together, not one by one (n particles would push a light ship n times). With J = (n, r x n) of a
 particle at r from the centre of mass, U the ship's velocities and e the restitution, every particle that comes nearer
@@ -14,7 +19,6 @@ slips is reduced by M / (M + mass of the particles that touch the ship), so that
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,12 +28,96 @@ from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template, in_kernels
-from ocean_sim.ship import PARTS, Load
+from ocean_sim.ship import Load
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
-from ocean_sim.ship.water.moving_hull import BOXED, MovingHull
-from ocean_sim.ship.water.water_samples import POSE, vector, write_pose
+from ocean_sim.ship.water.water_samples import POSE, SurroundingSea, SurroundingWater, vector, write_pose
+
+BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
+
+
+@in_kernels
+class MovingHull:
+    """A hull at its last pose."""
+
+    def __init__(
+        self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
+    ) -> None:
+        """`bounds` (2, 3) of the hull from its centre of mass [m], `reach` of its push [m]. Hand it the `water` that
+        its ship asks."""
+        self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
+        self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
+        self.pose = ti.field(float, shape=BOXED.size)
+        self.water: SurroundingWater | SurroundingSea
+
+    @ti.func
+    def take(self, table: Template):
+        """Take the pose in the first row of a table; call it at the top of a kernel."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for c in ti.static(range(BOXED.middle)):
+                self.pose[c] = ti.cast(table[0, c], float)
+            turn = self.turn()
+            middle, half = turn @ self.middle, abs(turn) @ self.half
+            for c in ti.static(range(3)):
+                self.pose[BOXED.middle + c], self.pose[BOXED.half + c] = middle[c], half[c]
+
+    @ti.func
+    def three(self, first: Template):
+        """Three numbers in a row of the pose."""
+        return tm.vec3(self.pose[first], self.pose[first + 1], self.pose[first + 2])
+
+    @ti.func
+    def turn(self):
+        """From its axes to those of the world."""
+        return ti.Matrix.rows([self.three(BOXED.turn), self.three(BOXED.turn + 3), self.three(BOXED.turn + 6)])
+
+    @ti.func
+    def apart(self, x):
+        """From the centre of mass to x [m], the nearest way where sides are periodic."""
+        d = x - self.three(BOXED.position)
+        for k, period in ti.static(enumerate(self.periods)):
+            if ti.static(period > 0.0):
+                d[k] -= period * ti.round(d[k] / period)
+        return d
+
+    @ti.func
+    def around(self, d, more):
+        """Whether a position from the centre of mass lies in the box around the hull, or so much beyond it [m]."""
+        return (abs(d - self.three(BOXED.middle)) < self.three(BOXED.half) + more).all()
+
+    @ti.func
+    def velocity(self, d):
+        """Of the hull at a position from the centre of mass [m/s]."""
+        return self.three(BOXED.velocity) + self.three(BOXED.spin).cross(d)
+
+    @ti.func
+    def seen(self, d, turn: Template):
+        """Outward normal, distance and thinning at a position from its centre of mass, in world axes."""
+        normal, away, thinning = self.distance.at(turn.transpose() @ d)
+        return turn @ normal, away, turn @ thinning
+
+    @ti.func
+    def away(self, x):
+        """Distance of x [m] from it [m]."""
+        _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
+        return away
+
+    @ti.func
+    def push(self, x, ahead):
+        """Acceleration [m/s2] of water at x, where the hull is `ahead` [s] of its pose."""
+        d, a = self.apart(x), tm.vec3(0.0)
+        if self.around(d, self.reach):
+            d -= ahead * self.velocity(d)
+            turn = self.turn()
+            normal, away, thinning = self.seen(d, turn)
+            if away < self.reach:
+                face = self.three(BOXED.position) + d - away * normal
+                depth = tm.max(self.water.elevation(face.x, face.z) - face.y, 0.0)
+                a = 2.0 * self.gravity * depth * thinning
+        return a
+
 
 TASK = 512  # a parallel loop is never cut finer than this
 SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
@@ -38,7 +126,6 @@ MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
 NEAR = 0.5  # [spacings] before the hull, where a collision may yet move it to
 RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
 LEAPS = 3  # off the hull and back to the walls
-WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
 FOUND = Columns(touching=1, b=6, a=len(PAIRS))  # particles that touch, b and A
@@ -99,7 +186,7 @@ class WaveContact:
         own[:3, :3] = trial.mass * np.eye(3)
         own[3:, 3:] = turn @ trial.inertia_body @ turn.T
         change = own @ np.linalg.solve(own + response * a, response * total[FOUND.b : FOUND.a])
-        write_pose(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
+        write_pose(table[0], after(load.plus("wave", change.reshape(2, 3) / dt)))
         table[0, HANDED.velocity_before : HANDED.spin_before] = trial.velocity
         table[0, HANDED.spin_before : HANDED.slip] = trial.angular_velocity
         table[0, HANDED.slip] = trial.mass / (trial.mass + self.mass * touching)
@@ -110,7 +197,7 @@ class WaveContact:
         self.lost += (1.0 - response) * met
         self.given += pushed[: PUSHED.moment]
         self.work += float(pushed[PUSHED.work])
-        load = with_wave(load, response * met / dt)
+        load = load.plus("wave", response * met / dt)
         return load, after(load)
 
 
@@ -271,10 +358,3 @@ class Collisions:
         p = self.particles.position
         p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
         return x - start
-
-
-def with_wave(load: Load, more: np.ndarray) -> Load:
-    """The load with (2, 3) more under `wave`."""
-    parts = load.parts.copy()
-    parts[WAVE] += more
-    return replace(load, parts=parts)

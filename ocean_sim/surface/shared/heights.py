@@ -5,7 +5,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Copy, alone, in_kernels
-from ocean_sim.surface.shared.mesh import Mesh, sheet
+from ocean_sim.surface import Mesh, sheet
 
 
 def columns(basin: Basin, spacing: float) -> tuple[int, int]:

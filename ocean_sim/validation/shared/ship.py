@@ -83,8 +83,9 @@ def current_load(simulation: Simulation) -> "Load":
 
 def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
     """Put the ship at an orientation, at the height where weight and buoyancy balance; the load there."""
-    hull = floating_ship(simulation).hull
-    span = float(np.linalg.norm(hull.upper - hull.lower))
+    shape = floating_ship(simulation).shape
+    assert shape is not None
+    span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))
     low, high = -span, span
     for _ in range(40):
         middle = 0.5 * (low + high)

@@ -11,7 +11,7 @@ from ocean_sim import basin
 from ocean_sim.fluid import Copied, Fluid, Totals
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
-from ocean_sim.wind.shared.drawing import NOTHING
+from ocean_sim.wind import NOTHING
 
 SPACING = 0.5
 

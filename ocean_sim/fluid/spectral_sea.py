@@ -20,8 +20,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
-from ocean_sim.fluid.open_sea.breaking import Breaking
-from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
+from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, Breaking, HighOrder, evolving, step_of
 from ocean_sim.fluid.open_sea.open_water import (
     ADVANCE,
     POINT,

@@ -15,7 +15,7 @@ from math import pi
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.basin.tank_motion import Piston
+from ocean_sim.basin.motion import Piston
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.flume import flume_scene, gauge_records

@@ -14,8 +14,7 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.patch.relaxation_zone import Band, band, stokes
 from ocean_sim.fluid.patch.sea_patch import nodes
-from ocean_sim.fluid.patch.sea_source import Depths, PlaneWaveSource
-from ocean_sim.fluid.patch.steep_source import SteepSource
+from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import of_patch
 from ocean_sim.kernel_library import ti

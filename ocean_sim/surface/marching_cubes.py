@@ -4,13 +4,13 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 is read: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
@@ -20,6 +20,9 @@ from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
@@ -123,7 +126,7 @@ class MarchingCubes:
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
-    def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
+    def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -146,7 +149,7 @@ class MarchingCubes:
             if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
         )
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
         them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1

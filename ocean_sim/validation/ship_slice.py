@@ -104,8 +104,8 @@ def cylinder_problem(coarse: bool) -> Problem:
 
 def measure_extrema(simulation: Simulation) -> Finding:
     """Extrema of heave one after the other, over the level of the water."""
-    sunk = simulation.fluid.sunk
-    path = [(t, (b.position[1] + sunk) / RISE) for t, b in follow_body(simulation, 1.0)]
+    drop = simulation.fluid.surface_drop
+    path = [(t, (b.position[1] + drop) / RISE) for t, b in follow_body(simulation, 1.0)]
     t, y = np.array([(0.0, 1.0), *path]).T
     numbers, begin = [], 0
     for when, height in EXTREMA:

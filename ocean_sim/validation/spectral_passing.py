@@ -72,7 +72,7 @@ class GaussianPressure(Displacing):
 def passing_waters(simulation: Simulation) -> tuple:
     """Water for another ship, water for the passing one itself, and the position of the passing one along x [m]."""
     patch, other = GaussianPressure(), GaussianPressure()
-    by_itself, by_another = sea_of(simulation).carry([patch, other])
+    by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
         patch.share = smooth_ramp(simulation.time / RAMP_TIME)
         patch.body.position = np.array([SHIP_SPEED * simulation.time, 0.0, 0.0])

@@ -141,7 +141,7 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
         with Simulation(scene) as simulation:
             water = simulation.fluid
             water.particles.velocity.from_numpy(np.tile([0.1, 0.0, 0.0], (water.count, 1)).astype(np.float32))
-            water.carry([ship])
+            water.add_ships([ship])
             simulation.run(0.3)
             now = particle_state(simulation)
             far = np.abs((now.position[:, 0] - x + 3.0) % 6.0 - 3.0)

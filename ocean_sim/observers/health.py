@@ -83,7 +83,8 @@ class Health(Concluding):
             self.n > 0 and fluid.sound_speed > 0.0 and not basin.closed and not simulation.scene.fluid.driven
         )
         self.first_level = float("nan")
-        self.energy_interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed  # [s]
+        interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed if self.judges_energy else 0.0
+        self.energy_interval = interval  # [s]
         self.energy_time, self.gain_reported = 0.0, False
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
@@ -235,7 +236,7 @@ class Health(Concluding):
             self.reported.append(name)
 
     def record_rarely(self, kind: str, name: str, **facts: object) -> bool:
-        """An event that comes at least QUIET after the last of its kind; True if it does."""
+        """Record an event at least EVENT_INTERVAL after the last of its kind; True if it is recorded."""
         if self.simulation.time < self.last[kind] + EVENT_INTERVAL:
             return False
         self.record_event(name, **facts)
@@ -305,8 +306,8 @@ class Health(Concluding):
             of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s (bound {100.0 * bound:g} %)"
             if not gain <= bound:
                 yield (
-                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of}, {self.time_and_step()}; try a larger "
-                    f"fluid.kinematic_viscosity, or a shorter time step{self.name_last_frame()}"
+                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of}, {self.time_and_step()}; try a "
+                    f"larger fluid.kinematic_viscosity, or a shorter time step{self.name_last_frame()}"
                 )
             if not given <= bound:
                 yield (
@@ -363,7 +364,8 @@ class Health(Concluding):
                 x, z = one.middle(image)
                 raise Diverged(
                     f"the hulls of {name} and {other_name} reach {depth:.3g} m into each other at ({x:.4g}, {z:.4g}) "
-                    f"m, {self.time_and_step()}; contact between hulls is not modelled: keep them apart{self.name_last_frame()}"
+                    f"m, {self.time_and_step()}; contact between hulls is not modelled: keep them apart"
+                    f"{self.name_last_frame()}"
                 )
 
     def note_rim(self, simulation: Simulation) -> None:

@@ -204,8 +204,8 @@ class Frames(Observer):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] of the sea without its ships: foam of the whole sea would gather at the steep dents of their
-        hulls, and their own foam is drawn with them."""
+        """Heights (nx, nz) [m] of the sea without its ships: foam of the whole sea would gather at the steep dents of
+        their hulls, and their own foam is drawn with them."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed(points, elevation.ravel())

@@ -161,7 +161,7 @@ def undisturbed(scene, folder: Path, stop: float, copy: Path) -> None:
     with Simulation(scene, folder) as simulation:
         watching = dict(zip(scene.observers, simulation.observers))
         simulation.run(stop)
-        watching["checkpoint"].keep()
+        watching["checkpoint"].write_state()
         shutil.copytree(folder, copy)
         simulation.run(scene.duration)
 
@@ -217,7 +217,7 @@ def test_each_checkpoint_after_the_first_compiles_nothing(tmp_path):
         counts = []
         for _ in range(3):
             simulation.step()
-            watcher.keep()
+            watcher.write_state()
             counts.append(sum(len(kernel.compiled_kernels) for kernel in impl.get_runtime().kernels))
     assert counts[0] == counts[1] == counts[2]
 

@@ -163,13 +163,13 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     seen = frames.Config().build(tmp_path, simulation)
     points = 12.0 * seen.points
     seen.cell = seen.white.cell = 12.0 * seen.cell
-    seen.whiten_before(simulation, points)
+    seen.whiten_past_sea(simulation, points)
     white = seen.white.white
     assert white.mean() > 0.003
     assert np.median(white[white > 0.05]) < 0.7  # of what is born at once nearly all is 1
     monkeypatch.setattr(type(simulation.fluid), "plane_waves", replace(sea, ramp=5.0), raising=False)
     later = frames.Config().build(tmp_path, simulation)
-    later.whiten_before(simulation, points)
+    later.whiten_past_sea(simulation, points)
     assert not later.white.white.any()
 
 

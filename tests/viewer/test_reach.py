@@ -11,7 +11,7 @@ from ocean_sim.files.csv_file import columns
 from ocean_sim.viewer.protocol import packet
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Server
-from ocean_sim.viewer.still import sky_packet
+from ocean_sim.viewer.still import page_document, sky_packet
 from tests.viewer import _chromium
 from tests.viewer.test_page import in_a_browser, run  # noqa: F401
 

@@ -80,7 +80,7 @@ def lake(tmp_path):
 
 
 def ask(session, **command):
-    session.desk.waiting.append(Order(1, p.command(json.dumps(command))))
+    session.desk.waiting.append(Order(1, p.parse_command(json.dumps(command))))
     session.obey()
 
 
@@ -116,7 +116,7 @@ def test_a_frame_says_where_everything_is(session):
     assert np.abs(page_packets.opened(arrays["particles"], low, high) - there).max() < 1e-3
     assert arrays["poses"][0, :3] == pytest.approx(simulation.ships["ship"].body.position, abs=1e-5)
     still, _ = page_packets.unpacked(desk.stills[-1])
-    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.VERSION
+    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.PROTOCOL_VERSION
     assert len(desk.frames[-1]) < 12_000 and still["tile"] == {
         "nx": 16,
         "nz": 16,
@@ -128,14 +128,14 @@ def test_a_frame_says_where_everything_is(session):
 def test_particles_are_boxed_in_the_kernel_as_the_protocol_boxes_them(session):
     particles = session.simulation.fluid.particles
     low, high = np.array([-5.0, -8.0, -30.0]), np.array([20.0, 2.0, 20.0])  # so that some lie outside
-    rows = particles.in_box(*p.scaled(low, high), p.FULL, 1)
+    rows = particles.in_box(*p.box_scale(low, high), p.FULL_SCALE, 1)
     places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
     order = particles.id.to_numpy()
     positions, velocities = (np.empty((particles.n, 3)) for _ in range(2))
     positions[order], velocities[order] = particles.position.to_numpy(), particles.velocity.to_numpy()
-    assert np.array_equal(places, p.boxed(positions, low, high))
+    assert np.array_equal(places, p.box_positions(positions, low, high))
     assert speed == pytest.approx(np.linalg.norm(velocities, axis=1), abs=1e-12)
-    assert np.array_equal(particles.in_box(*p.scaled(low, high), p.FULL, 3), rows[::3])
+    assert np.array_equal(particles.in_box(*p.box_scale(low, high), p.FULL_SCALE, 3), rows[::3])
 
 
 def test_play_step_and_pause(session):
@@ -295,7 +295,7 @@ def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
         session.advance(0.05)
     run = Recorded(folder)
     head, arrays = page_packets.unpacked(run.stream())
-    heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
+    heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL_SCALE
     with np.load(run.files[-1]) as frame:
         assert np.abs(heights[-1].reshape(16, 16) - frame["elevation"]).max() < 1e-3
     assert "throttle 1" in (folder / "touched.txt").read_text()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ocean_sim.wind import Wind
 
 PARTS = ("gravity", "buoyancy", "wind_drag", "wind_lift", "wave", "damping", "propeller", "rudder")
-NOTHING = np.zeros((2, 3))  # a part that does not act
+NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Load:
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
-        return cls(np.concatenate([forces.get(name, NOTHING) for name in names]).reshape(-1, 2, 3))
+        return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
         """The load with (2, 3) more of one of PARTS."""

@@ -23,16 +23,16 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
-from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, reaction
+from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
 from ocean_sim.ship.forces.radiation import Memory, Radiation, Scattering, columns_of
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
-OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
-OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
-DEEPEST = 1.0e5  # [m] as deep as any water
-ALIKE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
-COUPLED = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
+WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
+AXIS_TOLERANCE = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
+DEEP_WATER = 1.0e5  # [m] as deep as any water
+END_TOLERANCE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
+COUPLED_MOTIONS = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
 COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave", "surge"))  # unless they are alike
 
 
@@ -113,7 +113,7 @@ class SeakeepingConfig(FloatingConfig):
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
         ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
-        for a, b in COUPLED + (COUPLED_BY_ENDS if ends > ALIKE else ()):
+        for a, b in COUPLED_MOTIONS + (COUPLED_BY_ENDS if ends > END_TOLERANCE else ()):
             if a in names and b in names and not table.couples(a, b):
                 neither = f"the table has {a} and {b}, and nothing of what they do to each other"
                 yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
@@ -146,10 +146,10 @@ class SeakeepingConfig(FloatingConfig):
             )
         if table.depth is not None and table.depth != tank.depth:
             here, there = (
-                waves.wavenumber(float(table.omega[0]), min(depth, DEEPEST), -tank.gravity[1])
+                waves.wavenumber(float(table.omega[0]), min(depth, DEEP_WATER), -tank.gravity[1])
                 for depth in (tank.depth, table.depth)
             )
-            if abs(there / here - 1.0) > OTHER:
+            if abs(there / here - 1.0) > WAVENUMBER_TOLERANCE:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
                 found.append(
                     f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
@@ -158,7 +158,7 @@ class SeakeepingConfig(FloatingConfig):
                 )
         if table.axis is not None:
             centre = float(still.matter.centre[1]) - still.keel - still.draught
-            if abs(table.axis - centre) > OFF * still.draught:
+            if abs(table.axis - centre) > AXIS_TOLERANCE * still.draught:
                 about = f"the table turns about a point {table.axis:.3g} m over the still water"
                 found.append(f"{about}, the centre of mass lies at {centre:.3g} m")
         return found
@@ -217,7 +217,9 @@ class SeakeepingShip(FloatingShip):
             force, torque = force + scattered[0], torque + scattered[1]
         drift, surge = self.drift(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
-        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge, self.free)
+        moved, carried = water_reaction(
+            now.body, now.share * self.added, between, force, torque, drift, surge, self.free
+        )
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:

@@ -16,7 +16,7 @@ from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
-from ocean_sim.ship.body.rigid_body import RigidBody, held, to_world
+from ocean_sim.ship.body.rigid_body import RigidBody, hold_motions, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
@@ -24,8 +24,8 @@ from ocean_sim.ship.water.solid import Solid
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
-FEWEST = 2.0  # spacings across a hull
+SLICE_MOTIONS = np.array([True, True, False, False, False, True])  # sway, heave and roll
+MIN_SPACINGS = 2.0  # spacings across a hull
 REST_SWING = 0.13  # [spacings] of heave in still water at most, measured with boxes in delta_sph at draughts from 2 on
 STATED_SWING = 0.02  # of the draught, from which on it is said
 
@@ -64,7 +64,7 @@ class Config(FloatingConfig):
         if not preflight.wind.still:
             found.append("a ship of kind pressure feels only the water; wind does not act on it")
         lower, upper = self.whole_hull.shape.bounds()
-        if spacing is not None and (upper - lower).min() < FEWEST * spacing:
+        if spacing is not None and (upper - lower).min() < MIN_SPACINGS * spacing:
             thin = (upper - lower).min() / spacing
             found.append(f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other")
         return found
@@ -100,7 +100,7 @@ class Pressure(Vessel):
         self.shape = solid.shape
         self.moor(config.moorings, config.points)
         if solid.flat:
-            self.free &= IN_A_SLICE
+            self.free &= SLICE_MOTIONS
         self.density = float(water.particles.rest_density)
         self.weight = np.array([[0.0, self.body.mass * basin.gravity[1], 0.0], [0.0, 0.0, 0.0]])
         near = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
@@ -127,7 +127,7 @@ class Pressure(Vessel):
 
     def place(self) -> None:
         """Put the hull in the water where it is now, with its motion."""
-        body = held(self.body, self.free)
+        body = hold_motions(self.body, self.free)
         linear, turning = self.known
         self.boundary.place(
             self.number, body.position, body.matrix, body.velocity, body.angular_velocity, linear, turning

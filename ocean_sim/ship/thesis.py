@@ -18,12 +18,12 @@ from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
-from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advanced
+from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advance
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
 from ocean_sim.surface import Surface
 
-NODES = 32  # along the basin, as `getWaveHeight` counts them
+THESIS_NODES = 32  # along the basin, as `getWaveHeight` counts them
 
 
 class Config(FloatingConfig):
@@ -56,7 +56,7 @@ class Thesis(FloatingShip):
         return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
     def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        return thesis_advanced(body, load.force, load.torque, dt)
+        return thesis_advance(body, load.force, load.torque, dt)
 
 
 @in_kernels
@@ -77,7 +77,7 @@ class Columns:
         middle /= volume[:, None]
         self.n, self.weight = n, still.density * still.gravity
         self.height = float(np.ptp(cubes.centre[:, 1]) + size[1])
-        self.cell = (basin.config.length / NODES, (basin.config.width or basin.config.length) / NODES)
+        self.cell = (basin.config.length / THESIS_NODES, (basin.config.width or basin.config.length) / THESIS_NODES)
         self.bottom, self.area = ti.Vector.field(3, float, shape=n), ti.field(float, shape=n)
         self.out = ti.Vector.field(6, ti.f64, shape=n)
         real = self.area.to_numpy().dtype

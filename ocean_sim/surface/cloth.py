@@ -22,17 +22,17 @@ from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
-from ocean_sim.surface.shared.heights import Heights, columns
+from ocean_sim.surface.shared.heights import Heights, column_counts
 
-CONTACTS = 8  # the most moves of a node towards the surface in one update
-NEAR = 0.01  # [thicknesses] a smaller move is the last
-NODE = 3.3e-7  # [s] of processor time an update
-MOST_NODES = 2**24
-FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
-OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
-HEIGHTS = 241
+MAX_MOVES = 8  # the most moves of a node towards the surface in one update
+LAST_MOVE = 0.01  # [thicknesses] a smaller move is the last
+NODE_SECONDS = 3.3e-7  # [s] of processor time an update
+MAX_NODES = 2**24
+MAX_CARRY = 0.5  # [thicknesses] that its speed carries a node in one update
+LATTICE_OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
+LATTICE_HEIGHTS = 241
 # Springs as steps along x and z from a node to the other end (thesis figure 3-3).
-STRETCH, SHEAR, BEND = ((1, 0), (0, 1)), ((1, 1), (1, -1)), ((2, 0), (0, 2))
+STRETCH_STEPS, SHEAR_STEPS, BEND_STEPS = ((1, 0), (0, 1)), ((1, 1), (1, -1)), ((2, 0), (0, 2))
 
 
 class Config(SurfaceConfig):
@@ -75,8 +75,8 @@ class Config(SurfaceConfig):
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
-        if nx * nz > MOST_NODES:
-            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MOST_NODES}")]
+        if nx * nz > MAX_NODES:
+            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MAX_NODES}")]
         if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
             return []
         why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
@@ -91,12 +91,12 @@ class Config(SurfaceConfig):
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Along x and z; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
-        return columns(basin, self.spacing)
+        return column_counts(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
-        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
+        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE_SECONDS * nx * nz, self.every)]
 
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
         return Cloth(self, basin, fluid)
@@ -117,7 +117,9 @@ class Cloth:
         self.contact = Contact(basin.dimension, self.thickness, size)
         self.at_surface, self.steepness = self.contact.at_surface, self.contact.steepness
         stretching, bending = config.stretching_stiffness, config.bending_stiffness
-        steps = [(*step, stretching) for step in STRETCH + SHEAR] + [(*step, bending) for step in BEND]
+        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS] + [
+            (*step, bending) for step in BEND_STEPS
+        ]
         self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
         count = self.nodes[0] * self.nodes[1]
         self.height = self.heights.height  # [m]
@@ -132,8 +134,8 @@ class Cloth:
         """Let the sheet down on the water from above."""
         top = float(particles.copied().position[:, 1].max()) + self.thickness
         self.height.fill(top)
-        moves = 4.0 * (top - self.bed) / self.thickness + CONTACTS
-        for _ in range(int(moves / CONTACTS) + 1):
+        moves = 4.0 * (top - self.bed) / self.thickness + MAX_MOVES
+        for _ in range(int(moves / MAX_MOVES) + 1):
             self.update(0.0)
 
     def follow(self, particles: Particles, dt: float) -> None:
@@ -148,7 +150,7 @@ class Cloth:
         """Carry on, move to the water, pull; dt 0 lays the sheet down at rest."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
-            most = ti.static(FURTHEST * self.thickness)
+            most = ti.static(MAX_CARRY * self.thickness)
             self.on_water[n] = self.moved(n, self.height[n] + tm.clamp(way, -most, most))
         for n in self.height:
             height = self.on_water[n] + dt * dt * self.pull(n, dt)
@@ -172,11 +174,11 @@ class Cloth:
         """The height [m] of node n, from y on, moved towards the surface of the water: Newton's steps, never longer
         than at a flat surface, so they do not overshoot."""
         p, start, moves = self.heights.column(n), y, 0
-        while moves < CONTACTS:
+        while moves < MAX_MOVES:
             move = self.move(tm.vec3(p.x, y, p.y))
-            y, moves = y + move, ti.select(ti.abs(move) < NEAR * self.thickness, CONTACTS, moves + 1)
+            y, moves = y + move, ti.select(ti.abs(move) < LAST_MOVE * self.thickness, MAX_MOVES, moves + 1)
             if y < self.bed:
-                y, moves = self.bed, CONTACTS
+                y, moves = self.bed, MAX_MOVES
         return start + ti.static(self.config.response) * (y - start)
 
     @ti.func
@@ -254,8 +256,8 @@ class Contact:
         weight of each position: of those that mirror each other only one is there."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
-        height = np.linspace(-n, n, HEIGHTS)
-        offset = (np.arange(OFFSETS // 2) + 0.5) / OFFSETS
+        height = np.linspace(-n, n, LATTICE_HEIGHTS)
+        offset = (np.arange(LATTICE_OFFSETS // 2) + 0.5) / LATTICE_OFFSETS
         x = np.square(offset[:, None] - np.arange(-n, n + 1))
         across_squared, weight = x, np.ones(len(x))
         if self.dimension == 3:
@@ -275,8 +277,8 @@ class Contact:
         """Where water on a lattice has this share, seen from above [m], on an average over all positions between the
         particles."""
         height, shares, weight = self.over_a_lattice
-        k = HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
-        k = np.minimum(k, HEIGHTS - 2)
+        k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
+        k = np.minimum(k, LATTICE_HEIGHTS - 2)
         inside, outside = (np.take_along_axis(shares, column[:, None], axis=1)[:, 0] for column in (k, k + 1))
         above = height[k] + (height[1] - height[0]) * (inside - share) / np.maximum(inside - outside, 1.0e-12)
         return float(weight @ above)

@@ -19,15 +19,18 @@ from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
-from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
+from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes
 
-NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
-FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
-MEASURED = AREA_AND_VOLUME | {
+NODE_SECONDS, WET_NODE_SECONDS = (
+    2.0e-8,
+    1.5e-7,
+)  # [s] of processor time a reading, for each node and each of those in the water
+NODE_SPACINGS, RADIUS_SPACINGS = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
+MEASURED_COLUMNS = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
     "surface_outside": "particles above the grid",
 }
-WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
+MAX_RADIUS = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
 class Config(SurfaceConfig):
@@ -46,7 +49,7 @@ class Config(SurfaceConfig):
     """Smoothed share of water at the surface; null: what it is where flat water ends."""
     height: float | None = quantity("m", None, gt=0.0)
     """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
-    most_nodes: int = quantity("nodes", 2**23, ge=1, le=MOST_NODES)
+    most_nodes: int = quantity("nodes", 2**23, ge=1, le=MAX_NODES)
     """Largest number of nodes near water that are kept at a time; more stop the run."""
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
     """Largest number of triangles of a mesh; more stop the run."""
@@ -54,8 +57,8 @@ class Config(SurfaceConfig):
     def completed(self, preflight: Preflight) -> Self:
         assert preflight.spacing is not None
         found = {
-            "spacing": self.spacing or FINE * preflight.spacing,
-            "radius": self.radius or SMOOTH * preflight.spacing,
+            "spacing": self.spacing or NODE_SPACINGS * preflight.spacing,
+            "radius": self.radius or RADIUS_SPACINGS * preflight.spacing,
             "height": self.height or preflight.tank.depth,
         }
         return self.model_copy(update=found)
@@ -71,12 +74,12 @@ class Config(SurfaceConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, apart = Problems(), preflight.spacing
         assert apart is not None
-        if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
-            span = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m"
+        if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
+            span = f"{self.radius:g} m must be 1.2 to {MAX_RADIUS:g} spacings of the particles, {apart:.4g} m"
             found.append((("radius",), f"{span}: less shows them one by one, more smooths the waves away"))
-        if (count := self.completed(preflight).count(preflight.tank)) > MOST_NODES:
-            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
-        fine = self.spacing or FINE * apart
+        if (count := self.completed(preflight).count(preflight.tank)) > MAX_NODES:
+            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MAX_NODES} there can be"))
+        fine = self.spacing or NODE_SPACINGS * apart
         if (wet := preflight.particles * (apart / fine) ** 3) > self.most_nodes:
             message = f"{self.most_nodes} is less than the {wet:.3g} or so that the water at rest fills"
             found.append((("most_nodes",), message))
@@ -107,7 +110,7 @@ class Config(SurfaceConfig):
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(particles, nodes, completed.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
-        seconds = NODE * nodes.count + WET * wet / nodes.cell**3
+        seconds = NODE_SECONDS * nodes.count + WET_NODE_SECONDS * wet / nodes.cell**3
         return [
             LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
             LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {completed.radius:g} m"),
@@ -138,7 +141,7 @@ class MarchingCubes:
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
         self.followed, self.read_by_kernel = False, False  # whether it has seen a step; whether a kernel reads heights
-        self.measured = MEASURED
+        self.measured = MEASURED_COLUMNS
         self.goes_on = sum(
             1 << 2 * axis + side
             for axis in range(3)

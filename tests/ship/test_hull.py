@@ -7,8 +7,8 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import named
-from ocean_sim.ship.body.rigid_body import RigidBody, about
-from ocean_sim.ship.forces.added_mass import by_rule, slenderness
+from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
+from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
 from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.ship.hull.mesh import BadMesh
 from ocean_sim.ship.hull.voxels import voxels
@@ -75,7 +75,7 @@ def test_the_water_stands_where_all_cubes_together_have_it_to_the_last_bit(name,
     cubes = voxels(solid, solid.bounds()[1][1] / 16.0)
     still = Hydrostatics(cubes, Matter(share * 1000.0 * cubes.volume, np.zeros(3), np.eye(3)), *WATER)
     for axis, degrees in ((0, 0.0), (2, 0.5), (2, -20.0), (0, 3.0), (2, 45.0), (0, 77.0), (2, 90.0)):
-        up = about(axis, np.radians(degrees))[1]
+        up = axis_rotation(axis, np.radians(degrees))[1]
         assert still.level(up) == bisected(still, up)
 
 
@@ -134,7 +134,7 @@ def test_added_mass_by_rule_is_near_that_of_a_panel_method():
     """The barge at its natural frequencies: 431.7 t, 11261 and 1167.8 t m2, within 15 %."""
     added = by_rule(hull_of("barge20").afloat(8, *WATER))
     np.testing.assert_allclose(added[[1, 3, 5]], [431.7e3, 11261e3, 1167.8e3], rtol=0.15)
-    assert slenderness(1e6) == pytest.approx(1.0) and slenderness(0.4) == slenderness(2.5)
+    assert pabst_factor(1e6) == pytest.approx(1.0) and pabst_factor(0.4) == pabst_factor(2.5)
 
 
 @pytest.mark.parametrize("name", named("hull"))
@@ -214,8 +214,8 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
         hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, felt=False)
         parts = [
-            *shapes.drawn(shape),
-            shapes.outermost(shape),
+            *shapes.drawn_mesh(shape),
+            shapes.convex_corners(shape),
             *hull.make_room(lattice, lattice[:0], [box], spacing, spacing**3),
         ]
         return [array.tobytes() for array in parts]

@@ -9,7 +9,7 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.naval.stability import CROSS, Loading, Stability
+from ocean_sim.ship.naval.stability import CROSS_HEELS, Loading, Stability
 
 BREADTH, DRAUGHT, KG = 8.0, 2.0, 2.5  # [m] of barge20, which is 20 m long and 4 m high
 GM = DRAUGHT / 2.0 + BREADTH**2 / 12.0 / DRAUGHT - KG
@@ -119,7 +119,7 @@ def test_water_comes_in_where_the_edge_of_the_deck_goes_under_and_no_area_counts
 
 def test_cross_curves_do_not_know_the_centre_of_mass(barge):
     mass, levers = list(Stability(barge).cross_curves().items())[3]
-    heel = CROSS[1]
+    heel = CROSS_HEELS[1]
     wall_sided = (GM + 0.5 * BREADTH**2 / 12.0 / DRAUGHT * tan(radians(heel)) ** 2) * sin(radians(heel))
     assert mass == barge.matter.mass and levers[1] == pytest.approx(wall_sided + KG * sin(radians(heel)), rel=0.01)
 

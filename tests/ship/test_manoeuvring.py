@@ -9,7 +9,7 @@ import pytest
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.propulsion import SWIFT, Propeller, Rudder
+from ocean_sim.ship.forces.propulsion import SLIPSTREAM_SHARE, Propeller, Rudder
 from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.simulation import Simulation
 from tests.conftest import quickly
@@ -86,7 +86,7 @@ def test_waves_from_abeam_do_not_turn_it_about(kind):
 
 def test_a_slipstream_has_the_momentum_of_its_thrust_and_only_a_propeller_with_a_diameter_has_one():
     screw = Propeller(thrust=14400.0, diameter=0.8)
-    far = (screw.slipstream(14400.0, 6.0, 1000.0) - 6.0) / SWIFT + 6.0
+    far = (screw.slipstream(14400.0, 6.0, 1000.0) - 6.0) / SLIPSTREAM_SHARE + 6.0
     through = 0.5 * (far + 6.0) * 1000.0 * pi / 4.0 * 0.8**2  # [kg/s]
     assert through * (far - 6.0) == pytest.approx(14400.0)
     assert screw.slipstream(-7200.0, 6.0, 1000.0) == 6.0

@@ -42,9 +42,9 @@ def test_a_body_that_passes_a_place_turns_as_its_momentum_says(q, velocity, omeg
     body = rigid.spinning(rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, velocity, np.zeros(3)), omega)
     spins = np.column_stack([omega, -2.0 * omega])
     orientations = np.column_stack([q, body.orientation])
-    changes = track.change(np.column_stack([velocity, velocity]), spins, orientations)
+    changes = track.first_derivative(np.column_stack([velocity, velocity]), spins, orientations)
     places = np.concatenate([np.zeros((3, 2)), 1.7 * orientations])  # of any length
-    found = track.turned(track.Track(np.zeros(2), places, changes * np.repeat([1.0, 1.7], [3, 4])[:, None]))
+    found = track.attitude_of(track.Track(np.zeros(2), places, changes * np.repeat([1.0, 1.7], [3, 4])[:, None]))
     np.testing.assert_allclose(found.spin, spins, atol=1e-12)
     np.testing.assert_allclose(found.orientation[:, 0], q, atol=1e-12)
     np.testing.assert_allclose(found.matrix[..., 1], body.matrix, atol=1e-12)
@@ -224,5 +224,5 @@ def test_a_small_system_is_solved_as_numpy_does():
         m = random.normal(size=(3, 3))
         m, b = m @ m.T + 0.1 * np.eye(3), random.normal(size=3)
         np.testing.assert_allclose(
-            small_linalg.solved(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12
+            small_linalg.solve_3x3(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12
         )

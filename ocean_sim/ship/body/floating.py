@@ -15,26 +15,26 @@ from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
-from ocean_sim.ship.body.rigid_body import RigidBody, matrix, oriented
-from ocean_sim.ship.body.vessel import VesselConfig, outline
+from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, rotation_matrix
+from ocean_sim.ship.body.vessel import VesselConfig, placed_outline
 from ocean_sim.ship.forces.damping import Resistance
 from ocean_sim.ship.forces.moorings import Mooring
 from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.hull.cubes import Cubes
-from ocean_sim.ship.hull.distance import MANY, memory
-from ocean_sim.ship.hull.hull import Hull, Inertia, explained, hull_of
-from ocean_sim.ship.hull.shapes import outermost
-from ocean_sim.ship.naval.hydrostatics import Hydrostatics, metacentric_heights, squat
+from ocean_sim.ship.hull.distance import MAX_LATTICE_NODES, lattice_memory
+from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
+from ocean_sim.ship.hull.shapes import convex_corners
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
-from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea
-from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact
+from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea
+from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, Contact
 
-BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
-FEW = 4.0  # spacings in a draught
-SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
-STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
-LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
+BODY_SECONDS, CUBE_SECONDS = 3.0e-4, 3.0e-8  # [s] of processor time a step
+RESOLVED_SPACINGS = 4.0  # spacings in a draught
+SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
+GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
+MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
 
 
 class FloatingConfig(VesselConfig):
@@ -128,15 +128,15 @@ class FloatingConfig(VesselConfig):
 
     def outline(self, preflight: Preflight) -> Outline:
         still = self.still(preflight)
-        corners = outermost(self.whole_hull.shape) - still.matter.centre
-        return outline(corners, self.body(still.matter, *afloat_pose(still)))
+        corners = convex_corners(self.whole_hull.shape) - still.matter.centre
+        return placed_outline(corners, self.body(still.matter, *afloat_pose(still)))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.still(preflight)
         body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
-        reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
+        reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
     def unsettled(self, body: RigidBody, preflight: Preflight) -> RigidBody:
@@ -162,7 +162,10 @@ class FloatingConfig(VesselConfig):
         if large:
             return [(("hull",), large)]
         if solid is not None:
-            if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
+            if (
+                lattice_memory(solid.shape, spacing / CUBES_A_SPACING, max(solid.reach, SAG_RIM * spacing), 8)[0]
+                > MAX_LATTICE_NODES
+            ):
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
                 return [(("hull",), f"{message}; take a smaller fluid.spacing")]
@@ -204,7 +207,7 @@ class FloatingConfig(VesselConfig):
         try:
             hull = self.afloat(-basin.gravity[1], WATER_DENSITY)
         except ValueError as error:
-            return [*found, (("hull",), explained(error))]
+            return [*found, (("hull",), error_sentence(error))]
         if not isinf(hull.draught) and hull.draught > basin.depth:
             message = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
             found.append((("hull",), message))
@@ -252,7 +255,7 @@ class FloatingConfig(VesselConfig):
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
         if speed == 0.0:
             return message
-        sunk = squat(hull.wanted, hull.length, speed, depth)
+        sunk = bow_squat(hull.wanted, hull.length, speed, depth)
         if isinf(sunk):
             return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
@@ -261,7 +264,7 @@ class FloatingConfig(VesselConfig):
     def of_cubes(self, still: Hydrostatics) -> list[str]:
         """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
         gm, own = still.metacentric_height(), self.gm_of_faces(still)
-        if self.carried_as_body or own is None or abs(gm - own) <= STIFFER * abs(own):
+        if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
         rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
@@ -301,18 +304,18 @@ class FloatingConfig(VesselConfig):
             )
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
-        elif at_rest(hull) is None:
+        elif rest_angles(hull) is None:
             far = "her centre of mass lies too far from that of her buoyancy"
-            found.append(f"within {LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
+            found.append(f"within {MAX_LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
         found += self.of_cubes(hull)
-        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
+        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW_DRAUGHTS * hull.draught:
             found.append(self.over_a_bed(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
         if resistance is not None:
             found += [*resistance.warnings, *resistance.undamped(self.free)]
         spacing = preflight.spacing
-        if spacing and hull.draught < FEW * spacing:
-            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
+        if spacing and hull.draught < RESOLVED_SPACINGS * spacing:
+            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {RESOLVED_SPACINGS:g}"
             found.append(f"{message} the water does not resolve the ship")
         return found
 
@@ -320,12 +323,12 @@ class FloatingConfig(VesselConfig):
         basin, word = preflight.tank, preflight.word
         n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
-        size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
+        size += preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY_SECONDS + CUBE_SECONDS * n)]
         solid = self.solid(preflight)
         if solid is not None:
-            count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
+            count, size = lattice_memory(solid.shape, solid.reach / SAG_RIM / CUBES_A_SPACING, solid.reach, word)
             rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
         return rows
 
@@ -334,31 +337,31 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
     """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest, or upright
     where there is no such pose; a ship that cannot float begins with its deck awash."""
     if isinf(still.draught):
-        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), oriented(0.0, 0.0, 0.0)
-    found = at_rest(still)
+        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
+    found = rest_angles(still)
     angle = np.zeros(2) if found is None else found
-    turn = matrix_of(angle)
+    turn = lean_matrix(angle)
     level = still.level(turn[1])
-    return float((turn @ still.matter.centre)[1] - level), oriented(angle[0], 0.0, angle[1])
+    return float((turn @ still.matter.centre)[1] - level), euler_quaternion(angle[0], 0.0, angle[1])
 
 
 @lru_cache(maxsize=4)
-def at_rest(still: Hydrostatics) -> np.ndarray | None:
+def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
-    where there is no such pose within LEAN."""
+    where there is no such pose within MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        return still.apart(matrix_of(angle))[::-1]
+        return still.apart(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
     size = float(np.ptp(still.voxels.centre[:, 2]))
     if np.abs(levers(upright)).max() <= 1e-6 * size:
         return upright
-    found = balanced(levers, upright)
-    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(LEAN) else None
+    found = newton_balance(levers, upright)
+    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(MAX_LEAN) else None
 
 
-def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
+def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
     """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a
     step: to 1e-10 rad, or as near as 20 steps come."""
     small = 1e-4
@@ -372,6 +375,6 @@ def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> n
     return angle
 
 
-def matrix_of(angle: np.ndarray) -> np.ndarray:
+def lean_matrix(angle: np.ndarray) -> np.ndarray:
     """(3, 3) of pitch and roll."""
-    return matrix(oriented(angle[0], 0.0, angle[1]))
+    return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

@@ -32,7 +32,7 @@ def times(factor: float, a: Vector) -> Three:
     return factor * x, factor * y, factor * z
 
 
-def scaled(factors: Vector, a: Vector) -> Three:
+def times_each(factors: Vector, a: Vector) -> Three:
     """Each component by a factor of its own."""
     (fx, fy, fz), (x, y, z) = factors, a
     return fx * x, fy * y, fz * z
@@ -50,21 +50,21 @@ def cross(a: Vector, b: Vector) -> Three:
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-def turned(m: Rows, a: Vector) -> Three:
+def matrix_times(m: Rows, a: Vector) -> Three:
     """m a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + q * y + r * z, s * x + t * y + u * z, v * x + w * y + o * z
 
 
-def turned_back(m: Rows, a: Vector) -> Three:
+def transpose_times(m: Rows, a: Vector) -> Three:
     """The transpose of m, times a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + s * y + v * z, q * x + t * y + w * z, r * x + u * y + o * z
 
 
-def solved(m: Rows, b: Vector) -> Three:
+def solve_3x3(m: Rows, b: Vector) -> Three:
     """The solution x of m x = b, by Cramer's rule."""
     (p, q, r), (s, t, u), (v, w, x) = m
     d, e, f = b
@@ -77,7 +77,7 @@ def solved(m: Rows, b: Vector) -> Three:
     )
 
 
-def product(p: Vector, q: Vector) -> Four:
+def quaternion_product(p: Vector, q: Vector) -> Four:
     """(4.7): first q, then p."""
     a, b, c, d = p
     e, f, g, h = q
@@ -89,7 +89,7 @@ def product(p: Vector, q: Vector) -> Four:
     )
 
 
-def matrix(q: Vector) -> tuple[Three, Three, Three]:
+def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
     """(4.10): rotation of a quaternion of any length."""
     w, x, y, z = q
     s = 2.0 / (w * w + x * x + y * y + z * z)
@@ -100,14 +100,14 @@ def matrix(q: Vector) -> tuple[Three, Three, Three]:
     )
 
 
-def normalised(q: Vector) -> Four:
+def unit_quaternion(q: Vector) -> Four:
     """The unit quaternion along q."""
     w, x, y, z = q
     size = sqrt(w * w + x * x + y * y + z * z)
     return w / size, x / size, y / size, z / size
 
 
-def rotation(turn: Vector) -> Four:
+def turn_quaternion(turn: Vector) -> Four:
     """The factor of (4.25): turn about a vector by its length [rad]."""
     x, y, z = turn
     angle = sqrt(x * x + y * y + z * z)
@@ -117,4 +117,4 @@ def rotation(turn: Vector) -> Four:
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
     """Angular velocity in world axes [rad/s] of an angular momentum, with the inertia of (4.19)."""
-    return turned(turn, solved(inertia_body, turned_back(turn, momentum)))
+    return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.ship.body.rigid_body import angles, cross, inverse, matrix, product
+from ocean_sim.ship.body.rigid_body import cross, euler_angles, quaternion_inverse, quaternion_product, rotation_matrix
 
-UNKNOWN = np.full(7, np.nan)  # the velocity of a moment before which nothing was seen
+UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which nothing was seen
 
 
 class Track(NamedTuple):
@@ -23,7 +23,7 @@ class Track(NamedTuple):
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
-class Turned(NamedTuple):
+class Attitude(NamedTuple):
     """How a body is turned, by moment."""
 
     orientation: np.ndarray  # (4, n) unit quaternion, body to world
@@ -33,7 +33,7 @@ class Turned(NamedTuple):
     @property
     def angles(self) -> np.ndarray:
         """(3, n) pitch, yaw, roll [rad]: intrinsic yaw about Y, then pitch about X, then roll about Z."""
-        return angles(self.orientation)
+        return euler_angles(self.orientation)
 
     def to_body(self, vector: np.ndarray) -> np.ndarray:
         """(3, n) vectors in world axes, in body axes."""
@@ -52,25 +52,27 @@ def short_way(orientation: np.ndarray) -> np.ndarray:
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
 
-def pure(vector: np.ndarray) -> np.ndarray:
+def pure_quaternion(vector: np.ndarray) -> np.ndarray:
     """(4, n) quaternions of vectors (3, n)."""
     return np.concatenate([np.zeros_like(vector[:1]), vector])
 
 
-def change(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
+def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
     """(7, n) first derivatives of position [m/s] and quaternion [1/s], of velocities and angular ones [rad/s]."""
-    return np.concatenate([velocity, 0.5 * product(pure(spin), orientation)])
+    return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
-def bend(acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
+def second_derivative(
+    acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
+) -> np.ndarray:
     """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], of accelerations and angular ones [rad/s2]
     and angular velocities [rad/s]."""
     x, y, z = spin
-    turned = product(pure(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
+    turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
-def joined(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
+def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
     """Moments that follow each other, with the velocities of their own times: the way of a step over its length is the
     mean velocity, from which accelerations lead on that change evenly. `first`: (7,) that of the first moment."""
     step = time[1:] - time[:-1]
@@ -110,9 +112,11 @@ class Between:
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 
 
-def turned(track: Track) -> Turned:
+def attitude_of(track: Track) -> Attitude:
     """How a body is turned that passes these places, whose quaternions may have any length."""
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)
-    return Turned(unit, matrix(unit), 2.0 / square * product(track.velocity[3:], inverse(q))[1:])
+    return Attitude(
+        unit, rotation_matrix(unit), 2.0 / square * quaternion_product(track.velocity[3:], quaternion_inverse(q))[1:]
+    )

@@ -19,25 +19,25 @@ from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import (
     RigidBody,
-    about,
-    advanced,
-    guided,
-    oriented,
-    product,
-    rotated,
-    spinning,
+    advance_body,
+    axis_rotation,
+    euler_quaternion,
+    guide_step,
+    quaternion_product,
+    rotate_vector,
+    with_spin,
 )
 from ocean_sim.ship.forces.moorings import Mooring, Moorings
-from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, towards
-from ocean_sim.ship.hull.shapes import HullShape, drawn, outermost
+from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, rate_limited
+from ocean_sim.ship.hull.shapes import HullShape, convex_corners, drawn_mesh
 from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.wave_contact import WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-SLIGHT = 1e-9  # [m/s], [rad/s] of rounding
-FASTEST = 1.0e3  # [m/s] no ship moves like this
+SPEED_ROUNDING = 1e-9  # [m/s], [rad/s] of rounding
+MAX_SPEED = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in their order
 Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -86,11 +86,11 @@ class VesselConfig(Helm, ShipConfig):
 
     def lost_at_first(self) -> list[str]:
         """Velocity and rates at the beginning in motions that are held, which take none."""
-        heading = about(1, radians(self.heading_deg + self.attitude_deg[1]))
+        heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
         told = []
         for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
-            lost = [name for name in names if name not in self.free and abs(motion[name]) > SLIGHT]
+            lost = [name for name in names if name not in self.free and abs(motion[name]) > SPEED_ROUNDING]
             if lost:
                 them = " and ".join(lost)
                 cure = f"so the ship does not begin with it; add {them} to `free`, or leave it out"
@@ -105,13 +105,13 @@ class VesselConfig(Helm, ShipConfig):
     def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
         """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
-        turn = oriented(pitch, yaw + radians(self.heading_deg), roll)
+        turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
-            turn = product(turn, trim)
+            turn = quaternion_product(turn, trim)
         x, z = self.position[0], self.position[-1]
         y = height if self.afloat_at_first else self.position[1]
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
-        return spinning(body, rotated(turn, np.array(self.rates)))
+        return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
@@ -141,8 +141,8 @@ class Actuators:
         time."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
-        self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
-        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
+        self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
+        self.rudder = rate_limited(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
@@ -151,23 +151,23 @@ class Actuators:
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
             thrust = self.propeller.force(self.throttle, velocity[2])
-            found["propeller"] = at(self.pushing, (0.0, 0.0, wet * thrust))
+            found["propeller"] = force_at(self.pushing, (0.0, 0.0, wet * thrust))
         if self.rudder_blade is not None:
             across, _, ahead = small_linalg.plus(velocity, small_linalg.cross(rates, self.steering))
             if self.propeller is not None:
                 stream = self.propeller.slipstream(thrust, ahead, density)
                 ahead = self.rudder_blade.behind(self.propeller, stream, ahead)
             force = self.rudder_blade.load(self.rudder, across, ahead, density)
-            found["rudder"] = at(self.steering, small_linalg.times(wet, force))
+            found["rudder"] = force_at(self.steering, small_linalg.times(wet, force))
         return found
 
 
-def at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
+def force_at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
     """(2, 3) a force [N] and its torque [N m], at an arm [m]."""
     return np.array((force, small_linalg.cross(arm, force)))
 
 
-def outline(corners: np.ndarray, body: RigidBody) -> Outline:
+def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
     """The room of a hull with (m, 3) corners from its centre of mass, body axes [m], where its body is."""
     from scipy.spatial import ConvexHull
 
@@ -234,17 +234,17 @@ class Vessel(ABC):
         is known."""
         if self.shape is None:
             return None
-        vertices, triangles = drawn(self.shape)
+        vertices, triangles = drawn_mesh(self.shape)
         return vertices - self.actuators.centre, triangles
 
     @cached_property
     def corners(self) -> np.ndarray | None:
         """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
-        return None if self.shape is None else outermost(self.shape) - self.actuators.centre
+        return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
         """The room that it takes; None where it has no shape."""
-        return None if self.corners is None else outline(self.corners, self.body)
+        return None if self.corners is None else placed_outline(self.corners, self.body)
 
     @property
     def centred(self) -> RigidBody:
@@ -270,14 +270,14 @@ class Vessel(ABC):
     def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
         """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
         force, torque = load.total
-        return advanced(body, force, torque, dt)
+        return advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
         before, sides = self.body, self.sides if self.sides is not None and self.sides.near(self.body, dt) else None
 
         def guided_step(load: Load) -> RigidBody:
-            return guided(before, self.stepped(before, load, dt), self.free, dt)
+            return guide_step(before, self.stepped(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
             return guided_step(load) if sides is None else sides.off(guided_step(load))
@@ -294,10 +294,10 @@ class Vessel(ABC):
             load, after = self.contact.collided(load, walled_step, dt)
         velocity = after.velocity.tolist()
         speed = sqrt(small_linalg.dot(velocity, velocity))
-        if not speed <= FASTEST:
+        if not speed <= MAX_SPEED:
             x, y, z = before.position
             raise Diverged(
-                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} "
+                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {MAX_SPEED:g} "
                 "m/s); try a smaller time step"
             )
         if after.position[1] < self.bed:

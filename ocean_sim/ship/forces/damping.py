@@ -79,7 +79,7 @@ class Resistance:
         self.rolled = self.low if self.rolling is None else 0.0  # what a rate of roll adds to it: the rest counts it
         self.stern = float(self.z[draught > 0.0].min())
         slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern
-        self.lift = (1.0 + 0.4 * fullness(hull)) * slender
+        self.lift = (1.0 + 0.4 * lift_form_factor(hull)) * slender
         self.munk = munk
         self.warnings = [] if self.rolling is None else self.rolling.warnings
         if self.rolling is not None and config.roll:
@@ -141,7 +141,7 @@ class CrossFlow:
         return c_0 * vv + c_1 * vr + c_2 * rr, c_1 * vv + c_2 * vr + c_3 * rr
 
 
-def fullness(hull: Hydrostatics) -> float:
+def lift_form_factor(hull: Hydrostatics) -> float:
     """C_B B / T: the volume under water over length and draught squared."""
     _, _, draught = hull.stations
     return min(hull.wanted, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

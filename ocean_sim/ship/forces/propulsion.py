@@ -21,16 +21,18 @@ from ocean_sim.model import Model, Vector2, Vector3, quantity
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.body.small_linalg import Three
 
-COLUMNS = ("throttle", "rudder_rad")
+ORDER_COLUMNS = ("throttle", "rudder_rad")
 MAX_ORDERS = (1.0, pi / 2)  # to either side
-ORDERS = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
-CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDERS,)),)
-SWIFT = 0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
-AHEAD = 6.0  # [s] of way: how far a pilot looks ahead
-DRIFT = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
-HERE = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
-PULL, SLOW = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
-BENT = 0.35  # [rad] the most that the integral of the heading's error may steer
+ORDER_RULE = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
+CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDER_RULE,)),)
+SLIPSTREAM_SHARE = (
+    0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
+)
+LOOK_AHEAD_TIME = 6.0  # [s] of way: how far a pilot looks ahead
+DRIFT_RATE = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+START_RADIUS = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
+SPEED_GAIN, SPEED_INTEGRAL_TIME = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
+MAX_INTEGRAL_RUDDER = 0.35  # [rad] the most that the integral of the heading's error may steer
 
 
 class Propeller(Model):
@@ -61,11 +63,11 @@ class Propeller(Model):
 
     def slipstream(self, thrust: float, speed: float, density: float) -> float:
         """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
-        gets far behind by the momentum of an actuator disc, the share SWIFT."""
+        gets far behind by the momentum of an actuator disc, the share SLIPSTREAM_SHARE."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
-        return speed + SWIFT * (far - speed)
+        return speed + SLIPSTREAM_SHARE * (far - speed)
 
 
 class Rudder(Model):
@@ -121,11 +123,11 @@ class Track(Model):
     @field_validator("file")
     @classmethod
     def _readable(cls, file: str) -> str:
-        _, *orders = csv_file.Table(file).series(*COLUMNS)
-        for name, values, most in zip(COLUMNS, orders, MAX_ORDERS, strict=True):
+        _, *orders = csv_file.Table(file).series(*ORDER_COLUMNS)
+        for name, values, most in zip(ORDER_COLUMNS, orders, MAX_ORDERS, strict=True):
             row = int(np.abs(values).argmax())
             if abs(values[row]) > most:
-                raise ORDERS.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
+                raise ORDER_RULE.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
         return file
 
 
@@ -218,7 +220,7 @@ class Crew:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
         if isinstance(controls, Track):
-            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*COLUMNS))
+            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*ORDER_COLUMNS))
             self.orders = list(zip(*orders, strict=True))
         elif isinstance(controls, list) and controls:
             self.time = [row.time for row in controls]
@@ -251,7 +253,7 @@ class Helmsman:
     def __init__(self, config: Pilot) -> None:
         self.config = config
         self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
-        self.reach = config.look_ahead or AHEAD * config.speed  # [m]
+        self.reach = config.look_ahead or LOOK_AHEAD_TIME * config.speed  # [m]
         self.near = config.arrival or self.reach  # [m]
         self.time = 0.0
         self.leg = 0  # number of the waypoint ahead
@@ -264,13 +266,15 @@ class Helmsman:
         config, dt = self.config, time - self.time
         self.time = time
         error = remainder(self.heading(body, dt) - float(body.angles[1]), 2.0 * pi)
-        if config.integral_time is not None and abs(error) < BENT:
-            self.bent = min(max(self.bent + dt * error / config.integral_time, -BENT), BENT)
+        if config.integral_time is not None and abs(error) < MAX_INTEGRAL_RUDDER:
+            self.bent = min(
+                max(self.bent + dt * error / config.integral_time, -MAX_INTEGRAL_RUDDER), MAX_INTEGRAL_RUDDER
+            )
         rudder = config.gain * (error + self.bent - config.rate_time * float(body.angular_velocity[1]))
         missing = config.speed - float(body.velocity @ body.matrix[:, 2])
-        wanted = PULL * missing + self.driven
+        wanted = SPEED_GAIN * missing + self.driven
         if abs(wanted) < 1.0:
-            self.driven += dt * PULL * missing / SLOW
+            self.driven += dt * SPEED_GAIN * missing / SPEED_INTEGRAL_TIME
         return min(max(wanted, -1.0), 1.0), rudder
 
     def heading(self, body: RigidBody, dt: float) -> float:
@@ -279,7 +283,7 @@ class Helmsman:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
         if self.start is None:
-            here = hypot(route[0][0] - x, route[0][1] - z) < HERE
+            here = hypot(route[0][0] - x, route[0][1] - z) < START_RADIUS
             back, course = self.reach if here else 0.0, float(body.angles[1])
             self.start = (x - back * sin(course), z - back * cos(course))
         along, ahead, aside = self.place(x, z)
@@ -288,7 +292,7 @@ class Helmsman:
             along, ahead, aside = self.place(x, z)
         off = aside + self.drifted
         if abs(aside) < 0.25 * self.reach:  # not while the ship turns onto the leg
-            self.drifted += dt * DRIFT * self.reach * aside / (self.reach**2 + off**2)
+            self.drifted += dt * DRIFT_RATE * self.reach * aside / (self.reach**2 + off**2)
         return along - atan(off / self.reach)
 
     @property
@@ -328,7 +332,7 @@ class Person:
         return self.throttle, self.rudder
 
 
-def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
+def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
     """What a machine that turns at most `rate` a second, within a limit, makes of an order."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -17,15 +17,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.ship.body.rigid_body import about
-from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, lone_corner_first, stretches
-from ocean_sim.ship.hull.shapes import HullShape, drawn
+from ocean_sim.ship.body.rigid_body import axis_rotation
+from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
+from ocean_sim.ship.hull.shapes import HullShape, drawn_mesh
 from ocean_sim.ship.hull.voxels import Voxels
 
-UP = np.array([0.0, 1.0, 0.0])
-SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
-HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
-ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
+UPRIGHT = np.array([0.0, 1.0, 0.0])
+SMALL_TURN = 0.5  # [deg] heel and trim at which metacentric heights are taken
+LEVER_HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
+VOLUME_ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
 LEVEL_ROUNDING = 1e-13  # of a hull's height
 BLUNT_AREA = 0.1  # of the greatest area, of a slice at an end
 BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
@@ -77,9 +77,9 @@ class Hydrostatics:
         near, whole, sunk = height, self.whole, 0.0  # cubes that the surface may cut, and the volume of those under it
         for _ in range(40):
             middle = 0.5 * (low + high)
-            volume = sunk + _under(middle, near, spread, whole)
-            if abs(volume - self.wanted) < ROUNDING * self.voxels.volume:  # where the order of a sum may decide
-                volume = _under(middle, height, spread, self.whole)
+            volume = sunk + volume_under(middle, near, spread, whole)
+            if abs(volume - self.wanted) < VOLUME_ROUNDING * self.voxels.volume:  # where the order of a sum may decide
+                volume = volume_under(middle, height, spread, self.whole)
             low, high = (middle, high) if volume < self.wanted else (low, middle)
             if high - low > 0.25 * spread:
                 under = near <= low - 0.5 * spread
@@ -90,7 +90,7 @@ class Hydrostatics:
     @cached_property
     def draught(self) -> float:
         """Upright [m]."""
-        return self.level(UP) - self.keel
+        return self.level(UPRIGHT) - self.keel
 
     @cached_property
     def keel(self) -> float:
@@ -113,7 +113,7 @@ class Hydrostatics:
 
     def lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
-        to_port, ahead = self.apart(about(axis, radians(degrees))).tolist()
+        to_port, ahead = self.apart(axis_rotation(axis, radians(degrees))).tolist()
         return -to_port if axis == 2 else ahead
 
     def gz(self, degrees: float) -> float:
@@ -127,13 +127,13 @@ class Hydrostatics:
 
     def metacentric_height(self, axis: int = 2) -> float:
         """GM [m], by a small turn both ways."""
-        return (self.lever(axis, SMALL) - self.lever(axis, -SMALL)) / (2.0 * sin(radians(SMALL)))
+        return (self.lever(axis, SMALL_TURN) - self.lever(axis, -SMALL_TURN)) / (2.0 * sin(radians(SMALL_TURN)))
 
     @cached_property
     def waterplane(self) -> float:
         """Area of the hull at the still water [m2]."""
         level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
-        return float(self.wet(UP, level + step).sum() - self.wet(UP, level - step).sum()) / (2.0 * step)
+        return float(self.wet(UPRIGHT, level + step).sum() - self.wet(UPRIGHT, level - step).sum()) / (2.0 * step)
 
     @cached_property
     def stiffness(self) -> dict[str, float]:
@@ -160,7 +160,7 @@ class Hydrostatics:
     def at_the_water(self) -> np.ndarray:
         """Volume of each cube within a quarter of a cube's height of the still water [m3]."""
         step = 0.25 * self.voxels.size[1]
-        return self.wet(UP, self.waterline + step) - self.wet(UP, self.waterline - step)
+        return self.wet(UPRIGHT, self.waterline + step) - self.wet(UPRIGHT, self.waterline - step)
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -201,7 +201,7 @@ class Hydrostatics:
     def sections(self) -> np.ndarray:
         """(n,) area under the still water of every slice of cubes [m2]."""
         number, n = self.slices
-        return np.bincount(number, self.wet(UP, self.waterline), n) / self.voxels.size[2]
+        return np.bincount(number, self.wet(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
     @property
     def waterline(self) -> float:
@@ -215,7 +215,7 @@ class Hydrostatics:
         return number, int(number.max()) + 1
 
 
-def _under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
+def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
     """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
@@ -236,9 +236,9 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
 
     if shape.rounded:
         return None
-    vertices, triangles = drawn(shape)
+    vertices, triangles = drawn_mesh(shape)
     faces, mesh = vertices[triangles], shape.closed()
-    wet_under = partial(under, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
+    wet_under = partial(wet_part, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
     low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
     if still.wanted >= wet_under(high).volume:
         return None
@@ -250,9 +250,9 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
     return float(across), float(along)
 
 
-def under(faces: np.ndarray, level: float) -> Wet:
+def wet_part(faces: np.ndarray, level: float) -> Wet:
     """Of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
-    cut = parts(faces - [0.0, level, 0.0])
+    cut = faces_below(faces - [0.0, level, 0.0])
     upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
     x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
 
@@ -268,14 +268,14 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
     """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
     volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
-    line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
+    line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
     z, dz = positions[line], along[line]
     area, first, second = (dz * (starboard**n - port**n) / n for n in (1, 2, 3))
     moments = np.array([first.sum(), z @ area]), np.array([second.sum(), z**2 @ area])
     return Wet(volume, below, float(area.sum()), *moments)
 
 
-def parts(faces: np.ndarray) -> np.ndarray:
+def faces_below(faces: np.ndarray) -> np.ndarray:
     """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
     tips that are cut off, turned round where they are to be taken away."""
     over = faces[..., 1] > 0.0
@@ -287,14 +287,14 @@ def parts(faces: np.ndarray) -> np.ndarray:
     return np.concatenate([faces[number <= 1], tips])
 
 
-def squat(volume: float, length: float, speed: float, depth: float) -> float:
+def bow_squat(volume: float, length: float, speed: float, depth: float) -> float:
     """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
     depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
     1980 has it); infinite from F = 1 on, where the law ends."""
-    return BOW_SINKAGE * volume / length**2 * of_speed(speed, depth)
+    return BOW_SINKAGE * volume / length**2 * squat_factor(speed, depth)
 
 
-def of_speed(speed: float, depth: float) -> float:
+def squat_factor(speed: float, depth: float) -> float:
     """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
     froude_2 = speed**2 / (GRAVITY * depth)
     return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
@@ -315,11 +315,11 @@ class Slender(NamedTuple):
 
     def at(self, speed: float, depth: float) -> "Slender":
         """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
-        factor = of_speed(speed, depth)
+        factor = squat_factor(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 
 
-def slender(hull: Hydrostatics) -> Slender:
+def slender_squat(hull: Hydrostatics) -> Slender:
     """Of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S pulls at
     the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and turns it
     by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""

@@ -16,17 +16,17 @@ import numpy as np
 from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.ship.body.rigid_body import about
+from ocean_sim.ship.body.rigid_body import axis_rotation
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
-STEP = 5.0  # [deg] between levers; a cubic goes through them
-LAST = 90.0  # [deg]
-FINE = 901  # points of a curve
-HALVED = 12  # times that a step is halved to find a heel at rest
-BEYOND = ("abeam of the hull", "under the keel", "ahead or astern of the hull")  # along x, y and z
-CROSS = tuple(float(heel) for heel in range(10, 90, 10))  # [deg] of cross curves
-LIST = 1e-3  # of the metacentric height: a lever upright, from which on a ship heels to one side
-SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves over the ship's own
+HEEL_STEP = 5.0  # [deg] between levers; a cubic goes through them
+LAST_HEEL = 90.0  # [deg]
+CURVE_POINTS = 901  # points of a curve
+REST_HALVINGS = 12  # times that a step is halved to find a heel at rest
+BEYOND_SIDES = ("abeam of the hull", "under the keel", "ahead or astern of the hull")  # along x, y and z
+CROSS_HEELS = tuple(float(heel) for heel in range(10, 90, 10))  # [deg] of cross curves
+LIST_TOLERANCE = 1e-3  # of the metacentric height: a lever upright, from which on a ship heels to one side
+CROSS_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves over the ship's own
 
 
 class Weight(Model):
@@ -93,7 +93,7 @@ class Loading(Model):
         for what, point in self.points.items():
             out = np.maximum(low - point, point - high)
             if out.max() > 1e-9:
-                found.append(f"{what} lies {out.max():.3g} m {BEYOND[int(np.argmax(out))]}")
+                found.append(f"{what} lies {out.max():.3g} m {BEYOND_SIDES[int(np.argmax(out))]}")
         for name, tank in self.tanks.items():
             for side, size in (("length", tank.length or 0.0), ("breadth", tank.breadth or 0.0)):
                 whole = float(upper[2] - lower[2] if side == "length" else upper[0] - lower[0])
@@ -138,12 +138,12 @@ class Stability:
     @cached_property
     def side(self) -> float:
         """To which she heels by herself: -1 to port, else 1, starboard."""
-        return -1.0 if self.still.gz(0.0) > LIST * abs(self.gm) else 1.0
+        return -1.0 if self.still.gz(0.0) > LIST_TOLERANCE * abs(self.gm) else 1.0
 
     @cached_property
     def heels(self) -> np.ndarray:
         """(n,) [deg], that side down."""
-        return np.arange(0.0, LAST + STEP, STEP)
+        return np.arange(0.0, LAST_HEEL + HEEL_STEP, HEEL_STEP)
 
     @cached_property
     def levers(self) -> np.ndarray:
@@ -165,14 +165,14 @@ class Stability:
                 under = next((k for k, height in enumerate(clear) if height <= 0.0), None)
                 if under is not None:
                     part = 0.0 if under == 0 else clear[under - 1] / (clear[under - 1] - clear[under])
-                    found = min(found, (max(0.0, under - 1 + part) * STEP, name))
+                    found = min(found, (max(0.0, under - 1 + part) * HEEL_STEP, name))
         return found
 
     @cached_property
     def waters(self) -> dict[float, tuple[np.ndarray, float]]:
         """By heel to both sides [deg]: what is up (3,), and how high along it the water stands [m]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
-        ups = {heel: about(2, radians(heel))[1] for heel in heels}
+        ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.level(up)) for heel, up in ups.items()}
 
     def clearance(self, point: Sequence[float], heel: float) -> float:
@@ -185,12 +185,12 @@ class Stability:
         """(m,) heels [deg] and (m,) levers [m] on a cubic through the levers."""
         from scipy.interpolate import CubicSpline
 
-        fine = np.linspace(0.0, LAST, FINE)
+        fine = np.linspace(0.0, LAST_HEEL, CURVE_POINTS)
         return fine, CubicSpline(self.heels, self.levers)(fine)
 
     def area(self, first: float, last: float) -> float:
         """Under the levers between two heels [deg], [m rad]."""
-        heels = np.linspace(first, last, FINE)
+        heels = np.linspace(first, last, CURVE_POINTS)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 
     @cached_property
@@ -201,9 +201,9 @@ class Stability:
         if not len(righted):
             return None
         low, high = self.heels[righted[0] : righted[0] + 2].tolist()
-        if low == 0.0 and self.lever(high / 2**HALVED) > 0.0:  # the last heel that halving would ask for
+        if low == 0.0 and self.lever(high / 2**REST_HALVINGS) > 0.0:  # the last heel that halving would ask for
             return low
-        for _ in range(HALVED):
+        for _ in range(REST_HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self.lever(middle) > 0.0 else (middle, high)
         return low
@@ -216,7 +216,7 @@ class Stability:
             return 0.0
         first = int(np.argmax((levers > 0.0) & (heels > self.rest)))
         gone = np.flatnonzero(levers[first:] <= 0.0)
-        return float(heels[first + gone[0] - 1]) if len(gone) else LAST
+        return float(heels[first + gone[0] - 1]) if len(gone) else LAST_HEEL
 
     @property
     def criteria(self) -> list[Criterion]:
@@ -235,12 +235,12 @@ class Stability:
         ]
 
     def cross_curves(self) -> dict[float, list[float]]:
-        """KN = GZ + KG sin(heel) [m] at the heels of CROSS, of displacements [kg] that the hull can carry."""
+        """KN = GZ + KG sin(heel) [m] at the heels of CROSS_HEELS, of displacements [kg] that the hull can carry."""
         own, found = self.still.matter, {}
-        for share in SHARES:
+        for share in CROSS_SHARES:
             mass = share * own.mass
             keel = np.array([0.0, self.still.keel, own.centre[2]])
             other = replace(self.still, matter=Matter(mass, keel, own.inertia), lost=(0.0, 0.0))
             if not isinf(other.draught):
-                found[mass] = [other.gz(heel) for heel in CROSS]
+                found[mass] = [other.gz(heel) for heel in CROSS_HEELS]
         return found

@@ -8,7 +8,7 @@ from ocean_sim.runtime import Array, Array2, Copy, alone, in_kernels
 from ocean_sim.surface import Mesh, sheet
 
 
-def columns(basin: Basin, spacing: float) -> tuple[int, int]:
+def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
     """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
     extents = np.subtract(basin.upper, basin.lower)
     cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]

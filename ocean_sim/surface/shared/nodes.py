@@ -10,7 +10,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
-MOST_NODES = 2**26  # the vertices between them are numbered in 28 bits
+MAX_NODES = 2**26  # the vertices between them are numbered in 28 bits
 
 
 @dataclass(frozen=True)

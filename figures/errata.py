@@ -364,7 +364,7 @@ def of_the_ship() -> list[Erratum]:
     side, place = PARTICLES[0] * SPACING, (10.3, 0.2)
     across = np.linspace(side / 2.0, -side / 2.0, NODES)
     heights = np.tile(0.1 * across, (NODES, 1))
-    still = hull_of("barge20").afloat(16.0, WATER_DENSITY, GRAVITY)
+    still = hull_of("barge20").in_still_water(16.0, WATER_DENSITY, GRAVITY)
     weight, area, deep = still.density * GRAVITY, 20.0 * 8.0, 5.0
     turned = degrees(euler_angles(euler_quaternion(0.0, radians(10.0), 0.0))[1])
     none, metre = np.zeros(3), 1.0
@@ -393,7 +393,7 @@ def of_the_ship() -> list[Erratum]:
             "N",
             -WATER_DENSITY * 320.0,
             320.0e3 * GRAVITY,
-            weight * float(still.wet(UPRIGHT, still.level(UPRIGHT)).sum()),
+            weight * float(still.wet_volumes(UPRIGHT, still.water_level(UPRIGHT)).sum()),
             "the text leaves gravity out, and what floats is pushed up",
         ),
         erratum(
@@ -402,7 +402,7 @@ def of_the_ship() -> list[Erratum]:
             "N",
             weight * area * deep,
             weight * area * 4.0,
-            weight * float(still.wet(UPRIGHT, deep).sum()),
+            weight * float(still.wet_volumes(UPRIGHT, deep).sum()),
             "the columns of water over the bottom are not cut at the deck",
         ),
         erratum(

@@ -1,4 +1,4 @@
-"""Figure 4-3: the six motions of a ship and the axes they belong to, drawn_mesh by turning and moving a hull: CSV and PNG.
+"""Figure 4-3: the six motions of a ship and the axes they belong to, drawn by turning and moving a hull: CSV and PNG.
 
 The text of section 4.3 gives roll about y and yaw about z, which contradicts its own Y up and surge along z; here
 pitch is about x, yaw about y, roll about z, each by the right hand.

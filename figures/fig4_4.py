@@ -112,15 +112,15 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
 def main() -> None:
     out = options(__doc__).out
     hull = hull_of(HULL)
-    finest = hull.afloat(24.0, DENSITY, GRAVITY)
-    level = finest.level(UPRIGHT)
-    still = hull.afloat(FEW, DENSITY, GRAVITY)
-    share = still.shares(UPRIGHT, still.level(UPRIGHT))
-    carried = DENSITY * GRAVITY * still.wet(UPRIGHT, still.level(UPRIGHT))
+    finest = hull.in_still_water(24.0, DENSITY, GRAVITY)
+    level = finest.water_level(UPRIGHT)
+    still = hull.in_still_water(FEW, DENSITY, GRAVITY)
+    share = still.wet_shares(UPRIGHT, still.water_level(UPRIGHT))
+    carried = DENSITY * GRAVITY * still.wet_volumes(UPRIGHT, still.water_level(UPRIGHT))
     curve = []
     for cells in CELLS:
-        each = hull.afloat(cells, DENSITY, GRAVITY)
-        lift = DENSITY * float(each.wet(UPRIGHT, level).sum()) / each.matter.mass
+        each = hull.in_still_water(cells, DENSITY, GRAVITY)
+        lift = DENSITY * float(each.wet_volumes(UPRIGHT, level).sum()) / each.matter.mass
         centre = cells_of(hull, each)
         whole = each.voxels.size.prod() * (each.voxels.share >= 0.5) * (centre < level)
         plain = DENSITY * float(whole.sum()) / each.matter.mass

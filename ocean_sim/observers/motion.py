@@ -192,7 +192,10 @@ class Log:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
             values = self.values(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
-            motions, others = self.motions(between.passing()).T.tolist(), between.values(values).tolist()
+            motions, others = (
+                self.motions(between.interpolated_track()).T.tolist(),
+                between.interpolated_values(values).tolist(),
+            )
             rows = []
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
@@ -210,7 +213,7 @@ class Log:
 
     def values(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
         """(n, m) all columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
-        felt = body.acceleration(self.arm, acceleration, turning)
+        felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
         total = reduce(np.add, parts.transpose(1, 0, 2))

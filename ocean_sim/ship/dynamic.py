@@ -52,7 +52,7 @@ class SeakeepingConfig(FloatingConfig):
 
     @field_validator("radiation")
     @classmethod
-    def _complete(cls, file: str | None) -> str | None:
+    def _enough_for_radiation(cls, file: str | None) -> str | None:
         if file is not None:
             Radiation(file)
         return file
@@ -69,14 +69,14 @@ class SeakeepingConfig(FloatingConfig):
         """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
         added = self.moved_along(still)
         if self.table is not None:
-            added[self.table.numbers] = np.diag(self.table.response.added)
+            added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
         """(6, 6) added mass between motions, symmetric with a diagonal of 0; None where a table has none."""
         if self.table is None:
             return None
-        own, found = self.table.response.added, np.zeros((6, 6))
+        own, found = self.table.impulse_response.added, np.zeros((6, 6))
         found[np.ix_(self.table.numbers, self.table.numbers)] = own - np.diag(np.diag(own))
         return found if found.any() else None
 
@@ -87,7 +87,7 @@ class SeakeepingConfig(FloatingConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found = super().mismatches(preflight)
         if self.table is not None:
-            still = self.still(preflight)
+            still = self.hydrostatics_of(preflight)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
             for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
                 if mass + water <= 0.0:
@@ -101,20 +101,24 @@ class SeakeepingConfig(FloatingConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         if self.table is None or isinf(still.draught):
             return found
-        said = [*self.of_table(self.table, preflight.tank, still), *self.table.doubts, *self.unsaid(self.table, still)]
+        said = [
+            *self.table_differences(self.table, preflight.tank, still),
+            *self.table.unphysical_entries,
+            *self.coverage_warnings(self.table, still),
+        ]
         return found + [f"radiation: {sentence}" for sentence in said]
 
-    def unsaid(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+    def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
         """Forces on motions that are free of which the table says nothing."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
         ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
         for a, b in COUPLED_MOTIONS + (COUPLED_BY_ENDS if ends > END_TOLERANCE else ()):
-            if a in names and b in names and not table.couples(a, b):
+            if a in names and b in names and not table.has_coupling(a, b):
                 neither = f"the table has {a} and {b}, and nothing of what they do to each other"
                 yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
         periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
@@ -136,7 +140,7 @@ class SeakeepingConfig(FloatingConfig):
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
 
-    def of_table(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
+    def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
         """Differences between the case of a table and this one."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
@@ -192,11 +196,11 @@ class SeakeepingShip(FloatingShip):
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
-            self.made = now.motion + (now.wet.velocity - self.drift(now))
+            self.made = now.motion + (now.wet.velocity - self.drift_velocity(now))
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
         return now.share * to_world(resisted, now.body)
 
-    def drift(self, now: Immersion) -> np.ndarray:
+    def drift_velocity(self, now: Immersion) -> np.ndarray:
         """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
         what waves do to it, the current alone."""
         if self.scattering is None:
@@ -215,7 +219,7 @@ class SeakeepingShip(FloatingShip):
             scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]
-        drift, surge = self.drift(now), self.through * wet.acceleration
+        drift, surge = self.drift_velocity(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
         moved, carried = water_reaction(
             now.body, now.share * self.added, between, force, torque, drift, surge, self.free
@@ -224,7 +228,7 @@ class SeakeepingShip(FloatingShip):
 
     def advance(self, load: Load, dt: float) -> None:
         if self.memory is not None:
-            self.memory.keep(self.actuators.time, self.made)
+            self.memory.remember(self.actuators.time, self.made)
         super().advance(load, dt)
 
 

@@ -54,7 +54,7 @@ class Config(VesselConfig):
     kind: Literal["manoeuvring"] = "manoeuvring"
 
     def problems(self, preflight: Preflight) -> Problems:
-        return self.misplaced(preflight.tank)
+        return self.basin_problems(preflight.tank)
 
     def warnings(self, preflight: Preflight) -> list[str]:
         calm = "the Otter's model is of calm water: neither waves nor wind act on it"
@@ -116,7 +116,7 @@ class Otter:
         self.damping = np.array([24.4 * G / (6.0 * 0.5144), m[1], *swing, m[5]])
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
-    def drag(self, nu: np.ndarray) -> np.ndarray:
+    def drag_load(self, nu: np.ndarray) -> np.ndarray:
         """(6,) linear, quadratic in yaw, and by cross-flow."""
         load = -self.damping * nu
         load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
@@ -127,7 +127,7 @@ class Otter:
         load[5] += (x * strip).sum()
         return load
 
-    def centripetal(self, nu: np.ndarray) -> np.ndarray:
+    def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
         """(6,) C(nu) nu of hull and added mass (Fossen 2021, 3.3)."""
         own = np.zeros((6, 6))
         own[:3, :3], own[3:, 3:] = self.mass * skew_matrix(nu[3:]), -skew_matrix(self.inertia @ nu[3:])
@@ -149,7 +149,7 @@ class Manoeuvring(Vessel):
         keel = np.array([centre[0], model.draught + centre[1], centre[2]])
         inertia = from_frame("ned", from_frame("ned", model.inertia).T)
         matter = Matter(model.mass, keel, inertia)
-        body = config.body(matter, float(centre[1]), euler_quaternion(0.0, 0.0, 0.0))
+        body = config.body_at_start(matter, float(centre[1]), euler_quaternion(0.0, 0.0, 0.0))
         super().__init__(name, config, body, Actuators(config, None, None, keel), basin.lower[1])
         self.arm = centre  # of the centre of mass from the model's origin, our axes [m]
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
@@ -157,7 +157,7 @@ class Manoeuvring(Vessel):
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), and the force and torque
         about the centre of mass that it amounts to: a steady current changes no acceleration in world axes."""
-        model, body = self.model, self.centred
+        model, body = self.model, self.centred_body
         r, omega = body.matrix, body.rates
         u, w = fluid.current
         origin = r.T @ (body.velocity - np.array([u, 0.0, w])) - np.cross(omega, self.arm)
@@ -169,8 +169,8 @@ class Manoeuvring(Vessel):
         parts = {
             "gravity": np.concatenate([weight, np.cross(model.payload, weight)]),
             "buoyancy": -model.spring @ displacement,
-            "damping": model.drag(nu) - model.centripetal(nu),
-            "propeller": self.thrust(),
+            "damping": model.drag_load(nu) - model.centripetal_load(nu),
+            "propeller": self.propeller_load(),
         }
         rate = np.linalg.solve(model.whole, sum(parts.values()))
         spin, twist = from_frame("ned", nu[3:]), from_frame("ned", rate[3:])
@@ -187,14 +187,14 @@ class Manoeuvring(Vessel):
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 
-    def thrust(self) -> np.ndarray:
+    def propeller_load(self) -> np.ndarray:
         """(6,) of both propellers."""
         n = self.revolutions
         port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
         return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])
 
     @property
-    def asked(self) -> np.ndarray:
+    def ordered_revolutions(self) -> np.ndarray:
         """(2,) revolutions of port and starboard that the orders ask for [rad/s]."""
         throttle, rudder = self.orders
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
@@ -203,12 +203,12 @@ class Manoeuvring(Vessel):
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of second order: the velocities of a body are of half a step before its place, from the first
         step on, and the propellers follow the mean of what is asked before and after."""
-        body, before, (of, *gained) = self.body, self.asked, self.gained
+        body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0
             self.body = replace(body, velocity=body.velocity - slower, angular_momentum=body.angular_momentum - less)
         super().advance(load, dt)
-        mean = (before + self.asked) / 2.0
+        mean = (before + self.ordered_revolutions) / 2.0
         self.revolutions = mean + (self.revolutions - mean) * exp(-dt / PROPELLER_DELAY)
 
     def limits(self) -> Limits:

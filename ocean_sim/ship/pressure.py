@@ -42,22 +42,22 @@ class Config(FloatingConfig):
     """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         flat = preflight.tank.dimension == 2
-        body = self.unsettled(self.start(still, flat), preflight)
+        body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """By rule: the particles that she moves have it, no law of hers."""
         return by_rule(still)
 
-    def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
+    def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in 2-D a metre of it."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
             matter = Matter(share * matter.mass, matter.centre, share * matter.inertia)
-        return self.body(matter, *afloat_pose(still))
+        return self.body_at_start(matter, *afloat_pose(still))
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, spacing = super().warnings(preflight), preflight.spacing
@@ -70,7 +70,7 @@ class Config(FloatingConfig):
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:
-        draught, spacing = self.still(preflight).draught, preflight.spacing
+        draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
         swing = REST_SWING * spacing / draught
@@ -96,7 +96,7 @@ class Pressure(Vessel):
         felt = [ship for ship, other in basin.afloat.items() if other.felt]
         self.boundary, self.number = water.boundary, len(basin.obstacles) + felt.index(name)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
-        super().__init__(name, config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
+        super().__init__(name, config, config.settled_body(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
         self.moor(config.moorings, config.points)
         if solid.flat:
@@ -106,7 +106,7 @@ class Pressure(Vessel):
         near = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
         self.share = self.body.mass / (self.body.mass + near)
         self.known = np.zeros((2, 3))  # acceleration and turning that the water knows [m/s2], [rad/s2]
-        self.place()
+        self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
         """(4.27); all that the water does is under `buoyancy`."""
@@ -123,9 +123,9 @@ class Pressure(Vessel):
     def advance(self, load: Load, dt: float) -> None:
         super().advance(load, dt)
         self.known += self.share * (np.stack([self.acceleration, self.turning]) - self.known)
-        self.place()
+        self.place_hull()
 
-    def place(self) -> None:
+    def place_hull(self) -> None:
         """Put the hull in the water where it is now, with its motion."""
         body = hold_motions(self.body, self.free)
         linear, turning = self.known

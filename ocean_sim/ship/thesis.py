@@ -49,13 +49,16 @@ class Thesis(FloatingShip):
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         surface = now.surface if self.contact is None else self.water
-        return super().forces(now) | {"buoyancy": self.columns.push(surface, self.body), "wave": np.zeros((2, 3))}
+        return super().forces(now) | {
+            "buoyancy": self.columns.buoyancy_load(surface, self.body),
+            "wave": np.zeros((2, 3)),
+        }
 
     def damping(self, now: Immersion) -> np.ndarray:
         body = self.body
         return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
-    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+    def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
         return thesis_advance(body, load.force, load.torque, dt)
 
 
@@ -85,13 +88,15 @@ class Columns:
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 
-    def push(self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody) -> np.ndarray:
+    def buoyancy_load(
+        self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody
+    ) -> np.ndarray:
         """(2, 3) force [N] and torque [N m]."""
-        self.lift(surface, body.position, body.matrix)
+        self.sum_columns(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 
     @ti.kernel
-    def lift(self, surface: Template, position: tm.vec3, turn: tm.mat3):
+    def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

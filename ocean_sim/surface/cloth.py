@@ -110,7 +110,7 @@ class Cloth:
         water = with_particles(fluid)
         self.config, self.around, particles = config, water.around, water.particles
         self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
-        self.heights = Heights.over(basin, self.nodes)
+        self.heights = Heights.over_basin(basin, self.nodes)
         size = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         assert config.thickness is not None
         self.thickness = config.thickness
@@ -128,9 +128,9 @@ class Cloth:
         self.edges = max(config.edges or 0.0, self.bed)
         self.age = 0.0  # [s] since the last update
         self.measured = {} if self.flat else AREA_AND_VOLUME
-        self.lay(particles)
+        self.lay_down(particles)
 
-    def lay(self, particles: Particles) -> None:
+    def lay_down(self, particles: Particles) -> None:
         """Let the sheet down on the water from above."""
         top = float(particles.copied().position[:, 1].max()) + self.thickness
         self.height.fill(top)
@@ -151,9 +151,9 @@ class Cloth:
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)
-            self.on_water[n] = self.moved(n, self.height[n] + tm.clamp(way, -most, most))
+            self.on_water[n] = self.moved_to_water(n, self.height[n] + tm.clamp(way, -most, most))
         for n in self.height:
-            height = self.on_water[n] + dt * dt * self.pull(n, dt)
+            height = self.on_water[n] + dt * dt * self.spring_pull(n, dt)
             if ti.static(self.held):
                 if self.on_edge(n):
                     height = self.edges
@@ -170,31 +170,31 @@ class Cloth:
         return side
 
     @ti.func
-    def moved(self, n, y):
+    def moved_to_water(self, n, y):
         """The height [m] of node n, from y on, moved towards the surface of the water: Newton's steps, never longer
         than at a flat surface, so they do not overshoot."""
-        p, start, moves = self.heights.column(n), y, 0
+        p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
-            move = self.move(tm.vec3(p.x, y, p.y))
+            move = self.newton_move(tm.vec3(p.x, y, p.y))
             y, moves = y + move, ti.select(ti.abs(move) < LAST_MOVE * self.thickness, MAX_MOVES, moves + 1)
             if y < self.bed:
                 y, moves = self.bed, MAX_MOVES
         return start + ti.static(self.config.response) * (y - start)
 
     @ti.func
-    def move(self, x):
+    def newton_move(self, x):
         """How far the surface is above x [m], judged by the water within a thickness."""
         share = self.around.total(x, self.contact, 0.0)
         return (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
 
     @ti.func
-    def pull(self, n, dt):
+    def spring_pull(self, n, dt):
         """Upward acceleration [m/s2] by the springs at the end of a step of dt: -sum k C C' / (1 + 2 dt^2 sum k (C'^2 +
         C C'')) for C the stretch of a spring and C', C'' its derivatives by the height of one end."""
         i, k = n // self.nodes[1], n % self.nodes[1]
         force, hessian = 0.0, 0.0
         for di, dk, stiffness in ti.static(self.springs):
-            there = self.neighbour(i + di, k + dk)
+            there = self.neighbour_node(i + di, k + dk)
             if there >= 0:
                 rest = tm.length(self.heights.width * tm.vec2(di, dk))
                 rise = self.on_water[n] - self.on_water[there]
@@ -205,7 +205,7 @@ class Cloth:
         return force / (1.0 + 2.0 * dt * dt * hessian)
 
     @ti.func
-    def neighbour(self, i, k):
+    def neighbour_node(self, i, k):
         """The number of a node, through periodic sides; -1 beyond the others."""
         nx, nz = ti.static(self.heights.cells)
         if ti.static(self.heights.periodic[0]):
@@ -218,7 +218,7 @@ class Cloth:
     @ti.func
     def elevation(self, x, z):
         """Bilinear between nodes [m]."""
-        return self.heights.at(x, z)
+        return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
@@ -273,7 +273,7 @@ class Contact:
         shares = self.constant * self.spacing**6 * np.array([summed(across) for across in across_squared])
         return height * self.spacing, shares, weight / weight.sum()
 
-    def height(self, share: float) -> float:
+    def surface_height(self, share: float) -> float:
         """Where water on a lattice has this share, seen from above [m], on an average over all positions between the
         particles."""
         height, shares, weight = self.over_a_lattice
@@ -289,7 +289,7 @@ class Contact:
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.height(middle) > 0.0 else (low, middle)
+            low, high = (middle, high) if self.surface_height(middle) > 0.0 else (low, middle)
         return 0.5 * (low + high)
 
     @cached_property

@@ -154,42 +154,42 @@ class MarchingCubes:
         them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
-            self.level()
+            self.update_heights()
         self.followed = True
 
-    def sample(self) -> None:
+    def update_field(self) -> None:
         """Make the field current."""
         if self.sampled != self.moment:
-            self.outside = self.map.sort()
-            self.map.mark(self.isosurface.rows)
-            self.isosurface.rows.keep()
-            self.map.fill(self.isosurface.rows, self.isosurface.value, self.isovalue)
+            self.outside = self.map.sort_particles()
+            self.map.mark_rows(self.isosurface.rows)
+            self.isosurface.rows.keep_rows()
+            self.map.fill_rows(self.isosurface.rows, self.isosurface.value, self.isovalue)
             self.sampled = self.moment
 
-    def level(self) -> None:
+    def update_heights(self) -> None:
         """Make the heights current."""
         if self.levelled != self.moment:
-            self.sample()
+            self.update_field()
             self.find_heights()
             self.levelled = self.moment
 
     def mesh(self) -> Mesh:
         """The water's whole skin, closed along walls and bed."""
-        return self.cut(0)[0]
+        return self.cut_surface(0)[0]
 
     def free_surface(self) -> Mesh:
         """The side that faces the air: the skin without its parts along walls and bed, open there."""
-        return self.cut(self.goes_on)[0]
+        return self.cut_surface(self.goes_on)[0]
 
     def measures(self) -> list[float]:
-        mesh, counts = self.cut(self.goes_on)
+        mesh, counts = self.cut_surface(self.goes_on)
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
-    def cut(self, goes_on: int) -> tuple[Mesh, Counts]:
+    def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
         """The surface, going on through the sides whose bits are set; raises Diverged where it is too large."""
-        self.sample()
-        self.isosurface.pad(goes_on)
-        counts = self.isosurface.count()
+        self.update_field()
+        self.isosurface.pad_field(goes_on)
+        counts = self.isosurface.count_surface()
         if counts.triangles > self.config.most_triangles:
             raise Diverged(
                 f"the surface has {counts.triangles} triangles, more than surface.most_triangles "
@@ -199,7 +199,7 @@ class MarchingCubes:
 
     def spray(self) -> np.ndarray:
         """(n,) whether a particle, in storage order, is lonely: outside the surface drawn."""
-        self.sample()
+        self.update_field()
         lonely = np.empty(self.map.particles.count.now, dtype=np.int32)
         self.find_spray(lonely)
         return lonely.astype(bool)
@@ -208,7 +208,7 @@ class MarchingCubes:
     def find_spray(self, lonely: Array):
         for i in range(lonely.shape[0]):
             p = self.map.particles.position
-            lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
+            lonely[i] = int(self.map.shares_along(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
 
     @ti.kernel
     def find_heights(self):
@@ -218,11 +218,11 @@ class MarchingCubes:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
             height, j = self.bed, ny
             while j > 0:
-                here = value[self.isosurface.at(i + 1, j, k + 1)]
+                here = value[self.isosurface.node_at(i + 1, j, k + 1)]
                 if here >= 0.0:
                     height = self.top
                     if j < ny:
-                        above = value[self.isosurface.at(i + 1, j + 1, k + 1)]
+                        above = value[self.isosurface.node_at(i + 1, j + 1, k + 1)]
                         height = self.bed + self.nodes.width[1] * (j - 0.5 + here / (here - above))
                     j = 0
                 j -= 1
@@ -239,9 +239,9 @@ class MarchingCubes:
     def elevation(self, x, z):
         """Highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
         ti.static(self.read_by_a_kernel())
-        return self.heights.at(x, z)
+        return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
-        self.level()
+        self.update_heights()
         return self.heights.elevations(points)

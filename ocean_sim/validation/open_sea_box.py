@@ -170,7 +170,7 @@ def impose(simulation: Simulation, axis: int, moved: Moved) -> None:
     if any(solid.felt for solid in simulation.basin.afloat.values()):
         pressed = cast("Pressure", ship)
         pressed.known[0, axis] = moved.acceleration
-        pressed.place()
+        pressed.place_hull()
 
 
 @dataclass(frozen=True)

@@ -179,7 +179,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     if ship is not None and ship not in floating:
         raise console.Refused(f"--ship: there is no {ship!r} with a hull; there are {', '.join(floating)}")
     chosen = floating[ship] if ship is not None else next(iter(floating.values()))
-    resistance = chosen.resistance(chosen.afloat(GRAVITY, config.fluid.rest_density))
+    resistance = chosen.resistance(chosen.in_still_water(GRAVITY, config.fluid.rest_density))
     keels = None if resistance is None or resistance.rolling is None else resistance.rolling.keels
     return chosen.whole_hull, config.fluid.rest_density, None if keels is None else (keels.length, keels.breadth)
 
@@ -238,8 +238,8 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     if not asked.draught < height:
         raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
-    still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
-    return density_of(asked) * float(still.wet(UPRIGHT, still.keel + asked.draught).sum())
+    still = some.in_cubes(max(asked.draught / asked.cells, some.smallest_side), density_of(asked), GRAVITY, 1.0)
+    return density_of(asked) * float(still.wet_volumes(UPRIGHT, still.keel + asked.draught).sum())
 
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
@@ -251,11 +251,11 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
 
     notes: list[str] = []
     problems: list[str] = []
-    solid = shape.shape.closed()
+    solid = shape.shape.closed_mesh()
     if solid is not None:
-        notes += [solid.sentence(), *solid.remarks]
+        notes += [solid.size_sentence(), *solid.remarks]
     whole = loaded(shape, asked, condition, notes)
-    afloat = whole.afloat(asked.cells, density_of(asked), GRAVITY)
+    afloat = whole.in_still_water(asked.cells, density_of(asked), GRAVITY)
     notes += outlying(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
@@ -290,7 +290,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
 def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
     """Sentences on a weight, an opening or a centre of mass outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
-    centre, found = afloat.matter.centre, [] if condition is None else condition.beyond(lower, upper)
+    centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
         box = ", ".join(f"{a + 0.0:.3g} to {b:.3g}" for a, b in zip(lower, upper))
         at = ", ".join(f"{value:.3g}" for value in centre)
@@ -304,13 +304,13 @@ def troubles(stability: "Stability") -> list[str]:
 
     found = []
     if stability.gm <= 0.0:
-        ends = "no lever rights her" if stability.rest is None else f"she lolls to {stability.rest:.1f} deg"
+        ends = "no lever rights her" if stability.rest_heel is None else f"she lolls to {stability.rest_heel:.1f} deg"
         found.append(f"unstable upright: GM = {stability.gm:.3g} m; {ends}")
     elif rest_angles(stability.still) is None:
         found.append(
             f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
         )
-    angle, opening = stability.flooding
+    angle, opening = stability.flooding_heel
     if angle == 0.0:
         found.append(f"water comes in upright: openings.{opening} lies under the water")
     return found
@@ -332,7 +332,11 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
         return [], []
     scale = found.scale / found.critical
     rows = [
-        {"amplitude_deg": a, **{part: scale * b for part, b in found.parts[a]._asdict().items()}, "sum": found.share(a)}
+        {
+            "amplitude_deg": a,
+            **{part: scale * b for part, b in found.parts[a]._asdict().items()},
+            "sum": found.critical_share(a),
+        }
         for a in SWINGS
     ]
     return rows, found.warnings
@@ -353,9 +357,9 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
     for froude in FROUDE:
         speed = froude * sqrt(GRAVITY * depth)
-        at = law.at(speed, depth)
-        bow = bow_squat(afloat.wanted, afloat.length, speed, depth)
-        under_keel = depth - afloat.draught - max(bow, at.deepest)
+        at = law.at_speed(speed, depth)
+        bow = bow_squat(afloat.needed_volume, afloat.length, speed, depth)
+        under_keel = depth - afloat.draught - max(bow, at.end_sinkage)
         rows.append(dict(zip(names, (froude, speed, at.sinkage, degrees(at.trim), bow, under_keel))))
     blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
     return rows, [blunt] if law.blunt else []
@@ -374,7 +378,7 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
     heels = [0.0, *LEVER_HEELS]
     by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
     levers = [by_heel[heel] for heel in heels]
-    angle, opening = stability.flooding
+    angle, opening = stability.flooding_heel
     found: dict[str, Any] = {
         "draught_m": afloat.draught,
         **resting(afloat),
@@ -385,9 +389,9 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
         "kg_m": kg,
         "free_surface_m": afloat.lost[0],
         "waterplane_m2": afloat.waterplane,
-        "gz_to": "port" if stability.side < 0.0 else "starboard",
+        "gz_to": "port" if stability.heeling_side < 0.0 else "starboard",
         "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],
-        "vanishing_deg": stability.vanishing,
+        "vanishing_deg": stability.vanishing_heel,
         "flooding_deg": None if isinf(angle) else angle,
         "flooding_at": opening or None,
         "criteria": [{**row._asdict(), "ok": row.ok} for row in stability.criteria],
@@ -414,7 +418,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
     if angles is None:
         return dict.fromkeys(names)
     up = lean_matrix(angles)[1]
-    level, (stern, bow) = afloat.level(up), afloat.ends
+    level, (stern, bow) = afloat.water_level(up), afloat.waterline_ends
     ends = [(level - up[2] * end) / up[1] - afloat.keel for end in (bow, stern)]
     trim, heel = (round(degrees(asin(float(tilt))), 9) + 0.0 for tilt in (-up[2], up[0]))
     return dict(zip(names, [*map(float, ends), trim, heel]))  # bow down, starboard down

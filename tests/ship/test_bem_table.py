@@ -39,7 +39,7 @@ def test_scattered_waves_of_a_port_and_a_starboard_sea_are_mirrored():
     """In Capytaine's own words too: waves to 45 and to 315 degrees."""
     scattering = Scattering(read_bem_table(str(BARGE)))
     omega = np.array([0.9, 1.3])
-    port, starboard = (scattering.forces(omega, np.full(2, angle)) for angle in (45.0, 315.0))
+    port, starboard = (scattering.unit_wave_forces(omega, np.full(2, angle)) for angle in (45.0, 315.0))
     np.testing.assert_allclose(starboard, MIRROR_SIGNS[:, None] * port)
     assert np.abs(port[0]).max() > 1e4  # the mirror has something to turn
 
@@ -58,7 +58,7 @@ def test_the_push_turns_with_the_ship():
 def test_scattered_waves_push_a_hull_at_rest_as_the_table_says():
     scattering, one = Scattering(read_bem_table(str(BARGE))), np.array([1.0])
     waves = Arriving(0.3 * one, 0.7 * one, 1.2 * one, np.radians([30.0]), 0.147 * one)
-    expected = (scattering.forces(1.2 * one, 30.0 * one)[:, 0] * 0.3 * np.exp(0.7j)).real
+    expected = (scattering.unit_wave_forces(1.2 * one, 30.0 * one)[:, 0] * 0.3 * np.exp(0.7j)).real
     np.testing.assert_allclose(scattering.load(waves, 0.0, np.zeros(3)).ravel(), expected, rtol=1e-9, atol=1e-6)
 
 
@@ -124,14 +124,16 @@ def test_capytaine_itself_writes_what_is_read(tmp_path):
 def test_what_one_motion_does_to_another_comes_back_out_of_the_memory():
     """Of sway and roll, and of surge and pitch, as of each alone; the hull is alike on both sides and at both ends."""
     found = Radiation(str(BARGE))
-    t, kernels, omega = found.response.times, found.response.kernels, found.omega
+    t, kernels, omega = found.impulse_response.times, found.impulse_response.kernels, found.omega
     for i, j in ((0, 5), (2, 3)):
         cosines = np.trapezoid(kernels[i, j] * np.cos(omega[:, None] * t), t, axis=1)
         sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * t), t, axis=1)
         given = found.damping[i, j]
         np.testing.assert_allclose(cosines, given, atol=0.05 * np.abs(given).max())
         added = found.mass[i, j]
-        np.testing.assert_allclose(found.response.added[i, j] - sines / omega, added, atol=0.05 * np.abs(added).max())
+        np.testing.assert_allclose(
+            found.impulse_response.added[i, j] - sines / omega, added, atol=0.05 * np.abs(added).max()
+        )
     alone = {(i, j) for i, j in Memory(found).pairs if i != j}
     assert alone == {(0, 5), (5, 0), (2, 3), (3, 2)}
 
@@ -183,7 +185,7 @@ def in_the_frequency_domain(omega: float, extra: float) -> np.ndarray:
         at = [names.index(name) for name in ("sway", "heave", "roll")]
         mass, loss = (data[name][k][np.ix_(at, at)] for name in ("added_mass", "radiation_damping"))
         push = data["excitation_force"][:, k, heading][:, at]
-    still = hull_of("barge20").afloat(8.0, 1000.0, 9.81)
+    still = hull_of("barge20").in_still_water(8.0, 1000.0, 9.81)
     own = np.diag([still.matter.mass, still.inertia["heave"], still.inertia["roll"]])
     stiff = np.diag([0.0, still.stiffness["heave"], still.stiffness["roll"]])
     left = -(omega**2) * (own + mass) - 1j * omega * (loss + np.diag([0.0, 0.0, extra])) + stiff
@@ -227,9 +229,9 @@ def test_a_table_of_the_same_depth_has_the_beds_part():
     ship = at_sea({"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}, 20.0, 0.05)["ship"]
     config = load(at_sea(ship, 20.0, 0.05)).ships["ship"]
     config.table.depth = 5.0
-    hull = config.afloat(9.81, 1000.0)
-    assert config.over_a_bed(hull, 5.0) == "the water is 2.5 draughts deep: squat is not modelled"
-    assert "the bed's part" in config.over_a_bed(hull, 6.0)
+    hull = config.in_still_water(9.81, 1000.0)
+    assert config.shallow_water_warning(hull, 5.0) == "the water is 2.5 draughts deep: squat is not modelled"
+    assert "the bed's part" in config.shallow_water_warning(hull, 6.0)
 
 
 def test_check_says_where_a_table_is_of_another_case():

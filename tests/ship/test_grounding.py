@@ -76,7 +76,7 @@ def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
     even, full = slender_squat(slice_of(0.0)), slender_squat(slice_of(0.3))
     volume = 2.0 / 3.0 * 30.0 * 3.0
     assert not even.blunt and even.levers == pytest.approx((15.0, 15.0))
-    assert even.deepest == pytest.approx(even.sinkage) and full.deepest > full.sinkage
+    assert even.end_sinkage == pytest.approx(even.sinkage) and full.end_sinkage > full.sinkage
     assert even.sinkage * 30.0**2 / volume == pytest.approx(9.0 / (2.0 * np.pi), rel=1e-3)
     assert abs(even.trim) < 1e-9 < full.trim
     half, whole = even.at(1.0, 2.0), even.at(sqrt(2.0), 4.0)  # one Froude number

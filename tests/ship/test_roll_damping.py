@@ -50,14 +50,14 @@ def test_lift_of_a_round_hull_is_that_of_a_low_aspect_wing():
 
 
 def test_bilge_keels_damp_and_beyond_the_regressions_a_sentence_says_so():
-    still = hull_of("wigley").afloat(12.0, 1000.0, 9.81)
+    still = hull_of("wigley").in_still_water(12.0, 1000.0, 9.81)
     bare = RollDamping(Ikeda(), still, 0.0, True)
     broad, long = bare.form.breadth, bare.form.length
     keels = BilgeKeels(length=0.3 * long, breadth=0.03 * broad)
     kept = RollDamping(Ikeda(bilge_keels=keels), still, 0.0, True)
-    assert kept.share(10.0) > 1.1 * bare.share(10.0) and kept.linear + kept.quadratic > bare.linear + bare.quadratic
+    assert kept.critical_share(10.0) > 1.1 * bare.critical_share(10.0) and kept.linear + kept.quadratic > bare.linear + bare.quadratic
     assert "midship section coefficient 0.667 (0.9 to 0.99)" in bare.warnings[0]  # two thirds, in closed form
-    assert RollDamping(Ikeda(), still, 0.0, False).share(10.0) < bare.share(10.0)  # a table has the waves
+    assert RollDamping(Ikeda(), still, 0.0, False).critical_share(10.0) < bare.critical_share(10.0)  # a table has the waves
     assert all(low < high for low, high in REGRESSION_LIMITS.values())
 
 
@@ -71,13 +71,13 @@ def test_every_component_takes_energy_wherever_the_regressions_hold():
         )
         for amplitude in (1.0, 20.0):
             assert min(damping_components(form, amplitude, WATER_VISCOSITY, 9.81)) >= 0.0
-    full = RollDamping(Ikeda(), hull_of("barge20").afloat(8.0, 1000.0, 9.81), 0.0, True)
+    full = RollDamping(Ikeda(), hull_of("barge20").in_still_water(8.0, 1000.0, 9.81), 0.0, True)
     assert full.parts[10.0].eddies == 0.0 and "counted as 0" in full.warnings[-1]
-    assert len(RollDamping(Ikeda(), hull_of("wigley").afloat(8.0, 1000.0, 9.81), 0.0, True).warnings) == 1
+    assert len(RollDamping(Ikeda(), hull_of("wigley").in_still_water(8.0, 1000.0, 9.81), 0.0, True).warnings) == 1
 
 
 def test_the_linear_and_quadratic_parts_do_the_work_of_the_components():
-    still = hull_of("wigley").afloat(8.0, 1000.0, 9.81)
+    still = hull_of("wigley").in_still_water(8.0, 1000.0, 9.81)
     found = RollDamping(Ikeda(bilge_keels=BilgeKeels(length=0.9, breadth=0.009)), still, 0.01, True)
     for amplitude in (5.0, 10.0, 20.0):
         rate = found.omega * radians(amplitude) * np.cos(np.linspace(0.0, 2.0 * pi, 4001))
@@ -105,11 +105,11 @@ def test_a_ship_that_is_let_go_decays_as_the_parts_say():
 
 def test_it_takes_the_place_of_the_rule_and_of_what_the_sections_did():
     """No share of critical beside it, and no drag of the sections as she rolls; the sway's own moment stays."""
-    still, added = hull_of("wigley").afloat(8.0, 1000.0, 9.81), np.zeros(6)
+    still, added = hull_of("wigley").in_still_water(8.0, 1000.0, 9.81), np.zeros(6)
     ruled, predicted = (Resistance(Damping(ikeda=each), still, added) for each in (None, Ikeda()))
     rolls, sways = np.eye(6)[5], np.eye(6)[0]
     assert ruled.linear["roll"] > 0.0 == predicted.linear["roll"]
-    assert predicted.load(rolls)[1, 2] == pytest.approx(predicted.rolling.moment(1.0, 0.0))
+    assert predicted.load(rolls)[1, 2] == pytest.approx(predicted.rolling.roll_moment(1.0, 0.0))
     assert predicted.load(rolls)[0, 0] == 0.0 != ruled.load(rolls)[0, 0]
     np.testing.assert_array_equal(predicted.load(sways), ruled.load(sways))
 

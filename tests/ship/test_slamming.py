@@ -24,7 +24,7 @@ def wedge(degrees: float) -> Hydrostatics:
     high, ends = tan(radians(degrees)), (-LENGTH / 2.0, LENGTH / 2.0)
     points = [(x, y, z) for x, y in ((0.0, 0.0), (1.0, high)) for z in ends]
     hull = Hull(shape=Outline(kind="outline", points=points), mass=0.98 * DENSITY * high * LENGTH)
-    return hull.floating(high / 16.0, DENSITY, G)
+    return hull.in_cubes(high / 16.0, DENSITY, G)
 
 
 # F / (rho V^3 t) a metre of length by deadrise, of Dobrovol'skaya's similarity solution as Zhao & Faltinsen (1993) are
@@ -56,7 +56,7 @@ def test_a_wedge_enters_at_a_steady_speed_as_similarity_has_it(degrees, within):
 def test_a_sphere_enters_between_von_karman_and_wagner():
     """Both of a disc, 4/3 rho c^3 (von Karman 1929 with c^2 = 2 R h - h^2, Wagner 1932 with 3 R h), while it is
     flat where it enters; sections by strips are not a disc, within a quarter."""
-    hull = Hull(shape=Sphere(kind="sphere", radius=1.0), mass=2000.0).floating(1.0 / 24.0, DENSITY, G)
+    hull = Hull(shape=Sphere(kind="sphere", radius=1.0), mass=2000.0).in_cubes(1.0 / 24.0, DENSITY, G)
     volume, moved = entry_curve(hull)
     depth = hull.voxels.size[1] * np.arange(len(volume))
     for h in (0.05, 0.1, 0.2):

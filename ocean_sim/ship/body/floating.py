@@ -62,7 +62,7 @@ class FloatingConfig(VesselConfig):
 
     @field_validator("hull")
     @classmethod
-    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+    def _existing_hull(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
         if not isinstance(hull, str) or hull in named("hull"):
             return hull
         hull_of(hull)
@@ -76,25 +76,25 @@ class FloatingConfig(VesselConfig):
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
 
     @cached_property
-    def known(self) -> dict[tuple[float, float], Hydrostatics]:
+    def still_water_cache(self) -> dict[tuple[float, float], Hydrostatics]:
         """The hull in still water, by gravity and density, as far as it has been asked for."""
         return {}
 
     @cached_property
-    def by_faces(self) -> dict[Hydrostatics, float | None]:
+    def face_gms(self) -> dict[Hydrostatics, float | None]:
         """GM [m] of the hull itself, likewise."""
         return {}
 
-    def afloat(self, gravity: float, density: float) -> Hydrostatics:
+    def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         asked = gravity, density
-        if asked not in self.known:
-            self.known[asked] = self.whole_hull.afloat(self.cells_per_draught, density, gravity)
-        return self.known[asked]
+        if asked not in self.still_water_cache:
+            self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)
+        return self.still_water_cache[asked]
 
-    def still(self, preflight: Preflight) -> Hydrostatics:
+    def hydrostatics_of(self, preflight: Preflight) -> Hydrostatics:
         """The hull in the still water of a scene; raises ValueError."""
-        return self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
@@ -105,7 +105,7 @@ class FloatingConfig(VesselConfig):
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
@@ -114,38 +114,38 @@ class FloatingConfig(VesselConfig):
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:
         """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
-        if still not in self.by_faces:
+        if still not in self.face_gms:
             heights = metacentric_heights(self.whole_hull.shape, still)
-            self.by_faces[still] = None if heights is None else heights[0]
-        return self.by_faces[still]
+            self.face_gms[still] = None if heights is None else heights[0]
+        return self.face_gms[still]
 
     def look(self, preflight: Preflight) -> Look:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
-        submerged = min(1.0, still.wanted / still.voxels.volume)
+        submerged = min(1.0, still.needed_volume / still.voxels.volume)
         return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         corners = convex_corners(self.whole_hull.shape) - still.matter.centre
-        return placed_outline(corners, self.body(still.matter, *afloat_pose(still)))
+        return placed_outline(corners, self.body_at_start(still.matter, *afloat_pose(still)))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
-        still = self.still(preflight)
-        body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
+        still = self.hydrostatics_of(preflight)
+        body = self.above_unsettled_water(self.body_at_start(still.matter, *afloat_pose(still)), preflight)
         reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
-    def unsettled(self, body: RigidBody, preflight: Preflight) -> RigidBody:
+    def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
         """The body where it makes room in water that has not settled yet: higher by as much where its height is given,
         so that no gap opens under it."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
-    def too_large(self, basin: Basin) -> str:
+    def oversize(self, basin: Basin) -> str:
         """How the hull is larger than the basin, in words; empty where it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
@@ -158,7 +158,7 @@ class FloatingConfig(VesselConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
-        large = self.too_large(basin) if preflight.fluid.made_of_particles else ""
+        large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
         if large:
             return [(("hull",), large)]
         if solid is not None:
@@ -169,20 +169,20 @@ class FloatingConfig(VesselConfig):
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
                 return [(("hull",), f"{message}; take a smaller fluid.spacing")]
-            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).penetrations(solid.body):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         if not preflight.fluid.made_of_particles:
-            still = self.still(preflight)
-            body = self.body(still.matter, *afloat_pose(still))
+            still = self.hydrostatics_of(preflight)
+            body = self.body_at_start(still.matter, *afloat_pose(still))
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
-            for _, _, depth in sides.beyond(body):
+            for _, _, depth in sides.penetrations(body):
                 if depth.max() > 1e-6 and not isinf(still.draught):
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
         return found
 
-    def unable(self) -> Problems:
+    def unfollowable_orders(self) -> Problems:
         """Orders that the ship has nothing to follow with."""
         found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
@@ -197,7 +197,7 @@ class FloatingConfig(VesselConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.misplaced(basin) + self.unable()
+        found = self.basin_problems(basin) + self.unfollowable_orders()
         for k, mooring in enumerate(self.moorings):
             if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
                 there = f"there are {', '.join(self.points)}" if self.points else "it names none"
@@ -205,7 +205,7 @@ class FloatingConfig(VesselConfig):
         if found:
             return found
         try:
-            hull = self.afloat(-basin.gravity[1], WATER_DENSITY)
+            hull = self.in_still_water(-basin.gravity[1], WATER_DENSITY)
         except ValueError as error:
             return [*found, (("hull",), error_sentence(error))]
         if not isinf(hull.draught) and hull.draught > basin.depth:
@@ -213,11 +213,11 @@ class FloatingConfig(VesselConfig):
             found.append((("hull",), message))
         return found
 
-    def unborne(self, preflight: Preflight) -> list[str]:
+    def missing_water(self, preflight: Preflight) -> list[str]:
         """Why there may be no water that bears the ship."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
-            large = self.too_large(preflight.tank)
+            large = self.oversize(preflight.tank)
             return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
         found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
@@ -227,7 +227,7 @@ class FloatingConfig(VesselConfig):
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
-    def high_or_deep(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+    def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
         """Whether the ship begins more than a draught above where it floats, or wholly under water."""
         if self.afloat_at_first:
             return []
@@ -248,20 +248,20 @@ class FloatingConfig(VesselConfig):
         """Whether added mass and damping are those over a bed at this depth [m]."""
         return False
 
-    def over_a_bed(self, hull: Hydrostatics, depth: float) -> str:
+    def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
         """What is missing in water of few draughts."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
         if speed == 0.0:
             return message
-        sunk = bow_squat(hull.wanted, hull.length, speed, depth)
+        sunk = bow_squat(hull.needed_volume, hull.length, speed, depth)
         if isinf(sunk):
             return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
-    def of_cubes(self, still: Hydrostatics) -> list[str]:
+    def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
         """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
         gm, own = still.metacentric_height(), self.gm_of_faces(still)
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
@@ -276,19 +276,28 @@ class FloatingConfig(VesselConfig):
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        hull = self.still(preflight)
-        mesh = self.whole_hull.shape.closed()
+        hull = self.hydrostatics_of(preflight)
+        mesh = self.whole_hull.shape.closed_mesh()
         remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
         if mesh is not None and not isinf(hull.draught):
             remarks += mesh.unlike_a_ship(hull.draught, hull.kb)
         if isinf(hull.draught):
             return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+        found = (
+            remarks
+            + super().warnings(preflight)
+            + self.missing_water(preflight)
+            + self.start_height_warnings(hull, preflight)
+        )
         orders = [(1.0, 0.0)] if isinstance(self.controls, Autopilot) else Crew(self.controls).orders
         for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
             if moved and getattr(self, lacks) is None:
                 found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
-        if self.helm is not None and self.propeller is not None and self.propeller.force(1.0, self.helm.speed) <= 0.0:
+        if (
+            self.helm is not None
+            and self.propeller is not None
+            and self.propeller.thrust_at(1.0, self.helm.speed) <= 0.0
+        ):
             found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
         logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
@@ -307,21 +316,21 @@ class FloatingConfig(VesselConfig):
         elif rest_angles(hull) is None:
             far = "her centre of mass lies too far from that of her buoyancy"
             found.append(f"within {MAX_LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
-        found += self.of_cubes(hull)
+        found += self.cube_gm_warnings(hull)
         if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW_DRAUGHTS * hull.draught:
-            found.append(self.over_a_bed(hull, preflight.tank.depth))
+            found.append(self.shallow_water_warning(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
         if resistance is not None:
-            found += [*resistance.warnings, *resistance.undamped(self.free)]
+            found += [*resistance.warnings, *resistance.undamped_warnings(self.free)]
         spacing = preflight.spacing
         if spacing and hull.draught < RESOLVED_SPACINGS * spacing:
-            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {RESOLVED_SPACINGS:g}"
-            found.append(f"{message} the water does not resolve the ship")
+            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings"
+            found.append(f"{message}; below {RESOLVED_SPACINGS:g} the water does not resolve the ship")
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
-        n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
+        n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
         size += preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
@@ -341,7 +350,7 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
     found = rest_angles(still)
     angle = np.zeros(2) if found is None else found
     turn = lean_matrix(angle)
-    level = still.level(turn[1])
+    level = still.water_level(turn[1])
     return float((turn @ still.matter.centre)[1] - level), euler_quaternion(angle[0], 0.0, angle[1])
 
 
@@ -351,7 +360,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
     where there is no such pose within MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        return still.apart(lean_matrix(angle))[::-1]
+        return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
     size = float(np.ptp(still.voxels.centre[:, 2]))

@@ -18,7 +18,7 @@ class Track(NamedTuple):
     place: np.ndarray
     velocity: np.ndarray
 
-    def at(self, number: np.ndarray) -> "Track":
+    def moments(self, number: np.ndarray) -> "Track":
         """The moments of these numbers."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
@@ -39,7 +39,7 @@ class Attitude(NamedTuple):
         """(3, n) vectors in world axes, in body axes."""
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
-    def acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
+    def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
         """(3, n) world acceleration [m/s2] of a point whose position from the centre of mass is `arm`, body axes [m],
         from that of the centre of mass and the angular one [rad/s2], (3, n)."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
@@ -89,13 +89,13 @@ class Between:
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
-        self.ends = track.at(self.before), track.at(self.after)
+        self.ends = track.moments(self.before), track.moments(self.after)
         start, end = (moment.time for moment in self.ends)
         self.over = (time >= end) | (end <= start)  # where the moment after says all
         self.step = np.where(self.over, 1.0, end - start)
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
-    def passing(self) -> Track:
+    def interpolated_track(self) -> Track:
         """What passes then, on the cubic that has place and velocity of both moments (Hermite): neither of them leaps
         from one step to the next. If their velocities are third-order in the step, so is its own, and its place
         fourth-order."""
@@ -106,7 +106,7 @@ class Between:
         velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
         return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
 
-    def values(self, known: np.ndarray) -> np.ndarray:
+    def interpolated_values(self, known: np.ndarray) -> np.ndarray:
         """(n, m) on straight lines between the values that each moment of the track has, (k, m)."""
         earlier, later = known[self.before], known[self.after]
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))

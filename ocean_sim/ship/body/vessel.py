@@ -64,7 +64,7 @@ class VesselConfig(Helm, ShipConfig):
     points: dict[Name, Vector3] = {}
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
-    def misplaced(self, basin: Basin) -> Problems:
+    def basin_problems(self, basin: Basin) -> Problems:
         """What contradicts the basin: (path below `ship`, sentence)."""
         found: Problems = []
         if basin.dimension == 2 and not self.slices:
@@ -82,7 +82,7 @@ class VesselConfig(Helm, ShipConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return [*self.lost_at_first(), *self.late(preflight.duration)]
+        return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
         """Velocity and rates at the beginning in motions that are held, which take none."""
@@ -102,7 +102,7 @@ class VesselConfig(Helm, ShipConfig):
         """Whether it begins at the height at which it floats, not at one that is given."""
         return len(self.position) == 2
 
-    def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
+    def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
         """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
@@ -113,7 +113,7 @@ class VesselConfig(Helm, ShipConfig):
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
-    def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+    def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
         x, y, z = body.position
         return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
@@ -132,7 +132,7 @@ class Actuators:
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
 
     @property
-    def limit(self) -> float:
+    def rudder_limit(self) -> float:
         """The largest angle of the rudder [rad]."""
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
@@ -142,7 +142,7 @@ class Actuators:
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
-        self.rudder = rate_limited(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
+        self.rudder = rate_limited(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.rudder_limit)
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
@@ -150,14 +150,14 @@ class Actuators:
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
-            thrust = self.propeller.force(self.throttle, velocity[2])
+            thrust = self.propeller.thrust_at(self.throttle, velocity[2])
             found["propeller"] = force_at(self.pushing, (0.0, 0.0, wet * thrust))
         if self.rudder_blade is not None:
             across, _, ahead = small_linalg.plus(velocity, small_linalg.cross(rates, self.steering))
             if self.propeller is not None:
-                stream = self.propeller.slipstream(thrust, ahead, density)
-                ahead = self.rudder_blade.behind(self.propeller, stream, ahead)
-            force = self.rudder_blade.load(self.rudder, across, ahead, density)
+                stream = self.propeller.slipstream_speed(thrust, ahead, density)
+                ahead = self.rudder_blade.mean_inflow(self.propeller, stream, ahead)
+            force = self.rudder_blade.blade_force(self.rudder, across, ahead, density)
             found["rudder"] = force_at(self.steering, small_linalg.times(wet, force))
         return found
 
@@ -179,7 +179,7 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 class Vessel(ABC):
     """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("corners",)  # of its shape, made again when asked for
+    left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
     parts: tuple[str, ...] = PARTS
 
@@ -215,7 +215,7 @@ class Vessel(ABC):
     def hand_over(self) -> Person:
         """From now on a person gives the orders, beginning with those of now; the actuators follow as fast as they do
         for any crew."""
-        person = Person(*self.orders, self.actuators.limit)
+        person = Person(*self.orders, self.actuators.rudder_limit)
         self.actuators.crew = person
         return person
 
@@ -238,16 +238,16 @@ class Vessel(ABC):
         return vertices - self.actuators.centre, triangles
 
     @cached_property
-    def corners(self) -> np.ndarray | None:
+    def outline_corners(self) -> np.ndarray | None:
         """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
         """The room that it takes; None where it has no shape."""
-        return None if self.corners is None else placed_outline(self.corners, self.body)
+        return None if self.outline_corners is None else placed_outline(self.outline_corners, self.body)
 
     @property
-    def centred(self) -> RigidBody:
+    def centred_body(self) -> RigidBody:
         """The body with the velocities of its own time: those that it has have led to where it is, so they are of half
         a step before."""
         body, (of, faster, more) = self.body, self.gained
@@ -267,31 +267,34 @@ class Vessel(ABC):
         """What the time step must stay a fraction of."""
         return Limits()
 
-    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+    def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
         """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
         force, torque = load.total
         return advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
-        before, sides = self.body, self.sides if self.sides is not None and self.sides.near(self.body, dt) else None
+        before, sides = (
+            self.body,
+            self.sides if self.sides is not None and self.sides.may_touch(self.body, dt) else None,
+        )
 
         def guided_step(load: Load) -> RigidBody:
-            return guide_step(before, self.stepped(before, load, dt), self.free, dt)
+            return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
-            return guided_step(load) if sides is None else sides.off(guided_step(load))
+            return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False
         if sides is not None:
-            load = sides.stopped(load, guided_step, dt)
+            load = sides.with_impulses(load, guided_step, dt)
             touched = sides.bed
         self.groundings += touched and not self.aground
         self.aground = touched
         if self.contact is None:
             after = walled_step(load)
         else:
-            load, after = self.contact.collided(load, walled_step, dt)
+            load, after = self.contact.collide_step(load, walled_step, dt)
         velocity = after.velocity.tolist()
         speed = sqrt(small_linalg.dot(velocity, velocity))
         if not speed <= MAX_SPEED:

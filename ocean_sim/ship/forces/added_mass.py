@@ -1,24 +1,20 @@
-"""Water that moves with a hull, by rule from its sections, and the motion of hull and water together.
+"""Added mass of a hull by rule from its sections, and the joint motion of hull and water.
 
-By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch
-(Newman 1977, Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in
-pitch that of each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass
-in surge (Fossen 2021, Handbook of Marine Craft Hydrodynamics, 6.5).
+By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch (Newman 1977,
+Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in pitch that of
+each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass in surge (Fossen
+2021, Handbook of Marine Craft Hydrodynamics, 6.5).
 
-In roll a section and its mirror image at the still water turn about their middle in unbounded water, which is what a
-quick roll is (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a
-rectangle as RECTANGLE_FACTORS says; sections between an ellipse and a rectangle by their fullness. Of a barge of 8 x 2 m that
-is 1 % above the panel method at the natural frequency, a plate 14 % below.
+In roll a section and its mirror image at the still water turn about their middle in unbounded water, the limit of quick
+roll (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a rectangle by
+RECTANGLE_FACTORS; sections between an ellipse and a rectangle by their fullness.
 
-Slamming: the momentum of hull and water is kept while the water that moves along grows, (m + A) V (von Karman 1929,
-NACA TN 321): sections as half plates of their wetted breadth, broader by the water that rises beside them. By that
-Wagner's (1932, ZAMM 12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and less for a larger one, by
-DEADRISE_FACTOR a radian. DEADRISE_FACTOR is ours: fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid
-Mech. 246) are quoted for them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below.
-A step has the impulse of all that it wets, so that its acceleration is a mean over the step and its peak grows as steps
-become shorter, up to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The water's
-mass grows no further than what moves along with the hull afloat. Going out of the water changes nothing: it falls off
-the hull.
+Slamming: the momentum of hull and water is kept while the added mass grows, (m + A) V (von Karman 1929, NACA TN 321).
+Sections count as half plates of their wetted breadth, broader by the water that rises beside them: Wagner's (1932, ZAMM
+12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and less by DEADRISE_FACTOR a radian. A step has
+the impulse of all that it wets, so its acceleration is a mean over the step; its peak grows as steps become shorter, up
+to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The added mass grows no further
+than that of the hull afloat. Leaving the water changes nothing: it falls off the hull.
 
 A hull that lies half as deep or one and a half times as deep as afloat is a blunt body in heave (Hoerner 1965,
 Fluid-Dynamic Drag, 3): BLUNT_DRAG on its waterplane, all of it from twice as deep and wholly out.
@@ -96,7 +92,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
     """(n,) [m4] breadth^4 of plates that are as hard to roll as sections of the fullness of the whole hull."""
-    full = min(hull.wanted, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
+    full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
     beyond = np.interp(deep, DRAUGHT_RATIOS, RECTANGLE_FACTORS) - (1.0 - 4.0 * deep**2) ** 2  # an ellipse
@@ -188,7 +184,7 @@ class Slamming:
         """`usual`: what moves along in heave afloat [kg]."""
         self.volumes, self.masses = entry_curve(hull)
         self.mass, self.usual = hull.matter.mass, usual
-        self.volume = min(hull.wanted, hull.voxels.volume)  # afloat [m3]
+        self.volume = min(hull.needed_volume, hull.voxels.volume)  # afloat [m3]
         self.drag = 0.5 * hull.density * BLUNT_DRAG * hull.waterplane
         self.entering, self.moved = False, usual  # since it left the water [kg]
 

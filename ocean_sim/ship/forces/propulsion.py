@@ -55,13 +55,13 @@ class Propeller(Model):
     """Diameter of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels no
     slipstream."""
 
-    def force(self, throttle: float, speed: float) -> float:
+    def thrust_at(self, throttle: float, speed: float) -> float:
         """Thrust [N] at a speed of the ship ahead [m/s]."""
         slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
         bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
         return bare if throttle >= 0.0 else self.astern * bare
 
-    def slipstream(self, thrust: float, speed: float, density: float) -> float:
+    def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
         """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
         gets far behind by the momentum of an actuator disc, the share SLIPSTREAM_SHARE."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
@@ -85,7 +85,7 @@ class Rudder(Model):
     rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
     """How fast it turns; null: at once."""
 
-    def behind(self, propeller: Propeller, stream: float, speed: float) -> float:
+    def mean_inflow(self, propeller: Propeller, stream: float, speed: float) -> float:
         """Speed [m/s] of which the square is the mean over the rudder: of the `stream` as high as the propeller is
         wide, and of water at the ship's speed beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
         if propeller.diameter is None or stream <= speed:
@@ -93,7 +93,7 @@ class Rudder(Model):
         share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
         return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
-    def load(self, angle: float, across: float, ahead: float, density: float) -> Three:
+    def blade_force(self, angle: float, across: float, ahead: float, density: float) -> Three:
         """Force [N], body axes, in water that it moves through at such speeds across and ahead [m/s], body axes."""
         speed = hypot(ahead, across)
         incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
@@ -122,7 +122,7 @@ class Track(Model):
 
     @field_validator("file")
     @classmethod
-    def _readable(cls, file: str) -> str:
+    def _orders_in_range(cls, file: str) -> str:
         _, *orders = csv_file.Table(file).series(*ORDER_COLUMNS)
         for name, values, most in zip(ORDER_COLUMNS, orders, MAX_ORDERS, strict=True):
             row = int(np.abs(values).argmax())
@@ -172,7 +172,7 @@ class Pilot(Model):
     """Rudder angle over gain and the yaw rate."""
 
     @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _one_goal(self) -> Self:
         if (self.route is None) == (self.heading_deg is None):
             raise ValueError("helm: give either a route or a heading_deg to hold")
         return self
@@ -202,7 +202,7 @@ class Helm(Model):
                 raise ValueError("controls: the times of the rows must increase")
         return self
 
-    def late(self, duration: float) -> list[str]:
+    def late_orders(self, duration: float) -> list[str]:
         """What is said of orders that come when a run of this duration [s] is over."""
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
@@ -226,7 +226,7 @@ class Crew:
             self.time = [row.time for row in controls]
             self.orders = [(row.throttle, row.rudder) for row in controls]
 
-    def between(self, time: float) -> tuple[float, float]:
+    def interpolated_orders(self, time: float) -> tuple[float, float]:
         """Throttle and rudder [rad] at a time [s], on straight lines between the rows."""
         later = bisect_right(self.time, time)
         throttle, rudder = self.orders[max(later - 1, 0)]
@@ -239,7 +239,7 @@ class Crew:
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
         """Throttle and rudder [rad] that are asked for."""
         if self.course is None:
-            return self.between(time)
+            return self.interpolated_orders(time)
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder
@@ -265,7 +265,7 @@ class Helmsman:
         """Throttle and rudder [rad] that are asked for."""
         config, dt = self.config, time - self.time
         self.time = time
-        error = remainder(self.heading(body, dt) - float(body.angles[1]), 2.0 * pi)
+        error = remainder(self.wanted_heading(body, dt) - float(body.angles[1]), 2.0 * pi)
         if config.integral_time is not None and abs(error) < MAX_INTEGRAL_RUDDER:
             self.bent = min(
                 max(self.bent + dt * error / config.integral_time, -MAX_INTEGRAL_RUDDER), MAX_INTEGRAL_RUDDER
@@ -277,7 +277,7 @@ class Helmsman:
             self.driven += dt * SPEED_GAIN * missing / SPEED_INTEGRAL_TIME
         return min(max(wanted, -1.0), 1.0), rudder
 
-    def heading(self, body: RigidBody, dt: float) -> float:
+    def wanted_heading(self, body: RigidBody, dt: float) -> float:
         """Where to head [rad]."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
@@ -286,10 +286,10 @@ class Helmsman:
             here = hypot(route[0][0] - x, route[0][1] - z) < START_RADIUS
             back, course = self.reach if here else 0.0, float(body.angles[1])
             self.start = (x - back * sin(course), z - back * cos(course))
-        along, ahead, aside = self.place(x, z)
+        along, ahead, aside = self.leg_position(x, z)
         while ahead < self.near and self.leg < len(route) - 1:
             self.start, self.leg, self.drifted = route[self.leg], self.leg + 1, 0.0
-            along, ahead, aside = self.place(x, z)
+            along, ahead, aside = self.leg_position(x, z)
         off = aside + self.drifted
         if abs(aside) < 0.25 * self.reach:  # not while the ship turns onto the leg
             self.drifted += dt * DRIFT_RATE * self.reach * aside / (self.reach**2 + off**2)
@@ -300,13 +300,13 @@ class Helmsman:
         """The waypoints that are not passed yet."""
         return self.route[self.leg :]
 
-    def arrived(self, body: RigidBody) -> bool:
+    def has_arrived(self, body: RigidBody) -> bool:
         """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
         if self.start is None or len(self.ahead) > 1:
             return False
-        return self.place(float(body.position[0]), float(body.position[2]))[1] < self.near
+        return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
-    def place(self, x: float, z: float) -> tuple[float, float, float]:
+    def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
         """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]

@@ -218,27 +218,27 @@ class Scattering:
             or abs(yaw - self.known[0]) > HEADING_STEP
             or not np.array_equal(waves.omega, self.known[1])
         ):
-            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
+            self.known = yaw, waves.omega, self.given_momentum(waves.omega, np.degrees(waves.heading - yaw))
         omega = waves.met(velocity)
-        given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
+        given = self.known[2] * self.complex_inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
         c, s = np.cos(yaw), np.sin(yaw)
         level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         momentum, rate = ((part.real.sum(axis=1).reshape(2, 3)) @ level.T for part in (given, -1j * omega * given))
         rate[1] += cross(velocity, momentum[0])
         return rate
 
-    def given(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """(6, n) momentum that waves give a hull at rest, over its inertia at their frequency."""
-        return self.forces(omega, heading) / (-1j * omega * self.inertia(omega))
+        return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
-    def inertia(self, omega: np.ndarray) -> np.ndarray:
+    def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
         """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
         found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
         for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
             found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
         return found
 
-    def forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the
         table ends at 180 degrees, constant beyond its frequencies."""
         headings, force = self.scattered
@@ -301,13 +301,13 @@ class Radiation:
                 still = f"that of {name} still is {last / most:.0%} of its most"
                 raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
-    def couples(self, one: str, other: str) -> bool:
+    def has_coupling(self, one: str, other: str) -> bool:
         """True if the table has what one motion does to another."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 
     @property
-    def doubts(self) -> list[str]:
+    def unphysical_entries(self) -> list[str]:
         """Entries that no hull has: waves that would give energy, water of less than no mass."""
         own, found = np.diag_indices(len(self.numbers)), list[str]()
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
@@ -315,7 +315,7 @@ class Radiation:
         if lowest.min() < -ERROR_TOLERANCE:
             at = self.omega[lowest.argmin()]
             found.append(f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do")
-        added = self.response.added
+        added = self.impulse_response.added
         most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
         if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -ERROR_TOLERANCE or (added[own] <= 0.0).any():
             values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
@@ -323,7 +323,7 @@ class Radiation:
         return found
 
     @cached_property
-    def response(self) -> "Response":
+    def impulse_response(self) -> "Response":
         """To a push, until less than FORGOTTEN_SHARE is left of it."""
         from scipy.integrate import cumulative_trapezoid
 
@@ -333,7 +333,7 @@ class Radiation:
         kernels, added = np.zeros((m, m, len(times))), np.zeros((m, m))
         for i, j in combinations_with_replacement(range(m), 2):
             if self.damping[i, j].any():
-                kernels[i, j] = kernels[j, i] = self.kernel(times, self.damping[i, j])
+                kernels[i, j] = kernels[j, i] = self.retardation_kernel(times, self.damping[i, j])
             sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
             added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
         most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
@@ -346,7 +346,7 @@ class Radiation:
         whole = cumulative_trapezoid(kernels, times, initial=0.0)
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
-    def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
+    def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
@@ -366,16 +366,16 @@ class Memory:
     """The radiation force on one hull: what it remembers of its motions."""
 
     def __init__(self, radiation: Radiation) -> None:
-        self.response, self.numbers = radiation.response, np.array(radiation.numbers)
-        self.pairs = np.argwhere(self.response.kernels.any(axis=2)).tolist()  # which motions act on which
-        self.often = float(self.response.times[1])  # [s] at least between what is kept
+        self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
+        self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
+        self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
-        known, ago, rate, momentum = self.response, time - times, np.zeros(6), np.zeros(6)
+        known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)
         for i, j in self.pairs:
             kernel = np.interp(ago, known.times, known.kernels[i, j], right=0.0)
             left = np.interp(ago, known.times, known.left[i, j], right=0.0)
@@ -384,9 +384,9 @@ class Memory:
         v, omega, line, turn = motion[:3], motion[3:], momentum[:3], momentum[3:]
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
-    def keep(self, time: float, motion: np.ndarray) -> None:
+    def remember(self, time: float, motion: np.ndarray) -> None:
         """Remember this velocity (6,), if the last one was long enough ago."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
-            near = self.when >= time - self.response.times[-1] - self.often
+            near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)
             self.moved = np.concatenate([self.moved[near], motion[None, self.numbers]])

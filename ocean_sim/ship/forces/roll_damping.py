@@ -122,7 +122,7 @@ class Form(NamedTuple):
     keels: tuple[float, float] | None  # length over that of the hull, breadth over that of the hull
 
     @property
-    def ratios(self) -> dict[str, float]:
+    def limited_ratios(self) -> dict[str, float]:
         """What REGRESSION_LIMITS bound."""
         found = {
             "block coefficient": self.block,
@@ -151,13 +151,13 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
-    volume = min(hull.wanted, hull.voxels.volume)
+    volume = min(hull.needed_volume, hull.voxels.volume)
     return Form(
         length,
         broad,
         deep,
         volume / (length * broad * deep),
-        float(hull.sections.max()) / (broad * deep),
+        float(hull.section_areas.max()) / (broad * deep),
         (hull.keel + deep - float(hull.matter.centre[1])) / deep,
         omega * sqrt(broad / (2.0 * hull.gravity)),
         None if keels is None else (keels.length / length, keels.breadth / broad),
@@ -168,7 +168,7 @@ def ratios_beyond(form: Form) -> list[str]:
     """Which ratios of a hull lie beyond the regressions, in words."""
     return [
         f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
-        for name, value in form.ratios.items()
+        for name, value in form.limited_ratios.items()
         if not REGRESSION_LIMITS[name][0] - 1e-6 <= value <= REGRESSION_LIMITS[name][1] + 1e-6
     ]
 
@@ -177,7 +177,7 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
     """At an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
     held = {
         name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
-        for name, value in form.ratios.items()
+        for name, value in form.limited_ratios.items()
     }
     cb, cm, bd, og, frequency, *keels = held.values()
     return Components(
@@ -257,7 +257,7 @@ class RollDamping:
         omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
         self.keels = config.bilge_keels
         self.form = form = form_of(hull, omega, config.bilge_keels)
-        volume = min(hull.wanted, hull.voxels.volume)
+        volume = min(hull.needed_volume, hull.voxels.volume)
         self.scale = hull.density * volume * form.breadth**2 / sqrt(form.breadth / (2.0 * hull.gravity))  # [N m s]
         self.omega, self.critical = omega, 2.0 * sqrt(max(stiffness, 0.0) * (hull.inertia["roll"] + added))
         self.parts: dict[float, Components] = {}
@@ -281,10 +281,10 @@ class RollDamping:
             said.append("roll damping: for so full a hull Ikeda's regression gives negative eddy damping, counted as 0")
         return said
 
-    def share(self, amplitude: float) -> float:
+    def critical_share(self, amplitude: float) -> float:
         """Of critical damping, by all components at one of FIT_AMPLITUDES [deg]; 0 of a hull that nothing rights."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
-    def moment(self, rate: float, ahead: float) -> float:
+    def roll_moment(self, rate: float, ahead: float) -> float:
         """[N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
         return -(self.linear + self.quadratic * abs(rate) + self.ahead * max(ahead, 0.0)) * rate

@@ -69,42 +69,42 @@ class ClosedMesh:
         return self.bounds[1] - self.bounds[0]
 
     @cached_property
-    def _plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _column_plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions of columns along x and z [m], and (len(x), len(z)) the area of each [m2]."""
         (x, across), (z, along) = (gauss_points(self.vertices[:, axis]) for axis in (0, 2))
         return x, z, across[:, None] * along
 
     @cached_property
-    def overlaps(self) -> bool:
+    def has_overlaps(self) -> bool:
         """True where faces pass through each other: skins wind around a point more than once or less than never."""
-        line, height, winding = line_crossings(self.triangles, *self._plan[:2])
+        line, height, winding = line_crossings(self.triangles, *self._column_plan[:2])
         thick = (np.diff(height) > ROUNDING_SHARE * self.size[1]) & (np.diff(line) == 0)
         return bool((thick & ((winding[:-1] > 1) | (winding[:-1] < 0))).any())
 
     @cached_property
-    def columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Stretches of vertical lines inside: number of the line, lower and upper end [m]."""
-        return inside_stretches(self.triangles, *self._plan[:2])
+        return inside_stretches(self.triangles, *self._column_plan[:2])
 
-    def integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
+    def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
         """Sum over the inside, by columns, of what a function of height gains from their lower to their upper end."""
-        line, low, high = self.columns
-        return float(self._plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
+        line, low, high = self.inside_columns
+        return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
     @cached_property
     def volume(self) -> float:
         """Volume of the inside [m3]: by its faces, by columns where they pass through each other."""
-        if self.overlaps:
-            return self.integral(np.positive)
+        if self.has_overlaps:
+            return self.column_integral(np.positive)
         return float(signed_volumes(self.triangles).sum())
 
     @cached_property
-    def thickness(self) -> float:
+    def mean_thickness(self) -> float:
         """Mean thickness of a shell of this volume and of these faces [m]."""
         a, b, c = np.moveaxis(self.triangles, 1, 0)
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
-    def sentence(self) -> str:
+    def size_sentence(self) -> str:
         """Size and axes."""
         broad, tall, long = self.size
         size = f"{long:.4g} m long, {broad:.4g} m broad and {tall:.4g} m high"
@@ -137,8 +137,8 @@ class ClosedMesh:
         counts beside its volume."""
         from scipy.ndimage import binary_propagation
 
-        area, room = self._plan[2], 0.0
-        line, _, high = self.columns
+        area, room = self._column_plan[2], 0.0
+        line, _, high = self.inside_columns
         top = np.full(area.shape, -np.inf)
         top.ravel()[line] = high  # of the last stretch of each line
         for level in self.size[1] * (np.arange(ROOM_LEVELS) + 0.5) / ROOM_LEVELS:

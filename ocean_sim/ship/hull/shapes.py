@@ -38,11 +38,11 @@ class HullShape(Model):
         """(n, 3) points [m] whose convex hull it is; None where sections of it must be found."""
         return None
 
-    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """(len(x), len(y), len(z)) which points of a lattice [m] lie inside."""
         return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
 
-    def closed(self) -> ClosedMesh | None:
+    def closed_mesh(self) -> ClosedMesh | None:
         """The mesh in the hull's axes; raises BadMesh. None where it is none."""
         return None
 
@@ -143,7 +143,7 @@ class Outline(HullShape):
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
-    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Points by the part of each column along y between the planes."""
         from scipy.spatial import ConvexHull
 
@@ -176,14 +176,14 @@ class MeshFile(HullShape):
     def content(self) -> bytes:
         return super().content() + content(self.file)
 
-    def closed(self) -> ClosedMesh:
+    def closed_mesh(self) -> ClosedMesh:
         try:
             return closed_mesh(self.file, content(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
             raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
-        return self.closed().bounds
+        return self.closed_mesh().bounds
 
 
 Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(discriminator="kind")]
@@ -192,7 +192,7 @@ Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(d
 def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
     shape the convex hull of its sections."""
-    mesh = shape.closed()
+    mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
     found = kept("drawn", drawn_content(shape), lambda: convex_triangles(shape))

@@ -1,7 +1,7 @@
-"""A hull as cubes with the share of each that lies inside it, made once and kept by content.
+"""A hull as cubes, each with the share of it that lies inside the hull; computed once and kept by content.
 
-They are as tall as asked for, and up to MAX_FLATNESS times as long and broad where a hull has plenty of them that way: what is
-clipped at the water is their height. Whole ones fill the box around the hull.
+Cubes are as tall as asked for, and up to MAX_FLATNESS times as long and broad where a hull has plenty of them that way:
+the water clips their height. Whole cubes fill the box around the hull.
 """
 
 from dataclasses import dataclass
@@ -46,23 +46,23 @@ class Voxels:
         """[m3]."""
         return float(self.share.sum() * self.size.prod())
 
-    def heights(self, up: np.ndarray) -> np.ndarray:
+    def centre_heights(self, up: np.ndarray) -> np.ndarray:
         """(n,) of their centres along a unit vector [m]; summed by hand, as the same bytes come of any threads."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
-    def spread(self, up: np.ndarray) -> float:
+    def height_spread(self, up: np.ndarray) -> float:
         """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
         return float(np.linalg.norm(self.size * up))
 
-    def aside(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
+    def cut_offset(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
         """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
         lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
-        x, square_of_spread, z = small_linalg.matrix_times(turn, small_linalg.times_each(self.square, turn[1]))
+        x, square_of_spread, z = small_linalg.matrix_times(turn, small_linalg.times_each(self.size_squared, turn[1]))
         share = -cut / (12.0 * sqrt(square_of_spread))
         return share * x, share * z
 
     @cached_property
-    def square(self) -> small_linalg.Three:
+    def size_squared(self) -> small_linalg.Three:
         """Of the size along each axis [m2]."""
         x, y, z = (self.size**2).tolist()
         return x, y, z
@@ -95,7 +95,7 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
     size = (upper - lower) / counts
 
     def made() -> dict[str, np.ndarray]:
-        mesh = shape.closed()
+        mesh = shape.closed_mesh()
         for samples in SAMPLES_OF_MESH:
             arrays = sample_cubes(shape, counts, lower, upper, samples)
             if mesh is None or abs(arrays["share"].sum() * size.prod() / mesh.volume - 1.0) <= MISSED_SHARE:
@@ -114,11 +114,11 @@ def sample_cubes(
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]
     share, centre = np.zeros(counts), np.zeros((*counts, 3))
-    mesh = shape.closed()
+    mesh = shape.closed_mesh()
     for k in range(counts[2]):
         z = axes[2][k * samples : (k + 1) * samples]
         if mesh is None:
-            inside = shape.filled(axes[0], axes[1], z).astype(float)
+            inside = shape.fill_lattice(axes[0], axes[1], z).astype(float)
         else:
             edges = lower[1] + size[1] * np.arange(counts[1] * EDGE_SAMPLES + 1) / EDGE_SAMPLES
             inside = column_shares(

@@ -88,21 +88,21 @@ class Solid:
 
         def made() -> dict[str, np.ndarray]:
             if self.felt:
-                return self.fitted(positions, beyond, boxes, spacing, volume)
-            return self.carved(positions, boxes, spacing)
+                return self.fit_room(positions, beyond, boxes, spacing, volume)
+            return self.carve_room(positions, boxes, spacing)
 
         found = kept("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
         gone[found["gone"]], moved[found["near"]] = True, found["moved"]
         return gone, moved
 
-    def carved(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
+    def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
         """Numbers of the particles that are `gone`, and of those `near`, which are `moved` half a spacing off the hull
         and away from each other [m]."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
-        gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
+        gone[order[: round(self.displaced_volume(spacing, boxes) / spacing**3)]] = True
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
@@ -115,7 +115,7 @@ class Solid:
         moved = pack_particles(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
         return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
-    def fitted(
+    def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
         """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to where a kernel's sum over
@@ -126,7 +126,10 @@ class Solid:
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
         origin = np.round(self.origin / spacing, 3) * spacing
         _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
-        wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, UNBOUNDED_BOX) / volume
+        wet, whole = (
+            self.displaced_volume(spacing, boxes) / volume,
+            self.displaced_volume(spacing, UNBOUNDED_BOX) / volume,
+        )
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
@@ -151,17 +154,17 @@ class Solid:
             (np.arange(len(own)) * GOLDEN_RATIO % 1.0, np.round(distance / (ROW_TOLERANCE * spacing)))
         )
 
-    def displaced(self, spacing: float, boxes: Boxes) -> float:
+    def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
-        positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
-        found, across, met = 0.0, [0] if self.flat else [0, 2], self.cut(cubes)
+        positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
+        found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
         for low, up in boxes:
             inside = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1]) & met
             found += float((cubes.share * inside * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
         return found * float(cubes.size[: self.dimension].prod())
 
-    def cut(self, cubes: Voxels) -> np.ndarray:
+    def met_cubes(self, cubes: Voxels) -> np.ndarray:
         """(n,) cubes that the water meets: all, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
@@ -174,7 +177,7 @@ class Solid:
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
-        met = self.cut(cubes)
+        met = self.met_cubes(cubes)
         where, position = cubes.cells[met], (cubes.centre - self.centre)[met]
         volume = cubes.share[met] * cubes.size[: self.dimension].prod()
         if self.flat:

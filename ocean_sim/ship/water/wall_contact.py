@@ -36,7 +36,7 @@ class Sides:
         self.impulse = np.zeros(3)  # on the ship [N s]
         self.bed = False  # whether the last step met it
 
-    def near(self, body: RigidBody, dt: float) -> bool:
+    def may_touch(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
         velocity, turn = body.velocity.tolist(), body.rows
         speed, rate = (sqrt(small_linalg.dot(v, v)) for v in (velocity, body.spin))
@@ -45,25 +45,25 @@ class Sides:
         reach = small_linalg.matrix_times([[abs(part) for part in row] for row in turn], self.half)
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
-    def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
+    def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
         """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""
         positions = self.points @ body.matrix.T + body.position
         return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
-    def off(self, body: RigidBody) -> RigidBody:
+    def moved_inside(self, body: RigidBody) -> RigidBody:
         """The body moved back to where it only touches."""
         move = np.zeros(3)
-        for axis, way, depth in self.beyond(body):
+        for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
-    def stopped(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
+    def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
         """The load with what walls and bed do in a step of dt [s] under `wave`; `after`: the body after a load
         where nothing stops it."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
-        for axis, way, depth in self.beyond(body):
+        for axis, way, depth in self.penetrations(body):
             self.bed |= axis == 1 and way > 0.0 and bool(depth.max() > 0.0)
             deep = np.argsort(-depth, kind="stable")[:MAX_TOUCHING]
             for k in deep[depth[deep] > 0.0]:
@@ -71,11 +71,11 @@ class Sides:
                 arms.append(body.matrix @ self.points[k])
         if not normals:
             return load
-        total = self.impulses(body, np.array(normals), np.array(arms))
+        total = self.contact_impulses(body, np.array(normals), np.array(arms))
         self.impulse += total[0]
         return load.plus("wave", total / dt)
 
-    def impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
         """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving
         against `normals` (n, 3): one after the other, until they agree."""
         turn = body.matrix

@@ -66,7 +66,7 @@ class SampleLattice:
     level: ti.Field  # [m]
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
-    def reach(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
+    def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
         """As far as a hull of this size [m] may be, and `rim` [m] beyond."""
         self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
@@ -81,19 +81,19 @@ class SampleLattice:
     def place(self, body: RigidBody, row: np.ndarray) -> None:
         """Where the lattice lies: write what kernels are ROW_COLUMNS of it, and the body's place from its middle."""
 
-    def carried(self) -> np.ndarray:
+    def middle_now(self) -> np.ndarray:
         """x, z [m] of the middle now that bodies have taken their step."""
         return np.array(self.middle)
 
     @ti.func
-    def point(self, n, sine, cosine):
+    def node_place(self, n, sine, cosine):
         """Numbers of a node along and across, and its x and z from the middle [m]."""
         i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
 
     @ti.func
-    def settle(self, x, z, sine, cosine):
+    def keep_frame(self, x, z, sine, cosine):
         """Keep where the lattice lies, and its highest level. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -105,7 +105,7 @@ class SampleLattice:
                 )
 
     @ti.func
-    def corner(self, x, z):
+    def cell_at(self, x, z):
         """Number of the lower node, and the shares of the way to the next, along and across."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
@@ -117,10 +117,10 @@ class SampleLattice:
     @ti.func
     def elevation(self, x, z):
         """Of the water [m]."""
-        return self.sheet(self.corner(x, z))[0]
+        return self.surface_at(self.cell_at(x, z))[0]
 
     @ti.func
-    def sheet(self, corner: Template):
+    def surface_at(self, corner: Template):
         """Elevation [m], and what the waves add to the push of still water over its weight, where the surface alone is
         known: that of long waves, along its slope."""
         i, k, a, b = corner
@@ -150,7 +150,7 @@ class SurroundingWater(SampleLattice):
     ) -> None:
         """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m];
         `others`: all hulls that do, this one with them."""
-        self.reach(length, breadth, height, rim)
+        self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
             self.hull, self.rim, self.others, self.asked = (
@@ -160,12 +160,12 @@ class SurroundingWater(SampleLattice):
                 ti.field(int, shape=(NODES_ALONG, NODES_ACROSS)),
             )
 
-    def beside(self) -> list[Hull]:
+    def other_hulls(self) -> list[Hull]:
         """The hulls but its own that keep particles out."""
         return [other.hull for other in self.others if other.hull.distance is not self.hull]
 
     @ti.func
-    def look(self, water: Template, table: Template):
+    def read_water(self, water: Template, table: Template):
         """Ask the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a table.
         Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
@@ -174,14 +174,14 @@ class SurroundingWater(SampleLattice):
             heading = ahead.normalized()
         ti.loop_config(serialize=True)  # a surface is read in less time than a parallel task takes to start
         for n in range(NODES_ALONG * NODES_ACROSS):
-            i, k, dx, dz = self.point(n, heading.x, heading.y)
+            i, k, dx, dz = self.node_place(n, heading.x, heading.y)
             node = tm.vec3(position.x + dx, 0.0, position.z + dz)
             node.y = water.elevation(node.x, node.z)
             self.level[i, k] = node.y
             if ti.static(self.hollow):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
                 clear = away >= self.rim or k == 0 or k == NODES_ACROSS - 1
-                for hull in ti.static(self.beside()):
+                for hull in ti.static(self.other_hulls()):
                     clear = clear and hull.away(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
@@ -198,7 +198,7 @@ class SurroundingWater(SampleLattice):
                         last = k
                 for inner in range(last + 1, NODES_ACROSS):
                     self.level[i, inner] = self.level[i, ti.max(last, 0)]
-        self.settle(position.x, position.z, heading.x, heading.y)
+        self.keep_frame(position.x, position.z, heading.x, heading.y)
 
 
 @in_kernels
@@ -211,7 +211,7 @@ class SurroundingSea(SampleLattice):
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
     ) -> None:
         """Sizes of the hull [m]."""
-        self.reach(length, breadth, height)
+        self.size_lattice(length, breadth, height)
         self.gravity, self.layer = gravity, 0.5 * draught
         self.depths = tuple(float(d) for d in self.layer * np.arange(DEPTH_LEVELS))  # [m]
         self.window = sea.window((NODES_ALONG, NODES_ACROSS), self.step, self.depths)
@@ -230,38 +230,38 @@ class SurroundingSea(SampleLattice):
         flow = self.window.current
         carried = late * self.window.span
         middle = (self.laid[0] + carried * flow[0], self.laid[1] + carried * flow[1])
-        if not holds or self.strays(x - middle[0], z - middle[1]):
-            self.lay(body, x, z)
+        if not holds or self.is_astray(x - middle[0], z - middle[1]):
+            self.lay_lattice(body, x, z)
             middle, late = self.laid, 0.0
         self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
         row[ROW_COLUMNS.middle : ROW_COLUMNS.size] = *middle, *self.heading, late, share
 
-    def carried(self) -> np.ndarray:
-        return super().carried() + self.window.step_taken * np.array(self.window.current)
+    def middle_now(self) -> np.ndarray:
+        return super().middle_now() + self.window.step_taken * np.array(self.window.current)
 
-    def strays(self, x: float, z: float) -> bool:
+    def is_astray(self, x: float, z: float) -> bool:
         """Whether a hull is too far from the middle, so far from it [m]."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
-    def lay(self, body: RigidBody, x: float, z: float) -> None:
+    def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
         """The lattice anew, around where the hull at x, z [m] is on its way."""
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)
         flow_x, flow_z = window.current
         u, w = 0.5 * window.span * (body.velocity[0] - flow_x), 0.5 * window.span * (body.velocity[2] - flow_z)
-        self.laid = (x, z) if self.strays(u, w) else (x + u, z + w)
+        self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
         window.lay(self.laid, self.heading)
 
     @ti.func
-    def look(self, water: Template, table: Template):
+    def read_water(self, water: Template, table: Template):
         """Read the water on the lattice that has been placed. Call it at the top of a kernel."""
         sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
         late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
         for n in range(NODES_ALONG * NODES_ACROSS):
-            i, k, dx, dz = self.point(n, sine, cosine)
+            i, k, dx, dz = self.node_place(n, sine, cosine)
             x, z = table[0, ROW_COLUMNS.middle] + dx, table[0, ROW_COLUMNS.middle + 1] + dz
             self.level[i, k] = share * self.window.elevation(i, k, late) + water.rise(x, z)
             for l in range(DEPTH_LEVELS):
@@ -270,10 +270,10 @@ class SurroundingSea(SampleLattice):
                 for c in ti.static(range(3)):
                     self.moved[i, k, l][c] = share * speed[c] + more[c]
                     self.moved[i, k, l][3 + c] = (share * pull[c] + pulled[c]) / self.gravity
-        self.settle(0.0, 0.0, sine, cosine)
+        self.keep_frame(0.0, 0.0, sine, cosine)
 
     @ti.func
-    def moving(self, corner: Template, eta, depth):
+    def motion_at(self, corner: Template, eta, depth):
         """Velocity of the water [m/s] at a depth [m] under an elevation, and what the waves add to the push of still
         water over its weight there: the pressure's slope."""
         h = ti.static(self.window.depth)
@@ -281,10 +281,10 @@ class SurroundingSea(SampleLattice):
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
         l = ti.min(int(level), DEPTH_LEVELS - 2)
         i, k, a, b = corner
-        return (1.0 - (level - l)) * self.on(i, k, a, b, l) + (level - l) * self.on(i, k, a, b, l + 1)
+        return (1.0 - (level - l)) * self.on_level(i, k, a, b, l) + (level - l) * self.on_level(i, k, a, b, l + 1)
 
     @ti.func
-    def on(self, i, k, a, b, l):
+    def on_level(self, i, k, a, b, l):
         """The same on a level."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -54,50 +54,54 @@ class MovingHull:
         self.water: SurroundingWater | SurroundingSea
 
     @ti.func
-    def take(self, table: Template):
+    def take_pose(self, table: Template):
         """Take the pose in the first row of a table; call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in ti.static(range(BOX_COLUMNS.middle)):
                 self.pose[c] = ti.cast(table[0, c], float)
-            turn = self.turn()
+            turn = self.rotation()
             middle, half = turn @ self.middle, abs(turn) @ self.half
             for c in ti.static(range(3)):
                 self.pose[BOX_COLUMNS.middle + c], self.pose[BOX_COLUMNS.half + c] = middle[c], half[c]
 
     @ti.func
-    def three(self, first: Template):
+    def pose_vector(self, first: Template):
         """Three numbers in a row of the pose."""
         return tm.vec3(self.pose[first], self.pose[first + 1], self.pose[first + 2])
 
     @ti.func
-    def turn(self):
+    def rotation(self):
         """From its axes to those of the world."""
         return ti.Matrix.rows(
-            [self.three(BOX_COLUMNS.turn), self.three(BOX_COLUMNS.turn + 3), self.three(BOX_COLUMNS.turn + 6)]
+            [
+                self.pose_vector(BOX_COLUMNS.turn),
+                self.pose_vector(BOX_COLUMNS.turn + 3),
+                self.pose_vector(BOX_COLUMNS.turn + 6),
+            ]
         )
 
     @ti.func
-    def apart(self, x):
+    def offset_to(self, x):
         """From the centre of mass to x [m], the nearest way where sides are periodic."""
-        d = x - self.three(BOX_COLUMNS.position)
+        d = x - self.pose_vector(BOX_COLUMNS.position)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
                 d[k] -= period * ti.round(d[k] / period)
         return d
 
     @ti.func
-    def around(self, d, more):
+    def is_near(self, d, more):
         """Whether a position from the centre of mass lies in the box around the hull, or so much beyond it [m]."""
-        return (abs(d - self.three(BOX_COLUMNS.middle)) < self.three(BOX_COLUMNS.half) + more).all()
+        return (abs(d - self.pose_vector(BOX_COLUMNS.middle)) < self.pose_vector(BOX_COLUMNS.half) + more).all()
 
     @ti.func
-    def velocity(self, d):
+    def point_velocity(self, d):
         """Of the hull at a position from the centre of mass [m/s]."""
-        return self.three(BOX_COLUMNS.velocity) + self.three(BOX_COLUMNS.spin).cross(d)
+        return self.pose_vector(BOX_COLUMNS.velocity) + self.pose_vector(BOX_COLUMNS.spin).cross(d)
 
     @ti.func
-    def seen(self, d, turn: Template):
+    def sample(self, d, turn: Template):
         """Outward normal, distance and thinning at a position from its centre of mass, in world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
@@ -105,19 +109,19 @@ class MovingHull:
     @ti.func
     def away(self, x):
         """Distance of x [m] from it [m]."""
-        _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
+        _normal, away, _thinning = self.distance.at(self.rotation().transpose() @ self.offset_to(x))
         return away
 
     @ti.func
     def push(self, x, ahead):
         """Acceleration [m/s2] of water at x, where the hull is `ahead` [s] of its pose."""
-        d, a = self.apart(x), tm.vec3(0.0)
-        if self.around(d, self.reach):
-            d -= ahead * self.velocity(d)
-            turn = self.turn()
-            normal, away, thinning = self.seen(d, turn)
+        d, a = self.offset_to(x), tm.vec3(0.0)
+        if self.is_near(d, self.reach):
+            d -= ahead * self.point_velocity(d)
+            turn = self.rotation()
+            normal, away, thinning = self.sample(d, turn)
             if away < self.reach:
-                face = self.three(BOX_COLUMNS.position) + d - away * normal
+                face = self.pose_vector(BOX_COLUMNS.position) + d - away * normal
                 depth = tm.max(self.water.elevation(face.x, face.z) - face.y, 0.0)
                 a = 2.0 * self.gravity * depth * thinning
         return a
@@ -176,14 +180,14 @@ class WaveContact:
         """Put the hull where it is at the beginning, by a push of none: that is compiled now, not where the first
         particle collides in a run."""
         write_pose(self.table[0], body)
-        self.collisions.push(self.table)
+        self.collisions.push_particles(self.table)
 
-    def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
+    def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body
         after a load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
-        self.collisions.find(table)
+        self.collisions.find_touching(table)
         touching = table[1:, FOUND_COLUMNS.touching].sum()
         if touching == 0.0:
             return load, trial
@@ -199,7 +203,7 @@ class WaveContact:
         table[0, CONTACT_COLUMNS.velocity_before : CONTACT_COLUMNS.spin_before] = trial.velocity
         table[0, CONTACT_COLUMNS.spin_before : CONTACT_COLUMNS.slip] = trial.angular_velocity
         table[0, CONTACT_COLUMNS.slip] = trial.mass / (trial.mass + self.mass * touching)
-        self.collisions.push(table)
+        self.collisions.push_particles(table)
         pushed = table[1, : PUSH_COLUMNS.size]
         met = -pushed[: PUSH_COLUMNS.work].reshape(2, 3)
         self.impulse += response * met
@@ -224,20 +228,20 @@ class Collisions:
         self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
 
     @ti.kernel
-    def find(self, table: Array2):
+    def find_touching(self, table: Array2):
         """List what is near the hull, and sum over what touches it."""
-        self.hull.take(table)
+        self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
             for layer in range(self.layers):
-                self.find_in(layer, table)
+                self.find_in_layer(layer, table)
         else:
             for t in range(self.layers * TASK_ITERATIONS):
                 if t % TASK_ITERATIONS == 0:
-                    self.find_in(t // TASK_ITERATIONS, table)
+                    self.find_in_layer(t // TASK_ITERATIONS, table)
 
     @ti.func
-    def cells(self, k: Template):
+    def cell_range(self, k: Template):
         """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
         pose = ti.static(self.hull.pose)
@@ -257,7 +261,7 @@ class Collisions:
         return first, end - first + 1
 
     @ti.func
-    def home(self, cell, k: Template):
+    def home_cell(self, cell, k: Template):
         """The cell along an axis that one beyond a periodic side repeats."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
@@ -265,40 +269,40 @@ class Collisions:
         return cell
 
     @ti.func
-    def find_in(self, layer, table: Template):
+    def find_in_layer(self, layer, table: Template):
         """The same in a layer of cells across z."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
-        first_x, across = self.cells(0)
-        first_y, down = self.cells(1)
-        first_z, along = self.cells(2)
+        first_x, across = self.cell_range(0)
+        first_y, down = self.cell_range(1)
+        first_z, along = self.cell_range(2)
         listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
         for z in range(first_z, first_z + along):
-            if self.home(z, 2) == layer:
+            if self.home_cell(z, 2) == layer:
                 for y in range(first_y, first_y + down):
                     for x in range(first_x, first_x + across):
-                        c = self.grid.cell_at(tm.ivec3(self.home(x, 0), self.home(y, 1), layer))
+                        c = self.grid.cell_at(tm.ivec3(self.home_cell(x, 0), self.home_cell(y, 1), layer))
                         for i in range(self.grid.start[c], self.grid.start[c + 1]):
-                            count += self.meet(total, i, listed + count)
+                            count += self.list_particle(total, i, listed + count)
         self.count[layer] = count
         for c in ti.static(range(FOUND_COLUMNS.size)):
             table[1 + layer, c] = total[c]
 
     @ti.func
-    def meet(self, total: Template, i, to):
+    def list_particle(self, total: Template, i, to):
         """List particle i where it is near, and add it where it touches; whether it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
-        d = self.hull.apart(tm.vec3(p.x[i], p.y[i], p.z[i]))
-        if self.hull.around(d, self.spacing):
-            normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+        d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
+        if self.hull.is_near(d, self.spacing):
+            normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
             if away < LISTED_DISTANCE * self.spacing:
                 self.near[to] = i
                 near = 1
             if away < self.margin:
-                self.touch(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.velocity(d))
+                self.add_touching(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.point_velocity(d))
         return near
 
     @ti.func
-    def touch(self, total: Template, normal, d, v):
+    def add_touching(self, total: Template, normal, d, v):
         """Add a particle that meets the hull with a relative velocity v."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
@@ -314,9 +318,9 @@ class Collisions:
                 total[FOUND_COLUMNS.a + c] += self.mass * six[pair[0]] * six[pair[1]]
 
     @ti.kernel
-    def push(self, table: Array2):
+    def push_particles(self, table: Array2):
         """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
-        self.hull.take(table)
+        self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
             first, spin = (
@@ -328,20 +332,20 @@ class Collisions:
             for layer in range(self.layers):
                 listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
                 for k in range(listed, listed + self.count[layer]):
-                    self.collide(total, self.near[k], first, spin, slipping)
+                    self.collide_particle(total, self.near[k], first, spin, slipping)
             for c in ti.static(range(PUSH_COLUMNS.size)):
                 table[1, c] = total[c]
 
     @ti.func
-    def collide(self, total: Template, i, first, spin, slipping):
+    def collide_particle(self, total: Template, i, first, spin, slipping):
         """Particle i, of a hull that moved at `first` and `spin` before."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        d = self.hull.apart(x)
-        normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+        d = self.hull.offset_to(x)
+        normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
         if away < self.margin:
             before = (v - first - spin.cross(d)).dot(normal)
-            slip = v - self.hull.velocity(d)
+            slip = v - self.hull.point_velocity(d)
             speed = slip.dot(normal)
             bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
             if bounce > 0.0:
@@ -357,14 +361,14 @@ class Collisions:
                     total[PUSH_COLUMNS.impulse + c] += impulse[c]
                     total[PUSH_COLUMNS.moment + c] += moment[c]
                 total[PUSH_COLUMNS.work] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
-            total[PUSH_COLUMNS.work] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
+            total[PUSH_COLUMNS.work] -= ti.cast(self.mass * self.gravity.dot(self.move_off(i, x)), ti.f64)
 
     @ti.func
-    def leave(self, i, x):
+    def move_off(self, i, x):
         """Put a particle off the hull, by whole quanta of the grid, but not through a wall; how far it went [m]."""
-        start, turn = x, self.hull.turn()
+        start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
-            normal, away, _thinning = self.hull.seen(self.hull.apart(x), turn)
+            normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)
             way = tm.max(self.margin - away, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
             for k in ti.static(self.walls.axes):

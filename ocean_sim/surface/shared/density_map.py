@@ -86,7 +86,7 @@ class DensityMap:
         return (k * self.bins[1] + j) * self.bins[0] + i
 
     @ti.kernel
-    def sort(self) -> int:
+    def sort_particles(self) -> int:
         """Stable counting sort of the particles in the box by bin; returns how many are outside."""
         p, bins = self.particles.position, ti.static(self.bins[0] * self.bins[1] * self.bins[2])
         outside = 0
@@ -114,7 +114,7 @@ class DensityMap:
         return outside
 
     @ti.func
-    def shares(self, x, step, run: Template):
+    def shares_along(self, x, step, run: Template):
         """Around so many points that follow each other along x, `step` [m] apart; they may be anywhere."""
         total = ti.Vector.zero(float, run)
         for c in range(AXIS_IMAGES):
@@ -128,7 +128,7 @@ class DensityMap:
                             first = sign * x.x + self.image[0, a, 1]
                             last = first + sign * (run - 1) * step
                             if self.in_reach(first, last, 0):
-                                total += self.gathered(tm.vec3(first, y, z), tm.vec3(last, y, z), sign * step, run)
+                                total += self.gather_bins(tm.vec3(first, y, z), tm.vec3(last, y, z), sign * step, run)
         return self.constant * total
 
     @ti.func
@@ -138,7 +138,7 @@ class DensityMap:
         return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
-    def gathered(self, x, last, step, run: Template):
+    def gather_bins(self, x, last, step, run: Template):
         """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
         does not branch."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
@@ -157,7 +157,7 @@ class DensityMap:
         return total
 
     @ti.kernel
-    def mark(self, rows: Template):
+    def mark_rows(self, rows: Template):
         """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
         every wet one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
@@ -188,7 +188,7 @@ class DensityMap:
         return found == 1
 
     @ti.kernel
-    def fill(self, rows: Template, value: Template, level: float):
+    def fill_rows(self, rows: Template, value: Template, level: float):
         """Share less `level` at all nodes of the rows kept that lie within the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
@@ -200,13 +200,13 @@ class DensityMap:
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS
-            j, k = rows.indices(n)
+            j, k = rows.row_indices(n)
             if 0 < j <= ny and 0 < k <= nz:
                 first = n * rows.length + 1
                 for part in range((nx + RUN_NODES - 1) // RUN_NODES):
                     i = part * RUN_NODES
                     x = self.lower + self.width * (tm.vec3(i, j - 1, k - 1) + 0.5)
-                    shares = self.shares(x, self.width.x, RUN_NODES)
+                    shares = self.shares_along(x, self.width.x, RUN_NODES)
                     for m in ti.static(range(RUN_NODES)):
                         if i + m < nx:
                             value[first + i + m] = shares[m] - level

@@ -172,15 +172,15 @@ class Isosurface:
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
         """Of the fields, where `word` is the size of a `float` [bytes]."""
-        kept = (Rows.fitting(nodes, most_nodes) + 1) * nodes.shape[0]
+        kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
         return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 
     @ti.kernel
-    def pad(self, goes_on: int):
+    def pad_field(self, goes_on: int):
         """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
         the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
         for n in range(self.rows.count[None] * self.rows.length):
-            node = self.indices(n)
+            node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
             if (node != inner).any():
                 closed, other = False, inner
@@ -189,17 +189,17 @@ class Isosurface:
                         closed |= (goes_on >> (2 * axis + int(node[axis] > 0)) & 1) == 0
                         if ti.static(self.periodic[axis]):
                             other[axis] = self.shape[axis] - 1 - inner[axis]
-                ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
-                behind = self.at(inner.x, inner.y, other.z), self.at(other.x, inner.y, other.z)
+                ahead = self.node_at(inner.x, inner.y, inner.z), self.node_at(other.x, inner.y, inner.z)
+                behind = self.node_at(inner.x, inner.y, other.z), self.node_at(other.x, inner.y, other.z)
                 mean = 0.25 * (
                     self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]]
                 )
                 self.value[n] = -tm.max(ti.abs(mean), LEAST_DRY) if closed else mean
 
-    def count(self) -> Counts:
+    def count_surface(self) -> Counts:
         """Number all vertices and triangles of the field as it is now."""
         totals = np.zeros(4, dtype=np.int32)
-        self.number(totals)
+        self.number_slabs(totals)
         return Counts(*totals.tolist())
 
     def mesh(self, counts: Counts) -> Mesh:
@@ -207,28 +207,28 @@ class Isosurface:
         vertices, normals = (np.empty((counts.vertices, 3), dtype=self.precision) for _ in range(2))
         triangles = np.empty((counts.triangles, 3), dtype=np.int32)
         if counts.triangles:
-            self.write(vertices, normals, triangles)
+            self.write_mesh(vertices, normals, triangles)
         return Mesh(vertices, triangles, normals)
 
     @ti.func
-    def at(self, i, j, k):
+    def node_at(self, i, j, k):
         """Number of a node; all that are not kept share theirs."""
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
-    def indices(self, n):
+    def node_indices(self, n):
         """The inverse of `at` for nodes that are kept."""
-        j, k = self.rows.indices(n // self.rows.length)
+        j, k = self.rows.row_indices(n // self.rows.length)
         return tm.ivec3(n % self.rows.length, j, k)
 
     @ti.func
     def edge_rows(self, j, k):
         """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
-        return tm.ivec4(self.at(0, j, k), self.at(0, up, k), self.at(0, j, on), self.at(0, up, on))
+        return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
-    def across(self, rows, i):
+    def wet_corners(self, rows, i):
         """Which nodes of the four rows are in the water: the bits of a case for its corners at x = 0."""
         wet = 0
         for corner in ti.static(range(4)):
@@ -236,12 +236,12 @@ class Isosurface:
         return wet
 
     @ti.func
-    def first(self, slab):
+    def first_row(self, slab):
         """The first row of a slab, of those kept."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
-    def number(self, totals: Array):
+    def number_slabs(self, totals: Array):
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 self.count_slab(s // TASK_ITERATIONS)
@@ -258,12 +258,12 @@ class Isosurface:
     def count_slab(self, slab):
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
-        for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.indices(n)
+        for n in range(self.first_row(slab), self.first_row(slab + 1)):
+            j, k = self.rows.row_indices(n)
             rows = self.edge_rows(j, k)
-            front = self.across(rows, 0)
+            front = self.wet_corners(rows, 0)
             for i in range(nx):
-                back = self.across(rows, tm.min(i + 1, nx - 1))
+                back = self.wet_corners(rows, tm.min(i + 1, nx - 1))
                 case = front | back << 1
                 front = back
                 mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
@@ -277,7 +277,7 @@ class Isosurface:
             self.counted[slab, what] = n
 
     @ti.kernel
-    def write(
+    def write_mesh(
         self,
         vertices: Array2,
         normals: Array2,
@@ -287,7 +287,7 @@ class Isosurface:
             if s % TASK_ITERATIONS == 0:
                 slab = s // TASK_ITERATIONS
                 length = ti.static(self.rows.length)
-                for n in range(length * self.first(slab), length * self.first(slab + 1)):
+                for n in range(length * self.first_row(slab), length * self.first_row(slab + 1)):
                     self.owned[n] = self.owned[n] + (self.counted[slab, VERTICES] << 3)
                     if self.owned[n] & 7:
                         self.write_vertices(n, vertices, normals)
@@ -298,13 +298,13 @@ class Isosurface:
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
         """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
-        node = self.indices(n)
+        node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
         for axis in ti.static(range(3)):
             if mask >> axis & 1:
                 step = tm.ivec3([int(axis == k) for k in range(3)])
-                there = self.value[self.at(node.x + step.x, node.y + step.y, node.z + step.z)]
+                there = self.value[self.node_at(node.x + step.x, node.y + step.y, node.z + step.z)]
                 along = own / (own - there)
                 x = self.lower + self.width * (ti.cast(node, float) - 0.5 + along * ti.cast(step, float))
                 x = tm.clamp(x, self.lower, self.upper)
@@ -324,7 +324,7 @@ class Isosurface:
             step = tm.ivec3([int(axis == k) for k in range(3)])
             up = tm.min(node + step, tm.ivec3(self.shape) - 1)
             down = tm.max(node - step, 0)
-            rise = self.value[self.at(up.x, up.y, up.z)] - self.value[self.at(down.x, down.y, down.z)]
+            rise = self.value[self.node_at(up.x, up.y, up.z)] - self.value[self.node_at(down.x, down.y, down.z)]
             gradient[axis] = rise / (self.width[axis] * (up[axis] - down[axis]))
         return gradient
 
@@ -332,26 +332,26 @@ class Isosurface:
     def write_triangles(self, slab, triangles: Template):
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
-        for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.indices(n)
+        for n in range(self.first_row(slab), self.first_row(slab + 1)):
+            j, k = self.rows.row_indices(n)
             if j < ny - 1 and k < nz - 1:
                 rows = self.edge_rows(j, k)
-                front = self.across(rows, 0)
+                front = self.wet_corners(rows, 0)
                 for i in range(nx - 1):
-                    back = self.across(rows, i + 1)
+                    back = self.wet_corners(rows, i + 1)
                     case = front | back << 1
                     front = back
                     for corner in range(3 * self.triangles_of[case]):
                         edge = self.edges_of[case, corner]
-                        triangles[written + corner // 3, corner % 3] = self.vertex(i, j, k, edge)
+                        triangles[written + corner // 3, corner % 3] = self.vertex_on_edge(i, j, k, edge)
                     written += self.triangles_of[case]
 
     @ti.func
-    def vertex(self, i, j, k, edge):
+    def vertex_on_edge(self, i, j, k, edge):
         """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit
         of that axis is 0, and its node also owns the edges of the axes before."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
-        owned = self.owned[self.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]
+        owned = self.owned[self.node_at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]
         before = owned & ((1 << axis) - 1)
         return (owned >> 3) + (before & 1) + (before >> 1)

@@ -45,7 +45,9 @@ DRAUGHT_RATIOS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draugh
 RECTANGLE_FACTORS = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
 """Added inertia of rectangles that turn about the still water over that of a plate, by 600 panels of potential flow."""
 WAGNER_FACTOR = (pi / 2.0) ** 2
-DEADRISE_FACTOR = 0.75  # [1/rad]
+DEADRISE_FACTOR = 0.75  # [1/rad], ours
+"""Fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid Mech. 246) are quoted for
+them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below."""
 BLUNT_DRAG = 1.1  # coefficient of drag
 
 

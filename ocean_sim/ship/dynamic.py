@@ -59,7 +59,7 @@ class SeakeepingConfig(FloatingConfig):
 
     @cached_property
     def table(self) -> Radiation | None:
-        """What the file of `radiation` gives."""
+        """Radiation table in the file of `radiation`, if any."""
         return None if self.radiation is None else Radiation(self.radiation)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
@@ -73,7 +73,7 @@ class SeakeepingConfig(FloatingConfig):
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None where a table has none."""
+        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None if a table has none."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -112,7 +112,7 @@ class SeakeepingConfig(FloatingConfig):
         return found + [f"radiation: {sentence}" for sentence in said]
 
     def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
-        """Forces on motions that are free of which the table says nothing."""
+        """Sentences on forces on free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
@@ -141,7 +141,7 @@ class SeakeepingConfig(FloatingConfig):
         return self.table is not None and self.table.depth == depth
 
     def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
-        """Differences between the case of a table and this one."""
+        """Sentences on differences between the case of the table and this one."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
             found.append(
@@ -201,16 +201,16 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.body)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
-        what waves do to it, the current alone."""
+        """(6,) water velocity in body axes [m/s], [rad/s] that counts for each motion: the current alone where the
+        table has the force of waves on it."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
-        `wave`."""
+        """The forces with the reaction of moved water: its reaction to the hull's acceleration is part of `damping`,
+        that of its own acceleration part of `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:

@@ -48,7 +48,7 @@ HOERNER_DRAG = (
 
 
 class Config(VesselConfig):
-    """Where the ship begins and who steers; all other numbers are those of the model."""
+    """Start and crew of the ship; all other numbers are those of the model."""
 
     needs_surface: ClassVar[bool] = False
     kind: Literal["manoeuvring"] = "manoeuvring"
@@ -61,7 +61,7 @@ class Config(VesselConfig):
         return [*super().warnings(preflight), calm]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """It has no fields."""
+        """One row without memory: the model has no fields."""
         return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP_SECONDS)]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -74,7 +74,7 @@ def skew_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def shift_matrix(arm: np.ndarray) -> np.ndarray:
-    """(6, 6) that moves a motion to a point `arm` away."""
+    """(6, 6) transformation of a motion to a point `arm` away."""
     whole = np.eye(6)
     whole[:3, 3:] = skew_matrix(arm).T
     return whole
@@ -117,7 +117,7 @@ class Otter:
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) linear, quadratic in yaw, and by cross-flow."""
+        """(6,) drag: linear, quadratic in yaw, and by cross-flow."""
         load = -self.damping * nu
         load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
         x = np.linspace(-HULL_LENGTH / 2.0, HULL_LENGTH / 2.0, 21)
@@ -155,8 +155,8 @@ class Manoeuvring(Vessel):
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), and the force and torque
-        about the centre of mass that it amounts to: a steady current changes no acceleration in world axes."""
+        """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), as force and torque about
+        the centre of mass. A steady current changes no acceleration in world axes."""
         model, body = self.model, self.centred_body
         r, omega = body.matrix, body.rates
         u, w = fluid.current
@@ -195,14 +195,14 @@ class Manoeuvring(Vessel):
 
     @property
     def ordered_revolutions(self) -> np.ndarray:
-        """(2,) revolutions of port and starboard that the orders ask for [rad/s]."""
+        """(2,) revolutions of port and starboard that are ordered [rad/s]."""
         throttle, rudder = self.orders
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
         return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of second order: the velocities of a body are of half a step before its place, from the first
-        step on, and the propellers follow the mean of what is asked before and after."""
+        """Take a step of second order: from the first step on, velocities are those of half a step before the position,
+        and the propellers follow the mean of the orders before and after."""
         body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0

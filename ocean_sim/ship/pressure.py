@@ -1,9 +1,9 @@
 """A ship that floats by the pressure of the particles and nothing else: no law gives the height of the water.
 
-The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. To a body
-that speeds up, water near it answers at once, with a mass that can exceed the body's own; given its acceleration of the
-step before, an explicit step would overshoot. So the water is given an acceleration that follows by the share that the
-body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
+The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. The water
+near an accelerated body reacts at once, with an added mass that can exceed the body's own. With the body's acceleration
+of the step before, an explicit step would overshoot. So the water is given an acceleration that follows by the body's
+share of both masses, the value at which both agree (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
 from math import isinf
@@ -48,7 +48,7 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """By rule: the particles that she moves have it, no law of hers."""
+        """Added mass by rule. No law of hers has it: the particles that she moves do."""
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
@@ -109,7 +109,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """(4.27); all that the water does is under `buoyancy`."""
+        """(4.27); everything that the water does is under `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])
@@ -126,7 +126,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def place_hull(self) -> None:
-        """Put the hull in the water where it is now, with its motion."""
+        """Put the hull in the water at its present pose, with its motion."""
         body = hold_motions(self.body, self.free)
         linear, turning = self.known
         self.boundary.place(

@@ -1,9 +1,9 @@
 """The ship of the thesis as printed, errors and all, for comparison: column buoyancy and forward Euler.
 
 Every piece of the hull's bottom carries a column of water as high as the water stands over it, at the nearest node of
-the surface, deeper than the deck if need be; its push acts on the vertical through the bottom, half as deep (5.3,
-`addBuoyancy`), so of the metacentric height only BM - KG remains. Damping is 0.2 and 0.4 a second, of what PhysX calls
-linear and angular damping; it hides what forward Euler adds.
+the surface, deeper than the deck if need be. Its push acts on the vertical through the bottom, half as deep (5.3,
+`addBuoyancy`), so of the metacentric height only BM - KG remains. Damping is 0.2 and 0.4 a second, as PhysX's linear
+and angular damping; it hides the energy that forward Euler adds.
 """
 
 from typing import Literal
@@ -64,7 +64,7 @@ class Thesis(FloatingShip):
 
 @in_kernels
 class Columns:
-    """The bottom of a hull in squares."""
+    """The bottom of a hull in squares, each with its column of water."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
         cubes, size = still.voxels, still.voxels.size
@@ -91,7 +91,7 @@ class Columns:
     def buoyancy_load(
         self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody
     ) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m]."""
+        """(2, 3) force [N] and torque [N m] of all columns."""
         self.sum_columns(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 

@@ -1,4 +1,4 @@
-"""Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
+"""Keys of the kinds that float by their own volume, their checks, and the pose of a hull at rest."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -53,8 +53,7 @@ class FloatingConfig(VesselConfig):
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
     contact: Contact | None = Contact()
-    """How particles and the hull push each other; null: they pass through each other, and the hull feels the surface
-    alone."""
+    """Push between particles and the hull; null: they pass through each other, and the hull feels the surface alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
     moorings: list[Mooring] = []
@@ -77,12 +76,12 @@ class FloatingConfig(VesselConfig):
 
     @cached_property
     def still_water_cache(self) -> dict[tuple[float, float], Hydrostatics]:
-        """The hull in still water, by gravity and density, as far as it has been asked for."""
+        """Hydrostatics by gravity and density, as far as they have been asked for."""
         return {}
 
     @cached_property
     def face_gms(self) -> dict[Hydrostatics, float | None]:
-        """GM [m] of the hull itself, likewise."""
+        """GM [m] of the hull by its faces, as far as it has been asked for."""
         return {}
 
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
@@ -97,11 +96,11 @@ class FloatingConfig(VesselConfig):
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2] of her law of motion, in the order of `Motions`."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
-        """What slows the hull down; None where nothing but particles does."""
+        """Damping of the hull; None if nothing but particles slows it down."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
@@ -140,13 +139,13 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """The body where it makes room in water that has not settled yet: higher by as much where its height is given,
-        so that no gap opens under it."""
+        """The body raised by the height that the water will lose as it settles, so that no gap opens under it; a body
+        whose height is given stays."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def oversize(self, basin: Basin) -> str:
-        """How the hull is larger than the basin, in words; empty where it is not."""
+        """Words on a hull that is larger than the basin; empty if it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -183,7 +182,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def unfollowable_orders(self) -> Problems:
-        """Orders that the ship has nothing to follow with."""
+        """Problems of orders for which the ship has no propeller or rudder."""
         found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
@@ -214,7 +213,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def missing_water(self, preflight: Preflight) -> list[str]:
-        """Why there may be no water that bears the ship."""
+        """Warnings that there may be no water to bear the ship."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
             large = self.oversize(preflight.tank)
@@ -228,7 +227,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
-        """Whether the ship begins more than a draught above where it floats, or wholly under water."""
+        """Warnings of a ship that begins more than a draught above its floating height, or wholly under water."""
         if self.afloat_at_first:
             return []
         above = self.position[1] - afloat_pose(hull)[0]
@@ -245,11 +244,11 @@ class FloatingConfig(VesselConfig):
         return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
 
     def feels_bed(self, depth: float) -> bool:
-        """Whether added mass and damping are those over a bed at this depth [m]."""
+        """True if added mass and damping are those over a bed at this depth [m]."""
         return False
 
     def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
-        """What is missing in water of few draughts."""
+        """Warning of the effects that are missing in water of few draughts."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
@@ -262,7 +261,7 @@ class FloatingConfig(VesselConfig):
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
     def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
-        """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
+        """Warning that GM of the cubes differs from GM of the hull that they stand for."""
         gm, own = still.metacentric_height(), self.gm_of_faces(still)
         if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return []
@@ -343,8 +342,8 @@ class FloatingConfig(VesselConfig):
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest, or upright
-    where there is no such pose; a ship that cannot float begins with its deck awash."""
+    """Height of the centre of mass over the still water [m] and quaternion of trim and heel, at rest; upright if there
+    is no such pose. A ship that cannot float begins with its deck awash."""
     if isinf(still.draught):
         return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
     found = rest_angles(still)
@@ -356,8 +355,8 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 @lru_cache(maxsize=4)
 def rest_angles(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
-    where there is no such pose within MAX_LEAN."""
+    """(2,) pitch and roll [rad] at which nothing turns a hull that floats: upright, if it can rest so; None if there is
+    no such pose within MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
@@ -385,5 +384,5 @@ def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray
 
 
 def lean_matrix(angle: np.ndarray) -> np.ndarray:
-    """(3, 3) of pitch and roll."""
+    """(3, 3) rotation of a pitch and a roll [rad]."""
     return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

@@ -25,7 +25,7 @@ class RigidBody:
 
     @cached_property
     def rows(self) -> small_linalg.Rows:
-        """Those of the rotation, body to world, as plain numbers."""
+        """Rows of the rotation matrix, body to world, as plain numbers."""
         return small_linalg.rotation_matrix(self.orientation.tolist())
 
     @cached_property
@@ -65,7 +65,7 @@ class RigidBody:
         return euler_angles(self.orientation)
 
     def kinetic_energy(self) -> float:
-        """Of translation and rotation [J]."""
+        """Kinetic energy of translation and rotation [J]."""
         turning = self.angular_velocity @ self.angular_momentum
         return 0.5 * float(self.mass * self.velocity @ self.velocity + turning)
 
@@ -79,13 +79,13 @@ class RigidBody:
 
 
 def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
-    """(2, 3) force and torque in body axes, in those of the world."""
+    """(2, 3) force and torque in body axes, turned to world axes."""
     return np.array([small_linalg.matrix_times(body.rows, part) for part in load.tolist()])
 
 
 def plain_components(vector: np.ndarray) -> list:
-    """Those of a vector as plain numbers, with which Python reckons many times as quickly as with NumPy's; of n vectors
-    (k, n), k arrays (n,)."""
+    """Components of a vector as plain numbers, with which Python computes many times as quickly as with NumPy's; of n
+    vectors (k, n), k arrays (n,)."""
     return vector.tolist() if vector.ndim == 1 else list(vector)
 
 
@@ -105,7 +105,7 @@ def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def quaternion_inverse(q: np.ndarray) -> np.ndarray:
-    """(4.8): of a unit quaternion, or of (4, n)."""
+    """(4.8): the inverse of a unit quaternion, or of (4, n)."""
     w, x, y, z = plain_components(q)
     return np.array([w, -x, -y, -z])
 
@@ -197,7 +197,7 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """The body without the motions that are not free: (6,) booleans in the order of `Motions`.
+    """The body with the motions stopped that are not free: (6,) booleans in the order of `Motions`.
 
     Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
     """
@@ -213,7 +213,7 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """The body after a step of dt [s] in which only the motions that are free took place: the others do not creep."""
+    """The body after a step of dt [s] in which only the free motions took place, so that the held ones do not creep."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

@@ -1,8 +1,7 @@
 """Vectors, (3, 3) matrices and quaternions of one body as plain numbers.
 
-Python reckons with so few several times as quickly as NumPy, and comes to the same bytes on every processor, which the
-library behind NumPy's products of matrices does not. A component may be an array, too: then all of its columns are
-meant.
+Python computes with so few numbers several times as quickly as NumPy, and with the same bytes on every processor,
+unlike the library behind NumPy's matrix products. A component may also be an array; each column is then one vector.
 """
 
 from collections.abc import Sequence
@@ -33,7 +32,7 @@ def times(factor: float, a: Vector) -> Three:
 
 
 def times_each(factors: Vector, a: Vector) -> Three:
-    """Each component by a factor of its own."""
+    """Product of each component with a factor of its own."""
     (fx, fy, fz), (x, y, z) = factors, a
     return fx * x, fy * y, fz * z
 
@@ -58,7 +57,7 @@ def matrix_times(m: Rows, a: Vector) -> Three:
 
 
 def transpose_times(m: Rows, a: Vector) -> Three:
-    """The transpose of m, times a."""
+    """Transpose of m, times a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + s * y + v * z, q * x + t * y + w * z, r * x + u * y + o * z
@@ -116,5 +115,5 @@ def turn_quaternion(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity in world axes [rad/s] of an angular momentum, with the inertia of (4.19)."""
+    """Angular velocity in world axes [rad/s] of an angular momentum, by the inertia of (4.19)."""
     return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

@@ -1,6 +1,6 @@
-"""The track of a rigid body that is seen step by step: how fast it is at the time of each moment, and where it passes
-between two. A column of an array is a moment, and each number is worked out by itself, so that it does not matter how
-many moments are looked at together."""
+"""Track of a rigid body that is observed step by step: its velocity at each moment, and its place between two moments.
+A column of an array is a moment. Each number is computed by itself, so the result does not depend on the number of
+moments at a time."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """What passes n moments: times (n,) [s], places (7, n), position [m] and quaternion, and their derivatives."""
+    """n moments: times (n,) [s], places (7, n) of position [m] and quaternion, and their time derivatives."""
 
     time: np.ndarray
     place: np.ndarray
@@ -24,7 +24,7 @@ class Track(NamedTuple):
 
 
 class Attitude(NamedTuple):
-    """How a body is turned, by moment."""
+    """Orientation and angular velocity of a body, by moment."""
 
     orientation: np.ndarray  # (4, n) unit quaternion, body to world
     matrix: np.ndarray  # (3, 3, n) body to world
@@ -47,34 +47,35 @@ class Attitude(NamedTuple):
 
 
 def short_way(orientation: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions, each with the sign by which it lies nearer to the one before."""
+    """(4, n) quaternions, each with the sign that is nearer to the one before."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
 
 def pure_quaternion(vector: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions of vectors (3, n)."""
+    """(4, n) quaternions with scalar part 0 and the vectors (3, n)."""
     return np.concatenate([np.zeros_like(vector[:1]), vector])
 
 
 def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) first derivatives of position [m/s] and quaternion [1/s], of velocities and angular ones [rad/s]."""
+    """(7, n) first derivatives of position [m/s] and quaternion [1/s], from velocities and angular velocities
+    [rad/s]."""
     return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], of accelerations and angular ones [rad/s2]
-    and angular velocities [rad/s]."""
+    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], from accelerations, angular accelerations
+    [rad/s2] and angular velocities [rad/s]."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
-    """Moments that follow each other, with the velocities of their own times: the way of a step over its length is the
-    mean velocity, from which accelerations lead on that change evenly. `first`: (7,) that of the first moment."""
+    """Track of successive moments with the velocities of their own times. The displacement over a step gives the mean
+    velocity; accelerations that change linearly lead on from it. `first`: (7,) velocity of the first moment."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -85,7 +86,7 @@ def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: 
 
 
 class Between:
-    """Times (n,) [s], each between two moments of a track: the one of a number and the one before."""
+    """Times (n,) [s], each between the moment of a number and the one before it."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
@@ -96,8 +97,8 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """What passes then, on the cubic that has place and velocity of both moments (Hermite): neither of them leaps
-        from one step to the next. If their velocities are third-order in the step, so is its own, and its place
+        """Cubic Hermite interpolation of place and velocity between the two moments, continuous in both from one step
+        to the next. If the velocities are third-order in the step, so is the velocity found, and the place is
         fourth-order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
@@ -107,13 +108,13 @@ class Between:
         return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
 
     def interpolated_values(self, known: np.ndarray) -> np.ndarray:
-        """(n, m) on straight lines between the values that each moment of the track has, (k, m)."""
+        """(n, m) linear interpolation of the values (k, m) of the moments."""
         earlier, later = known[self.before], known[self.after]
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 
 
 def attitude_of(track: Track) -> Attitude:
-    """How a body is turned that passes these places, whose quaternions may have any length."""
+    """Attitude at the places of a track, whose quaternions may have any length."""
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)

@@ -1,4 +1,5 @@
-"""What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
+"""Base of every kind of ship: its keys, its propeller and rudder with the crew that orders them, and its motion step by
+step."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -65,7 +66,7 @@ class VesselConfig(Helm, ShipConfig):
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
     def basin_problems(self, basin: Basin) -> Problems:
-        """What contradicts the basin: (path below `ship`, sentence)."""
+        """Contradictions to the basin: (path below `ship`, sentence)."""
         found: Problems = []
         if basin.dimension == 2 and not self.slices:
             found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
@@ -85,7 +86,7 @@ class VesselConfig(Helm, ShipConfig):
         return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
-        """Velocity and rates at the beginning in motions that are held, which take none."""
+        """Warnings of velocities and rates at the beginning in motions that are held."""
         heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
         told = []
@@ -99,7 +100,7 @@ class VesselConfig(Helm, ShipConfig):
 
     @property
     def afloat_at_first(self) -> bool:
-        """Whether it begins at the height at which it floats, not at one that is given."""
+        """True if the ship begins at its floating height, not at a given one."""
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
@@ -114,13 +115,13 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
+        """The body as it begins in water that has settled: lower by as much if it floats, else at its own height."""
         x, y, z = body.position
         return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
 
 
 class Actuators:
-    """Propeller and rudder of one ship, and who orders them."""
+    """Propeller and rudder of one ship, and the crew that orders them."""
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
         """`centre`: the centre of mass from the hull's origin [m]."""
@@ -137,8 +138,8 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Follow the orders of the crew `ahead` [s] of the step's beginning, as fast as they can; dt 0 is the first
-        time."""
+        """Follow the orders of the crew `ahead` [s] of the beginning of a step of `dt` [s], as fast as propeller and
+        rudder can; dt 0 is the first time."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -163,12 +164,12 @@ class Actuators:
 
 
 def force_at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
-    """(2, 3) a force [N] and its torque [N m], at an arm [m]."""
+    """(2, 3) force [N] and its torque [N m], at an arm [m]."""
     return np.array((force, small_linalg.cross(arm, force)))
 
 
 def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
-    """The room of a hull with (m, 3) corners from its centre of mass, body axes [m], where its body is."""
+    """Outline of a hull with (m, 3) corners from its centre of mass, body axes [m], at the pose of a body."""
     from scipy.spatial import ConvexHull
 
     at = np.einsum("ij,kj->ik", corners, body.matrix) + body.position
@@ -177,14 +178,14 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(ABC):
-    """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
+    """A ship under way: body, actuators, last load, and its named points. A kind gives `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
     parts: tuple[str, ...] = PARTS
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`bed`: its height [m]; what lies on it is not modelled."""
+        """`bed`: its height [m]; contact with a bed of another shape is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: HullShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
@@ -213,15 +214,11 @@ class Vessel(ABC):
         return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
-        """From now on a person gives the orders, beginning with those of now; the actuators follow as fast as they do
-        for any crew."""
         person = Person(*self.orders, self.actuators.rudder_limit)
         self.actuators.crew = person
         return person
 
     def sail(self, route: list[Vector2], speed: float) -> Helmsman:
-        """From now on a pilot sails along waypoints x, z [m] at a speed [m/s]; one is reached a ship's length before
-        it."""
         shape = self.drawn()
         length = None if shape is None else float(np.ptp(shape[0][:, 2]))
         pilot = Pilot(route=route, speed=speed, arrival=length).crew()
@@ -230,8 +227,6 @@ class Vessel(ABC):
         return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
-        is known."""
         if self.shape is None:
             return None
         vertices, triangles = drawn_mesh(self.shape)
@@ -239,17 +234,16 @@ class Vessel(ABC):
 
     @cached_property
     def outline_corners(self) -> np.ndarray | None:
-        """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
+        """(n, 3) corners of the convex hull of its shape, from the centre of mass, body axes [m]."""
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
-        """The room that it takes; None where it has no shape."""
         return None if self.outline_corners is None else placed_outline(self.outline_corners, self.body)
 
     @property
     def centred_body(self) -> RigidBody:
-        """The body with the velocities of its own time: those that it has have led to where it is, so they are of half
-        a step before."""
+        """The body with velocities of the time of its position. The integrator's own velocities lead to that position,
+        so they are those of half a step before."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body
@@ -260,20 +254,18 @@ class Vessel(ABC):
         """(4.27), now."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: only a law of motion is known."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> Limits:
-        """What the time step must stay a fraction of."""
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
+        """The body a step of dt [s] later if nothing holds it: the kind's law of motion."""
         force, torque = load.total
         return advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
+        """Take a step of dt [s]; raises Diverged if the ship has left the physical world."""
         before, sides = (
             self.body,
             self.sides if self.sides is not None and self.sides.may_touch(self.body, dt) else None,

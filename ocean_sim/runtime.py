@@ -25,6 +25,8 @@ from ocean_sim.model import Model, quantity
 BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
 BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
 TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
+OPTIMISE_VARIABLE = "OCEAN_SIM_OPTIMISE"  # where it is "0", kernels compile sooner and run slower: for tests
+UNOPTIMISED = {"opt_level": 0, "cfg_optimization": False}  # options of Taichi
 CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
 LOCKED = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
 FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
@@ -396,6 +398,7 @@ def _start(config: RuntimeConfig) -> Backend:
             offline_cache_file_path=str(_kernel_cache()),
             offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.CRITICAL,  # an error is raised, and not printed as well
+            **(UNOPTIMISED if os.environ.get(OPTIMISE_VARIABLE) == "0" else {}),
         )
     obtained = impl.current_cfg().arch.name
     arch = obtained if obtained in GRAPHICS else "cpu"

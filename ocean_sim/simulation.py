@@ -136,7 +136,7 @@ class Simulation:
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ships = {name: ship.build(name, self.basin, self.fluid) for name, ship in scene.ships.items()}
-        self.felt = self.fluid.carry(list(self.ships.values()))  # the water as each ship feels it
+        self.felt = self.fluid.add_ships(list(self.ships.values()))  # the water as each ship feels it
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()

@@ -272,7 +272,7 @@ class Continuity(Law):
         self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
         # Sum of `filled` on a lattice [kg/m3], times the prefactor.
         self.whole = Stencil(fluid.smoothing, fluid.spacing).filled * fluid.smoothing.dimension * rho_0
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -409,7 +409,7 @@ class Shear(Law):
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -501,7 +501,7 @@ class DeltaSph(Sph):
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             lower = lowered(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
-            self.sunk = float(lower.max())
+            self.surface_drop = float(lower.max())
             x[:, 1] -= lower
             self.particles.position.from_numpy(x)
 

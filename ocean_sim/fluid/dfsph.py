@@ -170,7 +170,7 @@ class Density(Law):
         self.mass = m * stencil.slope * fluid.smoothing.support**2
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def begin(self, group):

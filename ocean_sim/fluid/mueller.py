@@ -96,7 +96,7 @@ class Density(Law):
         self.reads = tuple(fluid.particles.position)
         self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):

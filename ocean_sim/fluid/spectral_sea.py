@@ -20,8 +20,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
-from ocean_sim.fluid.open_sea.breaking import Breaking
-from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
+from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, Breaking, HighOrder, evolving, step_of
 from ocean_sim.fluid.open_sea.open_water import (
     ADVANCE,
     POINT,
@@ -345,7 +344,7 @@ class SpectralSea(OpenWater):
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
-    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -359,7 +358,7 @@ class SpectralSea(OpenWater):
         return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
-    def answers(self) -> bool:
+    def can_be_disturbed(self) -> bool:
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
@@ -370,7 +369,7 @@ class SpectralSea(OpenWater):
         self.afar = self.config.growing(sea)
         self.waves.begin(self.afar)
 
-    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+    def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]

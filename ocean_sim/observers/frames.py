@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.whole_file import whole
-from ocean_sim.fluid import Copied, Fluid
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
@@ -23,6 +23,7 @@ from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
+    from ocean_sim.fluid import Snapshot
     from ocean_sim.surface import Mesh
 
 
@@ -132,9 +133,9 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         seen = self.config.particles or self.white is not None
-        copied = particles.copied() if particles is not None and seen else None
+        snapshot = particles.snapshot() if particles is not None and seen else None
         shown = simulation.surface or simulation.fluid
-        sea = simulation.fluid.plane_waves if simulation.fluid.answers else None
+        sea = simulation.fluid.plane_waves if simulation.fluid.can_be_disturbed else None
         origin = np.zeros(2) if sea is None else self.origin()
         points = self.points + origin
         frame: dict[str, np.ndarray] = {"elevation": shown.elevations(points).reshape(self.shape)}
@@ -142,7 +143,7 @@ class Frames(Observer):
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
-            frame |= self.whitened(simulation, points, frame["elevation"], origin, copied)
+            frame |= self.whitened(simulation, points, frame["elevation"], origin, snapshot)
         elif (made := simulation.fluid.foam(points)) is not None:
             frame["foam"] = made.reshape(self.shape)
         if simulation.surface is not None:
@@ -159,9 +160,9 @@ class Frames(Observer):
         for ship in self.ships:
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
-        if self.config.particles and copied is not None:
-            x = copied.position
-            frame |= copied._asdict()
+        if self.config.particles and snapshot is not None:
+            x = snapshot.position
+            frame |= snapshot._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
         self.write(
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
@@ -174,7 +175,7 @@ class Frames(Observer):
         points: np.ndarray,
         elevation: np.ndarray,
         origin: np.ndarray,
-        copied: Copied | None,
+        snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
         """The white water at the points, how far its grain has been carried, and the velocity of the surface; and the
         cover that is called for, where the water does not know of crests that break."""
@@ -184,11 +185,11 @@ class Frames(Observer):
         made = simulation.fluid.foam(points)
         if made is None and not self.white.started:
             self.whiten_before(simulation, points)
-        if copied is None:
+        if snapshot is None:
             velocity = simulation.fluid.surface_velocities(points).reshape(*self.shape, 3)
         else:
             top = elevation - TOPMOST * simulation.fluid.spacing
-            velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
+            velocity = topmost_velocity(snapshot, points, top, simulation.basin.periods)
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
@@ -207,7 +208,7 @@ class Frames(Observer):
         their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
         if not self.ships:
             return elevation
-        undisturbed = simulation.fluid.undisturbed(points, elevation.ravel())
+        undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
         if undisturbed is not None:
             return undisturbed.reshape(self.shape)
         inside = np.zeros(len(points), bool)
@@ -285,11 +286,11 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
     return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
-def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
+def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
     where there is none in the cells around it."""
-    high = np.flatnonzero(copied.position[:, 1] > top.min())  # the others lie under all of them
-    x = copied.position.take(high, axis=0).astype(float)
+    high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # the others lie under all of them
+    x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
         x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], top.shape
@@ -297,7 +298,7 @@ def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period
     i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
     at = np.clip(i, 0, nx - 1) * nz + np.clip(k, 0, nz - 1)
     above = np.flatnonzero(x[:, 1] > top.take(at))
-    at, v = at.take(above), copied.velocity.take(high.take(above), axis=0)
+    at, v = at.take(above), snapshot.velocity.take(high.take(above), axis=0)
     count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
     parts = [np.bincount(at, weights=v[:, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
     return filled(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
@@ -326,7 +327,7 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
         "sea_phase": sea.phase,
         "sea_ramp": np.array(sea.ramp),
     }
-    return exact | ({"sea_answers": np.array(True)} if fluid.answers else {})
+    return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})
 
 
 def single(array: np.ndarray) -> np.ndarray:

@@ -224,9 +224,9 @@ def read_at(sensor: Sensor, points: int) -> str:
 def lowered(simulation: Simulation) -> dict[str, object]:
     """How far the water's own weight lowers its surface, for the heading of the table; nothing where it does
     not."""
-    if not simulation.fluid.sunk:
+    if not simulation.fluid.surface_drop:
         return {}
-    by = f"{simulation.fluid.sunk:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
+    by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
     return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
 
 

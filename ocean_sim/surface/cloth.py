@@ -11,18 +11,21 @@ above that of a flat surface. A lone drop does not reach that share, so spray do
 
 from functools import cached_property
 from math import ceil, pi
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights, column_counts
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 MAX_MOVES = 8  # the most moves of a node towards the surface in one update
 LAST_MOVE = 0.01  # [thicknesses] a smaller move is the last
@@ -130,15 +133,15 @@ class Cloth:
         self.measured = {} if self.flat else AREA_AND_VOLUME
         self.lay_down(particles)
 
-    def lay_down(self, particles: Particles) -> None:
+    def lay_down(self, particles: "Particles") -> None:
         """Let the sheet down on the water from above."""
-        top = float(particles.copied().position[:, 1].max()) + self.thickness
+        top = float(particles.snapshot().position[:, 1].max()) + self.thickness
         self.height.fill(top)
         moves = 4.0 * (top - self.bed) / self.thickness + MAX_MOVES
         for _ in range(int(moves / MAX_MOVES) + 1):
             self.update(0.0)
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:

@@ -4,13 +4,13 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 is read: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
@@ -20,6 +20,9 @@ from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 NODE_SECONDS, WET_NODE_SECONDS = (
     2.0e-8,
@@ -126,7 +129,7 @@ class MarchingCubes:
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
-    def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
+    def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -149,7 +152,7 @@ class MarchingCubes:
             if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
         )
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
         them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1

@@ -207,9 +207,6 @@ def whole_and_without(tmp_path_factory) -> dict[str, dict]:
 
 STILL = {
     "ocean_sim.wind.still",
-    "ocean_sim.wind.shared",
-    "ocean_sim.wind.shared.clock",
-    "ocean_sim.wind.shared.drawing",
 }  # an absent wind is one that blows nowhere
 
 

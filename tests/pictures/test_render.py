@@ -57,7 +57,7 @@ def test_flat_water_mirrors_the_sky_at_grazing_angles_and_shows_itself_from_abov
 
 
 def test_the_sky_is_finite_and_not_negative_in_every_direction():
-    directions = sky_module.unit(np.random.default_rng(0).normal(size=(1000, 3)))
+    directions = sky_module.unit_vector(np.random.default_rng(0).normal(size=(1000, 3)))
     for colour in (sky_module.colour(directions), sky_module.around(directions)):
         assert np.isfinite(colour).all() and (colour >= 0.0).all()
 

@@ -321,7 +321,7 @@ def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names
 
     calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
     with Simulation(load(at_sea({"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}}, calm))) as simulation:
-        hulls = PreviewScene(simulation).in_still_water()
+        hulls = PreviewScene(simulation).ship_patch()
         assert hulls is not None and np.ptp(hulls.vertices[:, 0]) > APART
         assert hulls.triangles.max() == len(hulls.vertices) - 1
         panel = Panel([], "still", ships=tuple(simulation.ships), ship="a")

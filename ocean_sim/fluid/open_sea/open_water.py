@@ -110,7 +110,7 @@ class OpenWater(Fluid):
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)
 
-    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         return elevation
 
     def heights(self, points: np.ndarray) -> np.ndarray:

@@ -9,9 +9,9 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.bodies.absorption import warnings as of_zones
-from ocean_sim.fluid.bodies.absorption import zones
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
+from ocean_sim.fluid.bodies.walls import warnings as of_zones
+from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize

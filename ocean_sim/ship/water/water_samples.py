@@ -182,7 +182,7 @@ class SurroundingWater(SampleLattice):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
                 clear = away >= self.rim or k == 0 or k == NODES_ACROSS - 1
                 for hull in ti.static(self.other_hulls()):
-                    clear = clear and hull.away(node) >= self.rim
+                    clear = clear and hull.distance_to(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)

@@ -107,7 +107,7 @@ class MovingHull:
         return turn @ normal, away, turn @ thinning
 
     @ti.func
-    def away(self, x):
+    def distance_to(self, x):
         """Distance of x [m] from it [m]."""
         _normal, away, _thinning = self.distance.at(self.rotation().transpose() @ self.offset_to(x))
         return away

@@ -50,7 +50,6 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PAIR = 5.5e-9  # [s] of processor time a neighbour
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
@@ -122,9 +121,7 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(
-            preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR, self.told_to_bodies
-        )
+        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, self.told_to_bodies)
 
     def sizes(self, lattice: Lattice, arch: str) -> ListSize:
         """How large grid and lists are on a backend."""

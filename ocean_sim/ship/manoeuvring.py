@@ -23,21 +23,13 @@ from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
 G, WATER_DENSITY, CROSSED_DENSITY = 9.81, 1025.0, 1026.0  # [m/s2], [kg/m3]; the second is that of its cross-flow drag
-HULL_LENGTH, OVERALL_BREADTH, PONTOON_BREADTH, PONTOON_OFFSET = (
-    2.0,
-    1.08,
-    0.25,
-    0.395,
-)  # [m]; a hull's breadth, and its distance from the middle
+HULL_LENGTH, OVERALL_BREADTH = 2.0, 1.08  # [m]
+PONTOON_BREADTH, PONTOON_OFFSET = 0.25, 0.395  # [m] of one hull, and its distance from the middle
 HULL_MASS, PAYLOAD_MASS = 55.0, 25.0  # [kg]
-AHEAD_COEFFICIENT, ASTERN_COEFFICIENT = (
-    0.02216 / 2.0,
-    0.01289 / 2.0,
-)  # thrust of a propeller over revolutions squared [N s2]
+AHEAD_COEFFICIENT, ASTERN_COEFFICIENT = 0.02216 / 2.0, 0.01289 / 2.0  # thrust over revolutions squared [N s2]
 MAX_REVOLUTIONS = sqrt(0.5 * 24.4 * G / AHEAD_COEFFICIENT)  # [rad/s]
 MAX_ASTERN_REVOLUTIONS = sqrt(0.5 * 13.6 * G / ASTERN_COEFFICIENT)  # [rad/s] astern
 PROPELLER_DELAY = 0.1  # [s] of the propellers
-STEP_SECONDS = 3.8e-4  # [s] of processor time
 STOPPING_RUDDER = pi * 35.0 / 180.0  # [rad] rudder order at which one propeller stops at half throttle on both
 HOERNER_DRAG = (
     (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336)
@@ -62,7 +54,7 @@ class Config(VesselConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """One row without memory: the model has no fields."""
-        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP_SECONDS)]
+        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Manoeuvring(name, self, basin)

@@ -30,7 +30,6 @@ from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea
 from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, Contact
 
-BODY_SECONDS, CUBE_SECONDS = 3.0e-4, 3.0e-8  # [s] of processor time a step
 RESOLVED_SPACINGS = 4.0  # spacings in a draught
 SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
 GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
@@ -333,7 +332,7 @@ class FloatingConfig(VesselConfig):
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
         size += preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY_SECONDS + CUBE_SECONDS * n)]
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
         solid = self.solid(preflight)
         if solid is not None:
             count, size = lattice_memory(solid.shape, solid.reach / SAG_RIM / CUBES_A_SPACING, solid.reach, word)

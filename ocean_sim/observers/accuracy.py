@@ -11,7 +11,7 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.checks import distance_outside, surely_inside
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
@@ -50,7 +50,6 @@ BALANCE_COLUMNS = (
     *(f"angular_momentum_{axis}_kg_m2_s" for axis in "xyz"),
 )
 
-SECONDS_PER_ROW = 3.5e-5  # [s] of processor time, of water without particles
 SURFACE_COLUMN_WIDTH = 2.0  # [spacings] at least, of a column in which the highest particle is looked for
 SURFACE_MEANING: dict[str, object] = {
     "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
@@ -62,8 +61,6 @@ SURFACE_MEANING: dict[str, object] = {
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -2
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
-    reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.0e-3, 4.0e-8)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
@@ -71,10 +68,6 @@ class Config(PeriodicConfig):
         if preflight.sums_impulses:
             return []
         return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        rows = super().ledger(preflight)
-        return rows if preflight.particles else [row._replace(seconds=SECONDS_PER_ROW) for row in rows]
 
     def build(self, folder: Path, simulation: Simulation) -> "Accuracy":
         return Accuracy(self, folder, simulation)
@@ -192,7 +185,7 @@ class Accuracy(Observer):
 def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
     """(m, 3) points [m] half a spacing above the highest particle of every column that holds any, of two equally high
     the one stored later; a particle beyond the basin belongs to the nearest column."""
-    x = fluid.particles.copied().position
+    x = fluid.particles.snapshot().position
     lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
     counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
     # Sides in the precision of the positions: a particle on the border of two columns lies in the same one as ever.

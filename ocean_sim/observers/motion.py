@@ -13,15 +13,15 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion,
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
-    UNKNOWN,
+    UNKNOWN_VELOCITY,
+    Attitude,
     Between,
     Track,
-    Turned,
-    bend,
-    change,
-    joined,
+    attitude_of,
+    first_derivative,
+    join_moments,
+    second_derivative,
     short_way,
-    turned,
 )
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
@@ -39,7 +39,6 @@ MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, s
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
 SPIN = slice(MOMENT.spin, MOMENT.orders)
-SECONDS_PER_STEP = 3.5e-5  # [s] of processor time of a step and ship, rows or not
 
 
 def log_name(ship: str) -> str:
@@ -72,7 +71,6 @@ def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
-    takes: ClassVar[tuple[float, float]] = (2.5e-5, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows. Rows within the last step of a run use the load of the step before; a run that goes
     on replaces them."""
@@ -96,9 +94,7 @@ class Config(PeriodicConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         logs, [row] = self.files_of(preflight), super().ledger(preflight)
-        n = max(len(logs), 1)
-        what, seconds = ", ".join(logs) or row.what, n * row.seconds
-        return [row._replace(what=what, seconds=seconds, several=True, of_step=n * SECONDS_PER_STEP)]
+        return [row._replace(what=", ".join(logs) or row.what)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Motion":
         return Motion(self, folder, simulation)
@@ -137,7 +133,7 @@ class Log:
         self.last = None
         # Moments since the last row, and the one before it.
         self.moments = np.zeros((MOMENTS_PER_BATCH, MOMENT.size + 6 * len(ship.parts)))
-        self.seen, self.velocity = 0, UNKNOWN  # number of moments, and velocity at the first
+        self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # number of moments, and velocity at the first
         self.due: list[tuple[float, int]] = []  # times of rows [s], and the moment that completes each
         self.number = 0
         head = heading(
@@ -171,7 +167,7 @@ class Log:
         if self.seen == 1:
             self.set_first_velocity(body, 0.5 * (simulation.time - time))
             self.write(simulation)
-            self.velocity = UNKNOWN
+            self.velocity = UNKNOWN_VELOCITY
         elif self.seen == MOMENTS_PER_BATCH or (self.due and self.is_awaited(simulation)):
             self.write(simulation)
 
@@ -182,7 +178,7 @@ class Log:
     def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
         """Velocity at the first time: the mean of the present one and that after the next step, of 2 dt [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
-        self.velocity = change(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
+        self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
         """Write the rows that are due, and keep the last moment, the first of the next batch."""
@@ -190,13 +186,16 @@ class Log:
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
-        bends = bend(acceleration, turning, columns[SPIN], columns[QUATERNION])
-        track = joined(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
+        bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])
+        track = join_moments(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
         if self.due:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
-            values = self.load_columns(turned(track), acceleration, turning, moments[:, MOMENT.orders :])
-            motions, others = self.motion_table(between.passing()).T.tolist(), between.values(values).tolist()
+            values = self.load_table(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
+            motions, others = (
+                self.motion_table(between.interpolated_track()).T.tolist(),
+                between.interpolated_values(values).tolist(),
+            )
             rows = []
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
@@ -211,9 +210,9 @@ class Log:
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
-    def load_columns(self, body: Turned, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
         """(n, m) columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
-        felt = body.acceleration(self.arm, acceleration, turning)
+        felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
         total = reduce(np.add, parts.transpose(1, 0, 2))
@@ -224,7 +223,7 @@ class Log:
     def motion_table(self, track: Track) -> np.ndarray:
         """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles follow
         from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
-        body, signs = turned(track), self.signs[:, None]
+        body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
         turn = q[:1], to_frame(self.frame, q[1:].T).T

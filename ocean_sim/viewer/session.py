@@ -179,7 +179,7 @@ class Session:
         """Report legs of routes; at the end of a route the rudder goes amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
-            if pilot.arrived(simulation.ships[name].body):
+            if pilot.has_arrived(simulation.ships[name].body):
                 self.steer_amidships(name)
                 self.say(f"{name}: the end of the route")
                 self.tell_panel()

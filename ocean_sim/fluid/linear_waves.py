@@ -9,11 +9,11 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import (
-    ADVANCE,
-    POINT,
+    PLANE_WAVES_STEP_TIME,
+    POINT_TIME,
     POINTS_PER_WAVE,
-    SMOOTH,
-    WAVE_AT_POINT,
+    SMOOTH_STEP_PERIODS,
+    WAVE_POINT_TIME,
     OpenWater,
     status_of,
 )
@@ -65,7 +65,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     def smooth(self) -> Limits:
         """A closed form is right at any step; this one keeps the straight lines between steps, by which files are
         sampled, within 0.05 % of the waves."""
-        return Limits(force=SMOOTH * self.scale[1])
+        return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
         return self.apart(preflight.tank)
@@ -76,7 +76,7 @@ class Config(waves.GrowingTrain, FluidConfig):
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
     def point_time(self, preflight: Preflight) -> float:
-        return POINT + WAVE_AT_POINT * len(self.sea(preflight.tank).amplitude)
+        return POINT_TIME + WAVE_POINT_TIME * len(self.sea(preflight.tank).amplitude)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
@@ -86,7 +86,7 @@ class Config(waves.GrowingTrain, FluidConfig):
                 f"{n} plane waves",
                 PlaneWaves.bytes(n, word),
                 "fluid.kind is linear_waves: no particles",
-                ADVANCE,
+                PLANE_WAVES_STEP_TIME,
             )
         ]
 
@@ -123,7 +123,7 @@ class LinearWaves(OpenWater):
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
         self.before, self.time = self.time, self.time + dt
-        self.waves.turn(self.time)
+        self.waves.set_time(self.time)
 
     def limits(self) -> Limits:
         return self.still
@@ -131,4 +131,5 @@ class LinearWaves(OpenWater):
     @ti.func
     def pressure(self, position):
         eta, g = self.waves.elevation(position.x, position.z), ti.static(self.waves.sea.gravity)
-        return ti.select(position.y < eta, self.config.rest_density * g * self.waves.head(position, eta), 0.0)
+        head = self.waves.head_at(position, self.waves.stretched(position, eta))
+        return ti.select(position.y < eta, self.config.rest_density * g * head, 0.0)

@@ -40,14 +40,14 @@ def kept() -> Problem:
         tile = sea_of(simulation).tile
         layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
         mode, random_ = (6, 5), np.random.default_rng(1).normal(size=tile.shape)
-        e = tile.waves(random_) * np.exp(-((tile.k * tile.cell * 4.0) ** 2))
+        e = tile.to_modes(random_) * np.exp(-((tile.k * tile.cell * 4.0) ** 2))
         e[0, 0] = 0.0
-        going(layer, tile.values(e))
+        going(layer, tile.to_values(e))
         first, omega = tile.energy(layer.eta, layer.phi), tile.omega[mode]
-        before, dt = tile.waves(layer.eta)[mode], 2.0 * np.pi / omega / STEPS
+        before, dt = tile.to_modes(layer.eta)[mode], 2.0 * np.pi / omega / STEPS
         for _ in range(PERIODS * STEPS):
             layer.advance(dt, still, np.zeros(2))
-        turn = float(abs(np.angle(tile.waves(layer.eta)[mode] / before)))
+        turn = float(abs(np.angle(tile.to_modes(layer.eta)[mode] / before)))
         change = tile.energy(layer.eta, layer.phi) / first - 1.0
         return Finding({energy.quantity: (change, 0.0, change), phase.quantity: (turn, 0.0, turn)})
 
@@ -82,7 +82,7 @@ def radiated(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     from ocean_sim.fluid.open_sea.wave_tile import Layer
 
     layer, omega = Layer(tile, rim), np.sqrt(G * k)
-    dt, source = 2.0 * np.pi / omega / STEPS, tile.waves(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
+    dt, source = 2.0 * np.pi / omega / STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
     for n in range(1, 30 * STEPS + 1):
         layer.advance(dt, risen(n / (4.0 * STEPS)) * np.cos(omega * n * dt) * source, np.zeros(2))
@@ -132,9 +132,9 @@ def surface(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray,
 
         sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, DRAWN), fluid.tile))
         tile = sea.tile
-        e, p = tile.waves(sea.eta), tile.waves(sea.phi)
+        e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         modes = np.array([e, tile.k * np.tanh(tile.k * tile.depth) * p, *tile.slopes(e)])
-        eta, rise, along, across = tile.values(modes).reshape(4, -1)
+        eta, rise, along, across = tile.to_values(modes).reshape(4, -1)
         return eta, rise, np.stack([along, across], axis=1)
     found = []
     draw = np.random.default_rng(5)

@@ -41,10 +41,10 @@ def running() -> Problem:
             eta, phi, speed = stokes(s, k, tile.nodes()[0][:, None])
             sea, dt = HighOrder(tile, 0.0), 2.0 * np.pi / (k * speed) / STEPS
             sea.begin(eta, phi)
-            first, turns = sea.energy(), [np.angle(tile.waves(sea.eta)[WAVES, 0])]
+            first, turns = sea.energy(), [np.angle(tile.to_modes(sea.eta)[WAVES, 0])]
             for _ in range(PERIODS * STEPS):
                 sea.advance(dt)
-                turns.append(np.angle(tile.waves(sea.eta)[WAVES, 0]))
+                turns.append(np.angle(tile.to_modes(sea.eta)[WAVES, 0]))
             time = dt * np.arange(len(turns))
             found[speeds[s].quantity] = relative(-np.polyfit(time, np.unwrap(turns), 1)[0] / k, speed)
             change = 100.0 * (sea.energy() / first - 1.0)
@@ -75,7 +75,7 @@ def growing() -> Problem:
         size = []
         for _ in range(GROWING * STEPS):
             sea.advance(dt)
-            e = np.abs(tile.waves(sea.eta)[:, 0])
+            e = np.abs(tile.to_modes(sea.eta)[:, 0])
             size.append(np.log(np.hypot(e[CARRIERS - 1], e[CARRIERS + 1])))
         time = dt * np.arange(1, len(size) + 1)
         of = slice(JUDGED[0] * STEPS, JUDGED[1] * STEPS)

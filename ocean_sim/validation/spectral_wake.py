@@ -63,9 +63,9 @@ def towed(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
         centre = np.array([u * n * STEP, 0.0])
         x, z = image(tile, centre)
         patch = PRESSURE * np.exp(-((x / LONG) ** 2) - (z / BROAD) ** 2)
-        layer.advance(STEP, tile.waves(risen(n * STEP / RISE) * patch / WATER_DENSITY), centre)
+        layer.advance(STEP, tile.to_modes(risen(n * STEP / RISE) * patch / WATER_DENSITY), centre)
         if n > (1.0 - JUDGED) * steps:
-            slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
+            slope = tile.to_values(tile.slopes(tile.to_modes(layer.eta))[0])
             found.append((patch * slope).sum() * tile.cell**2)
     return float(np.mean(found)), layer.eta
 
@@ -76,7 +76,7 @@ def crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarra
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / G, FREE * SIDE, 0.01)
     points = np.stack([u * END - behind, np.zeros(len(behind))], axis=1)
-    line = tile.at(eta, points)
+    line = tile.interpolate(eta, points)
     k = np.flatnonzero(line[1:] * line[:-1] < 0.0)
     zeros = behind[k]
     return behind, line, 2.0 * float((zeros[-1] - zeros[0]) / (len(zeros) - 1))

@@ -151,7 +151,7 @@ class Target:
     def turn(self, time: float) -> None:
         """Take it at a time [s]."""
         if self.waving:
-            self.waves.turn(time)
+            self.waves.set_time(time)
 
     @ti.func
     def velocity(self, x):

@@ -13,7 +13,7 @@ import numpy as np
 from ocean_sim.basin import whole_sides
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
-from ocean_sim.fluid.open_sea.wave_sheet import cubic
+from ocean_sim.fluid.open_sea.wave_sheet import cubic_weights
 from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, rim_depth, tile_cells
 from ocean_sim.fluid.patch.sources import (
     NODE_VALUES,
@@ -133,7 +133,7 @@ class SeaTable:
         """The first of four nodes around x [m] along an axis, and their weights."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
-        return i - 1, cubic(at - i)
+        return i - 1, cubic_weights(at - i)
 
     @ti.func
     def sample(self, x):

@@ -78,13 +78,13 @@ class SteepSource:
     left_out: ClassVar[tuple[str, ...]] = ("shapes", "feed_factors", "origin_phase", "places")
 
     def __init__(self, band: RelaxationBand, sea: Components, depths: Depths, count: tuple[int, ...]) -> None:
-        from ocean_sim.fluid.open_sea.high_order import evolving, step_of  # a linear sea does without it
+        from ocean_sim.fluid.open_sea.high_order import nonlinear_sea, tile_step  # a linear sea does without it
 
         assert band.nonlinear is not None
         basin, (cells, rows) = band.lattice.basin, tile_cells(band)
         tile = Tile(basin.periods[0], cells, rows, basin.depth, sea.gravity)
-        self.sea = evolving(replace(sea, ramp=0.0), tile, *band.nonlinear, sea.period)
-        self.step, self.count = step_of(tile), count
+        self.sea = nonlinear_sea(replace(sea, ramp=0.0), tile, *band.nonlinear, sea.period)
+        self.step, self.count = tile_step(tile), count
         self.feed_factors = feed_factors(band, sea, self.sea.tile)
         tile = self.sea.tile
         kx, kz, k = 1j * tile.kx + 0.0 * tile.kz, 1j * tile.kz + 0.0 * tile.kx, tile.k
@@ -100,10 +100,12 @@ class SteepSource:
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
         e, below, _ = self.sea.potentials()
-        part = self.sea.part(time)  # until it has set in, the potential at the still level is that of a linear sea
-        potential = part * below + (1.0 - part) * self.sea.tile.waves(self.sea.phi)
+        part = self.sea.nonlinear_share(
+            time
+        )  # until it has set in, the potential at the still level is that of a linear sea
+        potential = part * below + (1.0 - part) * self.sea.tile.to_modes(self.sea.phi)
         real, crossed = self.feed_factors
-        both = self.sea.clear * self.origin_phase * np.array([potential, real * potential + crossed * e])
+        both = self.sea.resolved_modes * self.origin_phase * np.array([potential, real * potential + crossed * e])
         found = np.zeros((len(self.shapes), NODE_VALUES, *self.count), dtype=np.complex128)
         for level, shape in enumerate(self.shapes):
             for n, of in enumerate(both):

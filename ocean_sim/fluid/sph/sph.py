@@ -39,7 +39,10 @@ SQUEEZED = 0.05  # compression at the bed that is worth saying
 MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
-STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
+NONLINEAR_STEP_TIME, STEEP_SEA = (
+    0.25,
+    0.15,
+)  # k a of regular waves, and of half the significant height: beyond, they break
 SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
@@ -185,7 +188,7 @@ class SphConfig(WaterConfig):
                     f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
                     "water hardly carries; take a smaller spacing or a lower cut_off"
                 )
-            steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
+            steepness, most = pi * height / length, STEEP_SEA if train.sea.random else NONLINEAR_STEP_TIME
             if steepness > most:
                 yield (
                     f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles, lose "
@@ -362,11 +365,15 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     what = f"a table of {len(around.sea.amplitude)} plane waves"
     found = [LedgerRow("fluid", what, table_bytes(around, around.sea, word), "sea")]
     if around.nonlinear is not None:
-        from ocean_sim.fluid.open_sea.high_order import STEEP
+        from ocean_sim.fluid.open_sea.high_order import NONLINEAR_STEP_TIME
 
         cells = int(np.prod(tile_cells(around)))
         what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
-        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITES_PER_PERIOD))
+        found.append(
+            LedgerRow(
+                "fluid", what, 6 * 8 * cells, why, NONLINEAR_STEP_TIME * cells, around.sea.period / WRITES_PER_PERIOD
+            )
+        )
     return found
 
 

@@ -39,13 +39,13 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
-        found = found or [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
+        found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form has no friction; leave basin.floor out"))
-        return found + list(self.astray(basin))
+        return found + list(self.direction_faults(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
@@ -53,7 +53,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found: list[str] = []
         if self.scale[0] > 0.0:
-            found += waves.cut_short(preflight.duration, self.growing(self.sea(preflight.tank)).ramp)
+            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
         if not preflight.wind.still:
             found.append("closed-form waves do not feel the wind; it reaches only the ship")
         return found
@@ -72,7 +72,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def apart(self, tank: waves.Tank) -> float:
         """Distance [m] of points that show the waves."""
-        k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.pull(tank))
+        k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
     def point_time(self, preflight: Preflight) -> float:
@@ -102,7 +102,7 @@ class LinearWaves(OpenWater):
     """The waves at one time; what they do follows from it."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
-        self.config, sea = config, config.growing(config.sea(basin))
+        self.config, sea = config, config.with_ramp(config.sea(basin))
         self.spacing = config.apart(basin)  # [m]
         self.still = config.smooth
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
@@ -118,7 +118,7 @@ class LinearWaves(OpenWater):
     def begin(self, sea: waves.Components) -> None:
         """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
         self.time = self.before = 0.0
-        self.waves.begin(self.config.growing(sea))
+        self.waves.begin(self.config.with_ramp(sea))
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""

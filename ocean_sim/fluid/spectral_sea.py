@@ -80,7 +80,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
         """The tile, over a basin of this length and width [m]."""
-        side, g = self.tile, waves.pull(basin)
+        side, g = self.tile, waves.downward_gravity(basin)
         if side is None and self.highest is not None:
             side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
         side = max(length, width) if side is None else side
@@ -99,7 +99,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.impossible(basin)
+        found = self.sea_faults(basin)
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
@@ -116,7 +116,9 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
-            sea = train.train(waves.direction(train.heading, basin.dimension), basin.depth, waves.pull(basin))
+            sea = train.train(
+                waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
+            )
             wanted = snapped(sea, tile).wavevector[0]
             if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
@@ -143,7 +145,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         tile = self.tile_of(preflight.tank)
         found = self.like_radians()
         if self.highest is not None:
-            found += waves.cut_short(preflight.duration, self.growing(self.sea_of(preflight.tank)).ramp)
+            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:
@@ -280,12 +282,12 @@ class Steep(OnTile):
         return time / self.step - (self.number - 1)
 
     def modes_at(self, time: float) -> TileModes:
-        late, grown = self.share(time), waves.grown(time, self.ramp)
+        late, grown = self.share(time), waves.ramp_share(time, self.ramp)
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*(slot.modes for slot in self.slots))))
 
     def grown(self, slot: int) -> np.ndarray:
         """The modes of the state before (0) or of the one that is ahead (1), as far as they have grown."""
-        return waves.grown(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
+        return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
 
 
 class Kept:
@@ -309,13 +311,13 @@ class SpectralSea(OpenWater):
         tile = self.tile
         self.still, self.step = config.smooth(tile), config.tile_step(tile)
         self.rest_density = density = config.rest_density
-        whole = config.growing(config.sea_of(basin))
+        whole = config.with_ramp(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
         self.reference_speed = (tile.gravity * basin.depth) ** 0.5
         self.status = status_of(whole, density)
         self.current, self.drift = config.current, np.zeros(2)
         self.time = self.before = self.then = 0.0
-        self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
+        self.waves = PlaneWaves(whole if config.order == 1 else waves.combine([], tile.depth, tile.gravity))
         self.afar = whole
         self.steep, self.air, self.raised = None, None, None
         self.made: list[Made] = []
@@ -366,7 +368,7 @@ class SpectralSea(OpenWater):
         if broken is None:
             return None
         white = self.tile.interpolate(broken.white, np.asarray(points, dtype=float) - self.drift)
-        return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
+        return self.afar.ramp_share(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
     def answers(self) -> bool:
@@ -377,7 +379,7 @@ class SpectralSea(OpenWater):
         self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
-        self.afar = self.config.growing(sea)
+        self.afar = self.config.with_ramp(sea)
         self.waves.begin(self.afar)
 
     def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
@@ -444,7 +446,7 @@ class SpectralSea(OpenWater):
                     self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
                 )
             )
-            turn = 1j * sea.grown(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
+            turn = 1j * sea.ramp_share(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
             kx, kz = sea.wavevector.T
             rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
             along = along + np.einsum("in,kn->ik", rows * kx, columns).real  # without BLAS: the same on any threads
@@ -509,6 +511,6 @@ def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
     most = ceil(tile.cells / 4) - 1
     kept = (np.abs(steps) <= most).all(axis=1) & steps.any(axis=1) & (sea.amplitude > 0.0)
     if not kept.any():
-        return waves.together([], tile.depth, tile.gravity)
+        return waves.combine([], tile.depth, tile.gravity)
     there = replace(sea, amplitude=sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
-    return waves.merged(there, steps[kept] * np.where(np.isfinite(unit), unit, 0.0))
+    return waves.merge_waves(there, steps[kept] * np.where(np.isfinite(unit), unit, 0.0))

@@ -36,7 +36,7 @@ def problems(coarse: bool) -> list[Problem]:
 def theory() -> float:
     """What linear theory has the zone send back."""
     rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
-    return float(absorption.reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
+    return float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
 
 
 def measure(simulation: Simulation) -> Finding:

@@ -23,7 +23,7 @@ from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
 from ocean_sim.validation.shared.reflection import reflected
-from ocean_sim.waves.record import measured
+from ocean_sim.waves.record import measure_record
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
 WAVELENGTH = 2.0 * pi / float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH))  # 2.827 m
@@ -56,7 +56,7 @@ def measure(simulation: Simulation) -> Finding:
     records = flume.records(simulation, away + [simulation.basin.lower[0], 0.0], EVERY)
     time, found = flume.resampled(*records, BEGIN, EVERY)
     theory = np.array([waves.elevation(piston.sea, away[:1], t)[0] for t in time])
-    sea, wanted = measured(time, found[:, 0]), measured(time, theory)
+    sea, wanted = measure_record(time, found[:, 0]), measure_record(time, theory)
     back = reflected(EVERY, found, GAUGES, DEPTH, BAND)
     pairs = ((sea.hm0_m, wanted.hm0_m), (sea.tm02_s, wanted.tm02_s), (sea.hs_m, wanted.hs_m))
     numbers = [relative(a, b) for a, b in pairs if a is not None and b is not None]

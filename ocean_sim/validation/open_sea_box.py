@@ -79,8 +79,8 @@ def heaving() -> Problem:
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN * PERIOD:
             simulation.step()
-            phase, share = omega * simulation.time, waves.grown(simulation.time, SETTING_OUT)
-            rate = waves.growth(simulation.time, SETTING_OUT)
+            phase, share = omega * simulation.time, waves.ramp_share(simulation.time, SETTING_OUT)
+            rate = waves.ramp_rate(simulation.time, SETTING_OUT)
             moved = Moved(
                 began + STROKE * share * sin(phase),
                 STROKE * (omega * share * cos(phase) + rate * sin(phase)),
@@ -199,9 +199,9 @@ def motions(simulation: Simulation, speed: float) -> Motions:
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in track(simulation, RUN * PERIOD):
         if speed != 0.0:
-            now = speed * waves.grown(time, SETTING_OUT)
+            now = speed * waves.ramp_share(time, SETTING_OUT)
             x, before = x + 0.5 * (before + now) * (time - last), now
-            impose(simulation, 0, Moved(x, now, speed * waves.growth(time, SETTING_OUT)))
+            impose(simulation, 0, Moved(x, now, speed * waves.ramp_rate(time, SETTING_OUT)))
             last = time
         rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (K * AMPLITUDE)))
     found = np.array(rows)

@@ -174,7 +174,7 @@ def answers(simulation: Simulation, period: float) -> dict[str, float]:
     clock: Any = simulation.time_step  # of kind fixed
     rest = np.array([0.0, KG - floating(simulation).hydrostatics.draught, 0.0])
     pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
-    fluid.begin(waves.regular(2.0 * AMPLITUDE, period, waves.direction(90.0, 3), DEPTH, G))
+    fluid.begin(waves.regular_wave(2.0 * AMPLITUDE, period, waves.heading_vector(90.0, 3), DEPTH, G))
     simulation.time, simulation.next_dt = 0.0, period / STEPS
     clock.config = clock.config.model_copy(update={"dt": period / STEPS})
     rows = [(t, *b.position[:2], b.angles[2]) for t, b in track(simulation, PASSING * period - 1e-9)]

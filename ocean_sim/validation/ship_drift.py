@@ -44,7 +44,7 @@ def drifting(simulation: Simulation, spread: Promise, mean: Promise, phases: int
     """Mean speed along the ship from each phase."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     rest = np.array([0.0, floating(simulation).first_body.position[1], 0.0])
-    train = waves.regular(HEIGHT, PERIOD, waves.direction(180.0, 3), simulation.basin.depth, G)
+    train = waves.regular_wave(HEIGHT, PERIOD, waves.heading_vector(180.0, 3), simulation.basin.depth, G)
     at, speeds = 2.0 * np.pi * np.arange(phases) / phases, []
     for phase in at:
         pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))

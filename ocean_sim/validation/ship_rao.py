@@ -111,7 +111,7 @@ def answers(simulation: Simulation, omega: float, length: float, heading: float)
     pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     depth = simulation.basin.depth
     amplitude = STEEPNESS * length
-    fluid.begin(waves.regular(2.0 * amplitude, period, waves.direction(heading, 3), depth, G))
+    fluid.begin(waves.regular_wave(2.0 * amplitude, period, waves.heading_vector(heading, 3), depth, G))
     simulation.time, simulation.next_dt = 0.0, period / STEPS
     clock.config = clock.config.model_copy(update={"dt": period / STEPS})
     rows = [(t, b.position[1], *b.angles) for t, b in track(simulation, PERIODS * period - 1e-9)]

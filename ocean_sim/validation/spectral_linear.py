@@ -107,7 +107,7 @@ def random(order: int) -> Problem:
         t = 2.0 * np.pi * float(np.sqrt(np.mean(eta**2) / np.mean(rise**2)))
         flux = -(rise[:, None] * slope).mean(axis=0)
         ahead = float(np.degrees(np.arctan2(*flux)))
-        f = np.linspace(waves.LOWEST, asked.cut_off, waves.RESOLVED) / asked.peak_period
+        f = np.linspace(waves.LOWEST_FREQUENCY, asked.cut_off, waves.SPECTRUM_POINTS) / asked.peak_period
         s = asked.density(f)
         mean = float(np.sqrt(np.trapezoid(s, f) / np.trapezoid(s * f**2, f)))
         off = (ahead - RANDOM["heading_deg"] + 180.0) % 360.0 - 180.0

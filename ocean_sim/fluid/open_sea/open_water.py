@@ -104,7 +104,7 @@ class OpenWater(Fluid):
         sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
-        return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
+        return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
@@ -162,7 +162,7 @@ class OpenWater(Fluid):
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.water_elevations(at)
-        return at, (eta, waves.stretched(self.waves.sea, points, eta))
+        return at, (eta, waves.stretched_height(self.waves.sea, points, eta))
 
 
 @in_kernels

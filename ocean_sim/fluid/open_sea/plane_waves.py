@@ -52,7 +52,7 @@ class PlaneWaves:
     def set_time(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Set the time [s], and the way [m] along x and z by which a current has carried the waves. Phases are kept
         small and in f64, so they stay exact in a run of any length and precision."""
-        self.compute_phases(time, *drift, self.sea.grown(time))
+        self.compute_phases(time, *drift, self.sea.ramp_share(time))
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):

@@ -17,7 +17,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ocean_sim.waves import MANY, profiles
+from ocean_sim.waves import MIN_LATTICE_POINTS, profiles
 
 RIM_SHARE = 0.15  # share of the side, at each edge of the tile, in which waves are damped
 PER_TILE = 6.0  # waves on a tile, for which the rim is made
@@ -226,7 +226,7 @@ class OnTile:
         """(m, 3) velocities [m/s] at heights y (m,) [m] of the unstretched column; interpolated for many points that
         are all on the surface."""
         tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
-        if len(points) >= MANY and not y.any():
+        if len(points) >= MIN_LATTICE_POINTS and not y.any():
             rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
             along, across, up = (
                 tile.interpolate(tile.to_values(of), points) for of in (*tile.slopes(potential), rising)

@@ -64,7 +64,7 @@ class Window:
             self.begun = there.begun
             self.set_waves(there.sea)
         late = (time - self.start) / self.span
-        return late, there.sea.grown(time), not others and 0.0 <= late <= 1.0
+        return late, there.sea.ramp_share(time), not others and 0.0 <= late <= 1.0
 
     @property
     def current(self) -> tuple[float, float]:

@@ -83,7 +83,7 @@ def wave_trains(lattice: Lattice) -> Iterator[Train]:
     """Yield the waves that a scene gives a height: those of its wavemaker or initial state, and those that absorbing
     sides let pass."""
     basin, initial = lattice.basin, lattice.config.initial
-    if any(waves.unsuited(basin)):
+    if any(waves.basin_faults(basin)):
         return
     sea = of_patch(basin, lattice.spacing)
     if sea is not None:

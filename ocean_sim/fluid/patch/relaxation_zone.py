@@ -1,10 +1,10 @@
 """Relaxation zone of a patch of open sea: its width, its rate and the sea that it relaxes towards.
 
-In the band dv/dt = rate s^PROFILE (sea - v); s grows from 0 at its inner edge to 1 at the seam opposite the ship. A
-feed gives all water the energy that the scheme takes from the sea. The complex height a of a wave, over that of the
-sea, then follows in the ship's axes and along its way xi
+In the band dv/dt = rate s^q (sea - v), q = DAMPING_POWER; s grows from 0 at its inner edge to 1 at the seam opposite
+the ship. A feed gives all water the energy that the scheme takes from the sea. The complex height a of a wave, over
+that of the sea, then follows in the ship's axes and along its way xi
 
-    (group speed - U) da/dxi = -loss a + (rate s^PROFILE / 2) (1 - a) + feed / 2,
+    (group speed - U) da/dxi = -loss a + (rate s^q / 2) (1 - a) + feed / 2,
 
 with U the ship's speed along xi; the real part of `loss` is the decay of the height, its imaginary part minus the
 deficit of the frequency. So feed = 2 loss holds the wave up also where the ship keeps up with it and no band renews
@@ -23,7 +23,7 @@ from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
 from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED, of_patch
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.waves.absorption import PROFILE
+from ocean_sim.waves.absorption import DAMPING_POWER
 
 RIM_WIDTH_WAVES = 0.75  # [wavelengths] on either side of the seam
 RIM_RATE_RATIO = 1.5  # rate at the seam over the frequency of the highest waves [rad/s]
@@ -75,7 +75,9 @@ class RelaxationBand:
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
         group, side = self.main_direction
         xi = (np.arange(PATCH_PIECES) + 0.5) / PATCH_PIECES * side - 0.5 * side
-        pull = 0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** PROFILE
+        pull = (
+            0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** DAMPING_POWER
+        )
         taken = loss + pull
         aim = np.divide(pull + 0.5 * feed, taken, out=np.ones(PATCH_PIECES, dtype=complex), where=taken != 0.0)
         speed = (1.0 - with_waves) * group
@@ -103,8 +105,8 @@ class RelaxationBand:
         4/3 of the width."""
         basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
         k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
-        group = float(waves.group_speed(k, basin.depth, waves.pull(basin)))
-        return exp(-self.rate * self.width / (1.0 + PROFILE) / group)
+        group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
+        return exp(-self.rate * self.width / (1.0 + DAMPING_POWER) / group)
 
     def describe_waves(self, sea: waves.Components) -> str:
         """Length, period and, in 3-D, heading of the highest waves of a sea."""
@@ -230,7 +232,9 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
     least = MAX_RIM_SHARE * min(period for period in basin.periods if period)
     width = rim.width or (least if sea is None else min(RIM_WIDTH_WAVES * sea.wavelength, least))
     if sea is None:
-        omega = float(waves.angular_frequency(2.0 * pi * RIM_WIDTH_WAVES / width, basin.depth, waves.pull(basin)))
+        omega = float(
+            waves.angular_frequency(2.0 * pi * RIM_WIDTH_WAVES / width, basin.depth, waves.downward_gravity(basin))
+        )
     else:
         omega = 2.0 * pi / sea.period
     rate = RIM_RATE_RATIO * omega if rim.rate is None else rim.rate

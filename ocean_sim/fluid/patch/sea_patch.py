@@ -27,7 +27,7 @@ from ocean_sim.fluid.patch.sources import (
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
-from ocean_sim.waves.absorption import PROFILE
+from ocean_sim.waves.absorption import DAMPING_POWER
 
 WRITES_PER_PERIOD = 40  # writes in a period of the highest waves
 NODES_PER_WAVE, MIN_NODES, MAX_NODES = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
@@ -78,8 +78,8 @@ class SeaTable:
 
         modes, sea = self.source.modes(time), self.sea
         velocity, fed = modes[:, :3], modes[:, 3:]
-        fed[:] = sea.grown(time) * fed + 2.0 * sea.growth(time) * velocity
-        velocity *= sea.grown(time)
+        fed[:] = sea.ramp_share(time) * fed + 2.0 * sea.ramp_rate(time) * velocity
+        velocity *= sea.ramp_share(time)
         values = ifft2(modes, norm="forward", workers=1).real
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
@@ -229,7 +229,7 @@ class SeaRim:
         s, a = self.rim_share(x), tm.vec3(0.0)
         # The relaxation is implicit in time: no step overshoots the sea, however strong the rate.
         if s > 0.0 or ti.static(self.fed):
-            rate = self.rate * tm.max(s, 0.0) ** PROFILE
+            rate = self.rate * tm.max(s, 0.0) ** DAMPING_POWER
             if ti.static(self.waving):
                 sea = self.table.sample(x)
                 a = rate / (1.0 + rate * dt) * (vec3(sea, 0) - v) + vec3(sea, 3)

@@ -50,7 +50,6 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PAIR = 5.5e-9  # [s] of processor time a neighbour
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
@@ -122,9 +121,7 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(
-            preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR, self.told_to_bodies
-        )
+        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, self.told_to_bodies)
 
     def sizes(self, lattice: Lattice, arch: str) -> ListSize:
         """How large grid and lists are on a backend."""
@@ -272,7 +269,7 @@ class Continuity(Law):
         self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
         # Sum of `filled` on a lattice [kg/m3], times the prefactor.
         self.whole = Stencil(fluid.smoothing, fluid.spacing).filled * fluid.smoothing.dimension * rho_0
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -409,7 +406,7 @@ class Shear(Law):
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -501,7 +498,7 @@ class DeltaSph(Sph):
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             lower = lowered(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
-            self.sunk = float(lower.max())
+            self.surface_drop = float(lower.max())
             x[:, 1] -= lower
             self.particles.position.from_numpy(x)
 

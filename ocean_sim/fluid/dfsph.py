@@ -56,7 +56,6 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PARTICLE, PAIR = 1.5e-6, 6.0e-9  # [s] of processor time, and a neighbour, with some ten iterations a step
 FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
@@ -149,7 +148,7 @@ class Config(SphConfig):
             numbers += 3 * len(pushing(absent(basin)))
         kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
-        return [*rows(preflight, sizes, numbers, what, PAIR, particle=PARTICLE), pairs]
+        return [*rows(preflight, sizes, numbers, what), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, accounts, wind)
@@ -170,7 +169,7 @@ class Density(Law):
         self.mass = m * stencil.slope * fluid.smoothing.support**2
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def begin(self, group):

@@ -5,12 +5,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import sqrt
 from time import perf_counter
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
-from ocean_sim.fluid import Particles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
@@ -18,6 +17,9 @@ from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL, packet, scaled
 from ocean_sim.viewer.still import Setting, Vessel
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 RATE = 20.0  # frames a second of wall time, at most
 CELLS = 128  # heights along a side, at most
@@ -174,7 +176,7 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self, particles: Particles) -> dict[str, np.ndarray]:
+    def particles(self, particles: "Particles") -> dict[str, np.ndarray]:
         """Positions in the box and speeds, by identity: in storage order none would stay itself."""
         rows = particles.in_box(self.middle, self.scale, FULL, every_shown(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]

@@ -62,7 +62,7 @@ class Exposure(Law):
         if bends:
             self.surface = Components(particles.n)  # in storage order: slopes along x and z, and plan area [m2]
             self.bending = Bend(self)
-        self.meet(boundary)
+        self.add_bodies(boundary)
 
     def renew(self, dt: float, speed: float) -> None:
         """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed

@@ -34,7 +34,6 @@ RESOLVED_SHARE = 0.5  # share of the wavenumbers along each axis that is resolve
 STEPS_PER_WAVE = 40  # steps in a period of the highest wave
 STEP_ANGLE = 0.8  # [rad] turn in a step of a wave of STEP_WAVE_CELLS cells
 STEP_WAVE_CELLS = 4.0  # length of that wave [cells]
-NONLINEAR_STEP_TIME = 9.0e-7  # [s] of processor time a step and cell
 
 BREAKING_ONSET = 0.85  # u/C on a crest that begins to break
 EDDY_VISCOSITY_RATIO = 0.02  # viscosity over C / k: of the size that Tian et al. find

@@ -87,7 +87,7 @@ class ParticleWater(ParticleFluid):
         return self.sea
 
     @property
-    def answers(self) -> bool:
+    def can_be_disturbed(self) -> bool:
         return self.joined
 
     @property
@@ -97,15 +97,15 @@ class ParticleWater(ParticleFluid):
     def in_rim(self, points: np.ndarray) -> np.ndarray:
         return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
-    def meet(self, contact: Contact) -> None:
+    def add_contact(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
-    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+    def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         if self.joined and ships:
             self.rim.follow(ships)
-        return super().carry(ships)
+        return super().add_ships(ships)
 
     @ti.func
     def area(self, i):

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.fluid import Copied
 from ocean_sim.fluid.sph.initial_state import started
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
@@ -28,6 +27,15 @@ def staggered_field(dtype: Any, n: int) -> Any:
     if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
         ti.field(GAP_TYPE, shape=gap // np.dtype(to_numpy_type(GAP_TYPE)).itemsize)
     return field
+
+
+class Snapshot(NamedTuple):
+    """State of n particles at one time, in storage order."""
+
+    position: np.ndarray  # (n, 3) [m]
+    velocity: np.ndarray  # (n, 3) [m/s]
+    id: np.ndarray  # (n,)
+    pressure: np.ndarray  # (n,) [Pa]
 
 
 @in_kernels
@@ -143,7 +151,7 @@ class Particles:
         for i in self.density:
             self.density[i] = density
 
-    def copied(self) -> Copied:
+    def snapshot(self) -> Snapshot:
         """All of them now, by one launch."""
         n, real = self.count.now, self.position.precision
         position: np.ndarray = np.empty((n, 3), dtype=real)
@@ -151,7 +159,7 @@ class Particles:
         number: np.ndarray = np.empty(n, dtype=np.int32)
         pressure: np.ndarray = np.empty(n, dtype=real)
         self.copy_to(position, velocity, number, pressure)
-        return Copied(position, velocity, number, pressure)
+        return Snapshot(position, velocity, number, pressure)
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):

@@ -69,7 +69,7 @@ class Compression(KeptLaw):
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
         self.relaxation = 1.0 / fluid.stencil.stiffest  # in disorder or piled up particles are up to 1.31 as stiff
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def begin(self, group):
@@ -137,7 +137,7 @@ class Push(KeptLaw):
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
         self.reads = (solver.next,)
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def kept_image(self, other, name, away):

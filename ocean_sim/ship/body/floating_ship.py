@@ -76,7 +76,7 @@ class FloatingShip(Vessel):
         if contact is not None and particles is not None:
             contact.hull.water = self.water
             contact.begin(body)
-            particles.meet(contact)
+            particles.add_contact(contact)
         actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
         super().__init__(name, config, body, actuators, basin.lower[1])
         self.shape, self.contact, self.sides = shape, contact, sides

@@ -116,7 +116,8 @@ class VesselConfig(Helm, ShipConfig):
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
         x, y, z = body.position
-        return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
+        level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
+        return replace(body, position=np.array([x, level, z]))
 
 
 class Actuators:

@@ -169,7 +169,7 @@ class SurroundingWater(Around):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
                 clear = away >= self.rim or k == 0 or k == ACROSS - 1
                 for hull in ti.static(self.beside()):
-                    clear = clear and hull.away(node) >= self.rim
+                    clear = clear and hull.distance_to(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)

@@ -99,7 +99,7 @@ class MovingHull:
         return turn @ normal, away, turn @ thinning
 
     @ti.func
-    def away(self, x):
+    def distance_to(self, x):
         """Distance of x [m] from it [m]."""
         _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
         return away

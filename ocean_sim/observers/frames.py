@@ -19,6 +19,7 @@ from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import raised_by
+from ocean_sim.pictures.water.waterline import from_ship
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
@@ -200,7 +201,7 @@ class Frames(Observer):
         inside = np.zeros(len(points), bool)
         for ship, size in zip(self.ships, self.sizes, strict=True):
             at = ship.body.position + shifts(ship.body.position, origin, simulation.basin.periods)
-            along, aside = foam.from_ship(points[:, 0], points[:, 1], at, ship.body.matrix)
+            along, aside = from_ship(points[:, 0], points[:, 1], at, ship.body.matrix)
             reach = 0.5 * size + self.cell.max()
             inside |= (along / reach[1]) ** 4 + (aside / reach[0]) ** 4 < 1.0
         widest = 0.5 * max(size[0] for size in self.sizes) + self.cell.max()

@@ -42,8 +42,7 @@ from ocean_sim.pictures.frame_files import (
 )
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.camera import ABOARD, Name
-from ocean_sim.pictures.stage.film_strip import Moments
-from ocean_sim.pictures.stage.picture import MAPS, SAMPLES, Picture, Shot, foreseen
+from ocean_sim.pictures.stage.picture import MAPS, SAMPLES, Moments, Picture, Shot, foreseen
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY, FITTINGS, scene_of
 from ocean_sim.simulation import Concluding, PeriodicConfig, Progress, Simulation

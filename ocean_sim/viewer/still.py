@@ -21,8 +21,8 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_hull import Hull
 from ocean_sim.pictures.ships.ship_model import build_model
-from ocean_sim.pictures.stage import light, sky
-from ocean_sim.pictures.water import foam, water_glsl, water_shading
+from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.water import water_glsl, water_shading, waterline
 from ocean_sim.pictures.water.sea_state import wind_of
 from ocean_sim.viewer.protocol import VERSION, boxed, packet
 from ocean_sim.waves import Components
@@ -112,9 +112,7 @@ class Setting(NamedTuple):
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
             "speeds": plain(SPEED_COLOURS),
-            "light": {
-                name: plain(getattr(light, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
-            },
+            "light": {name: plain(getattr(sky, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")},
             "shaders": shaders(len(ships)),
             "uniforms": uniforms,
         }
@@ -131,13 +129,13 @@ class Setting(NamedTuple):
         paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
         hull = Hull(vessel.vertices, vessel.triangles, vessel.submerged)
-        line = foam.waterline(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
+        line = waterline.waterline(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
         wet = len(line) > 2
         if wet:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
             share = (np.arange(GAP_CELLS) + 0.5) / GAP_CELLS
             x, z = (near[a] + share * (far[a] - near[a]) for a in (0, 1))
-            gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
+            gap = waterline.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
             boxes[f"gap{k}"] = {"near": plain(near), "far": plain(far)}
         return {

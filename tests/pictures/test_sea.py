@@ -17,7 +17,7 @@ from ocean_sim.observers import frames, render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl, overlays
 from ocean_sim.pictures.stage.picture import Picture
-from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, spray, water_surface
+from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, splash, water_surface, waterline
 from ocean_sim.pictures.water import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -224,17 +224,17 @@ def test_distance_to_the_waterline_of_a_box():
     vertices = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (-3.0, 3.0)])
     from scipy.spatial import ConvexHull
 
-    line = foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
+    line = waterline.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
     points = np.array([[0.0, 0.0], [0.9, 0.0], [1.5, 0.0], [2.0, 4.0], [0.0, -5.0]])
-    np.testing.assert_allclose(foam.distance(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
-    assert not len(foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
+    np.testing.assert_allclose(waterline.distance(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
+    assert not len(waterline.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
 
 
 def test_a_drop_is_isolated_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
     every = np.concatenate([block, drops])
-    found = spray.isolated(every, 1.0, every)
+    found = splash.has_left_water(every, 1.0, every)
     assert found.sum() == 2 and found[-2:].all()
 
 

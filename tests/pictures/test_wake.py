@@ -5,8 +5,8 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Track, Vessel
-from ocean_sim.pictures.water import bow_wave, wake
-from ocean_sim.pictures.water.bow_wave import Bow
+from ocean_sim.pictures.water import wake, waterline
+from ocean_sim.pictures.water.waterline import Bow
 
 
 def test_waves_astern_have_the_length_of_the_speed_and_stay_within_kelvin_s_angle():
@@ -54,14 +54,14 @@ def test_a_bow_wave_stands_as_high_as_water_can_rise_where_published_theory_has_
     """At V / sqrt(g D) = 4.4 tan / cos - 1, above which waves at wedges overturn and below which they are unsteady
     (Delhommeau et al. 2009), the crest is V^2 / 2 g high."""
     wedge = Bow(14.0, 4.0, 1.0).wedge
-    speed = (4.4 * wedge * np.hypot(1.0, wedge) - 1.0) * np.sqrt(GRAVITY * bow_wave.DRAUGHT * 4.0)
+    speed = (4.4 * wedge * np.hypot(1.0, wedge) - 1.0) * np.sqrt(GRAVITY * waterline.DRAUGHT * 4.0)
     assert Bow(14.0, 4.0, speed).crest[0] == pytest.approx(speed**2 / (2.0 * GRAVITY))
 
 
 def test_the_bow_wave_leaves_the_hull_at_an_angle_and_is_steeper_outside():
     going, aside = Bow(14.0, 4.0, 4.0), np.linspace(-1.0, 9.0, 2001)
     near, far = (going.height(np.full_like(aside, at), aside) for at in (3.0, 7.0))
-    assert aside[far.argmax()] - aside[near.argmax()] == pytest.approx(4.0 * bow_wave.OUTWARD, abs=0.01)
+    assert aside[far.argmax()] - aside[near.argmax()] == pytest.approx(4.0 * waterline.OUTWARD, abs=0.01)
     crest = near.argmax()
     assert near[crest + 100] < near[crest - 100]
 

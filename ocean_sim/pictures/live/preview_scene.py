@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top
 from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
-from ocean_sim.pictures.stage.light import painted_light
+from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
 

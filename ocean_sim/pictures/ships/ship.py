@@ -6,9 +6,8 @@ import numpy as np
 
 from ocean_sim.pictures.ships import ship_glsl
 from ocean_sim.pictures.ships.ship_model import ShipModel
-from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
-from ocean_sim.pictures.stage.sky import Sky
+from ocean_sim.pictures.stage.sky import Sky, painted_light
 from ocean_sim.pictures.water import water_glsl, water_shading
 from ocean_sim.pictures.water.water_shading import EXPOSURE, FOG
 

@@ -1,9 +1,9 @@
 """Paint and panes of a ship in the sun and under the sky, pixel by pixel: diffuse light, the shadow that she casts on
-herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `light`."""
+herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `sky.painted_light`."""
 
 import numpy as np
 
-from ocean_sim.pictures.stage import light
+from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.water.water_glsl import FOG, number, vector
 from ocean_sim.pictures.water.water_shading import EXPOSURE
 
@@ -52,11 +52,11 @@ SHIP = f"""
   float sun = max(dot(n, sunDir), 0.0);
   int faces = sun > 0.0 ? 1 : 0;
   for (int turn = 0; turn < faces; turn++) sun *= sunlit(posW, n);
-  vec3 above = mix({vector(light.FROM_BELOW)}, {vector(light.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
-  vec3 c = {number(BRIGHTER)} * colW * ({vector(light.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
+  vec3 above = mix({vector(sky.FROM_BELOW)}, {vector(sky.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
+  vec3 c = {number(BRIGHTER)} * colW * ({vector(sky.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
   float ci = clamp(dot(n, e), 0.0, 1.0), share = {number(COAT)} + {number(1.0 - COAT)} * pow(1.0 - ci, 5.0);
   vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 seen = {number(BRIGHTER)} * {vector(light.FROM_BELOW)};
+  vec3 seen = {number(BRIGHTER)} * {vector(sky.FROM_BELOW)};
   if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
   c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
   vec3 h = normalize(sunDir + e);

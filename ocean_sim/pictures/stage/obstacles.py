@@ -3,8 +3,8 @@
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
 CONCRETE = np.array([0.42, 0.40, 0.37])  # linear RGB

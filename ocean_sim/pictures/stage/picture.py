@@ -22,6 +22,8 @@ from ocean_sim.pictures.water.sea import Sea
 from ocean_sim.pictures.water.water_surface import NODES, Water
 
 SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
+STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
+STRIP_GAP = 3  # [pixels] between them
 MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -232,3 +234,29 @@ class Picture:
     def close(self) -> None:
         self.content.close()
         self.plotter.close()
+
+
+class Moments:
+    """Collects pictures evenly from a film of unknown length; holds at most twice as many as it shows."""
+
+    def __init__(self) -> None:
+        self.kept: list[np.ndarray] = []
+        self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
+
+    def see(self, image: np.ndarray) -> None:
+        """The next picture (height, width, 3) of the film."""
+        if self.seen % self.every == 0:
+            if len(self.kept) == 2 * STRIP_PICTURES:
+                self.kept, self.every = self.kept[::2], 2 * self.every
+            if self.seen % self.every == 0:
+                self.kept.append(antialiasing.mean(image, STRIP_SHRINKING))
+        self.seen += 1
+
+    def row(self) -> np.ndarray:
+        """(height, width, 3) pictures from the beginning to the end, side by side."""
+        chosen = np.unique(
+            np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
+        )
+        pictures = [self.kept[k] for k in chosen]
+        between = np.full((pictures[0].shape[0], STRIP_GAP, 3), 255, np.uint8)
+        return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

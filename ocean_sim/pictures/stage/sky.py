@@ -21,6 +21,10 @@ ZENITH = np.array([0.035, 0.14, 0.42])
 HORIZON = np.array([0.42, 0.66, 0.92])
 HAZE = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
 GROUND = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
+SUNSHINE = np.array([0.80, 0.74, 0.64])  # on a face that looks into the sun, linear RGB
+FROM_ABOVE = np.array([0.40, 0.46, 0.54])  # light of the sky on a level face
+FROM_BELOW = np.array([0.12, 0.16, 0.18])  # light that the water throws back
+MIRRORED = np.array([0.30, 0.42, 0.56])  # of the sky, in panes
 
 LOWEST = 0.004  # height of a direction at which the sky is read for any lower one
 HAZES = 64, 128  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
@@ -53,6 +57,15 @@ def around(direction: np.ndarray) -> np.ndarray:
     )  # not (0, 0, 0)
     ground = GROUND + (0.72 * colour(flat) - GROUND) * np.exp(-down / 0.22)
     return np.where(direction[:, 1:2] >= 0.0, colour(direction), ground)
+
+
+def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
+    """Linear RGB (n, 3) of paint in sun and sky; panes show the sky above instead."""
+    sun = np.clip(normals @ SUN, 0.0, 1.0)[:, None]
+    above = 0.5 + 0.5 * normals[:, 1:2]
+    ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
+    facing = 0.35 + 0.65 * np.clip(1.0 - np.abs(normals @ SUN), 0.0, 1.0)[:, None]
+    return paint * (SUNSHINE * sun + ambient) + 0.12 * gloss * MIRRORED * facing
 
 
 class Sky:

@@ -4,9 +4,9 @@ where it is but noise."""
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.overlays import round_below
 from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
 TINT, PAINT = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB

@@ -40,7 +40,6 @@ MIN_SHARE = 0.005  # share of white water below which none is drawn
 MAX_FOOTPRINT = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAP_SCALES, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of heaps of thick foam; slope of each, of noise's own
 HOLLOW_SHADES = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
-POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
 STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of bent edges, and of the grain
 EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
@@ -357,44 +356,3 @@ def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np
     outside = (~inside).astype(float)
     around, weight = (gaussian_filter(of, reach, mode="nearest") for of in (elevation * outside, outside))
     return np.where(inside, around / np.maximum(weight, 1e-9), elevation)
-
-
-def from_ship(x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
-    ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
-    to_x, to_z = x - position[0], z - position[2]
-    return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
-
-
-def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
-    a = above[triangles]
-    cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
-    ends = []
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        p, q = cut[:, i], cut[:, j]
-        crossed = (above[p] < 0.0) != (above[q] < 0.0)
-        share = np.where(crossed, above[p] / np.where(crossed, above[p] - above[q], 1.0), np.nan)[:, None]
-        ends.append(np.where(crossed[:, None], vertices[p] + share * (vertices[q] - vertices[p]), np.nan)[:, [0, 2]])
-    both = np.stack(ends, axis=1)  # one of the three is not a number
-    missing = np.isnan(both[:, :, 0]).argmax(axis=1)
-    kept = np.array([[1, 2], [0, 2], [0, 1]])[missing]
-    return both[np.arange(len(both))[:, None], kept].reshape(-1, 2, 2)
-
-
-def distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
-    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
-    return np.concatenate([_distance(batch, segments) for batch in batches])
-
-
-def _distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """The same of a few points."""
-    (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
-    to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
-    share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)
-    away = np.sqrt(((to_x - share * along_x) ** 2 + (to_z - share * along_z) ** 2).min(axis=1))
-    spans = (to_z < 0.0) != (to_z < along_z)
-    left_of = to_x < to_z * (along_x / np.where(along_z == 0.0, 1.0, along_z))
-    inside = (spans & left_of).sum(axis=1) % 2 == 1
-    return np.where(inside, -away, away)

@@ -18,7 +18,7 @@ from ocean_sim.pictures.stage.render_order import Order
 from ocean_sim.pictures.water import far_sea, foam, water_glsl
 from ocean_sim.pictures.water.sea_state import SeaState
 from ocean_sim.pictures.water.sea_surface import SeaSurface
-from ocean_sim.pictures.water.spray import Spray
+from ocean_sim.pictures.water.splash import Spray
 from ocean_sim.pictures.water.wake import Kelvin, Wake, standing
 from ocean_sim.pictures.water.water_shading import EXPOSURE, Terms, slope_variance
 from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING, Hull, Met

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.spray import normal
+from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.water.far_sea import OUT
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.surface import Mesh
 
@@ -24,7 +25,20 @@ SIZES = 0.060, 0.50  # [spacings] median radius of a drop, and standard deviatio
 AIR = 0.5, 0.3  # share of air in water wholly torn, and where it splashes up
 LARGEST, FEWEST = 0.20, 2  # [spacings]; and drops below which none fly
 APART, TRAILING = 0.9, 1.2  # [spacings] of drops from their particle, and how much farther along its way
-OFFSETS = 0x5_0004  # stream of random numbers
+DROP_STREAM = 0x5_0004  # of random numbers
+# Spray over a sea.
+MAX_SPRAY_NEIGHBOURS = 3  # within the neighbourhood of a particle that has left a sea
+MIN_SPRAY_HEIGHT = 0.6  # [spacings] over the water
+PUFF_RADIUS, PUFF_DROP_RADIUS = 0.30, 0.009  # [spacings]
+PUFF_DROPS, PUFF_KINDS = 24, 64  # drops that fly in a puff, and different puffs
+MAX_PUFFS = 1500  # in a picture
+PUFF_STREAM = 0x5_0003  # stream of random numbers
+
+
+def bell_numbers(uniform: np.ndarray) -> np.ndarray:
+    """Normally distributed numbers (n, 3) of variance 1/4 from evenly distributed ones (n, 6) (Box & Muller 1958)."""
+    radius, angle = np.sqrt(-2.0 * np.log(1.0 - uniform[:, :3])), 2.0 * np.pi * uniform[:, 3:]
+    return 0.5 * radius * np.cos(angle)
 
 
 class Splash(NamedTuple):
@@ -152,8 +166,8 @@ def drops(
     some = some[torn[some] > 0.0]
     which = np.arange(DROPS)
     seed = (number[some, None] * DROPS + which).ravel()
-    uniform = np.stack([numpy_uniform(0, OFFSETS, seed, k) for k in range(8)], axis=1)
-    offset = APART * spacing * 2.0 * normal(uniform[:, :6]).reshape(len(some), DROPS, 3)
+    uniform = np.stack([numpy_uniform(0, DROP_STREAM, seed, k) for k in range(8)], axis=1)
+    offset = APART * spacing * 2.0 * bell_numbers(uniform[:, :6]).reshape(len(some), DROPS, 3)
     way = velocity[some] / np.maximum(np.linalg.norm(velocity[some], axis=1, keepdims=True), 1e-9)
     offset += TRAILING * (offset * way[:, None]).sum(axis=2, keepdims=True) * way[:, None]
     bell = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 6])) * np.cos(2.0 * np.pi * uniform[:, 7])
@@ -168,3 +182,43 @@ def spheres(middles: np.ndarray, radii: np.ndarray, ball: Mesh) -> Mesh:
     vertices = middles[:, None] + radii[:, None, None] * ball.vertices
     triangles = ball.triangles + k * np.arange(n)[:, None, None]
     return Mesh(vertices.reshape(-1, 3), triangles.reshape(-1, 3), np.tile(ball.normals, (n, 1)))
+
+
+def has_left_water(position: np.ndarray, spacing: float, high: np.ndarray) -> np.ndarray:
+    """True (m,) for those of the high ones (m, 3) among particles (n, 3) that have few neighbours."""
+    from scipy.spatial import cKDTree
+
+    if not len(high):
+        return np.zeros(0, bool)
+    near = cKDTree(position).query_ball_point(high, NEIGHBOURHOOD * spacing, return_length=True)
+    return near - 1 <= MAX_SPRAY_NEIGHBOURS
+
+
+class Spray:
+    """A fixed number of puffs; those not needed wait below the sea."""
+
+    def __init__(self, stage: Stage, spacing: float) -> None:
+        self.spacing = spacing
+        self.positions = np.tile(np.array([0.0, -OUT, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
+        n = np.arange(PUFF_KINDS * PUFF_DROPS)
+        offsets = (
+            PUFF_RADIUS
+            * spacing
+            * bell_numbers(np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1))
+        )
+        self.offsets = offsets.reshape(PUFF_KINDS, PUFF_DROPS, 3)
+        self.cloud = stage.pyvista.PolyData(self.positions)
+        drops = stage.plotter.add_mesh(
+            self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
+        )
+        drops.mapper.scale_factor = PUFF_DROP_RADIUS * spacing
+        self.drawn = drops.mapper.dataset
+
+    def show(self, position: np.ndarray, heights: np.ndarray) -> None:
+        """Particles (n, 3) and the heights (n,) of the water below them [m]."""
+        high = position[position[:, 1] > heights + MIN_SPRAY_HEIGHT * self.spacing]
+        centres = high[has_left_water(position, self.spacing, high)][:MAX_PUFFS]
+        drops = (centres[:, None] + self.offsets[np.arange(len(centres)) % PUFF_KINDS]).reshape(-1, 3)
+        positions = self.positions.copy()
+        positions[: len(drops)] = drops
+        self.drawn.points = positions

@@ -7,7 +7,7 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Vessel
-from ocean_sim.pictures.water.foam import from_ship
+from ocean_sim.pictures.water.waterline import from_ship
 
 LASTS = 7.0  # [s] in which it falls to a third
 AGE = 22.0  # [s] after which it is not drawn

@@ -48,7 +48,7 @@ def action_space() -> spaces.Box:
 def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
     """A random sea of few plane waves."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
-    whole = sea.components(waves.direction(heading_deg, 3), depth, count=WAVE_COUNT)
+    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
     return replace(whole, amplitude=height * whole.amplitude)
 
 

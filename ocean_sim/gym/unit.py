@@ -55,7 +55,7 @@ class OceanBoat(Fmi2Slave):
         )
         boat = Boat()
         self.boats = Boats(boat, 1, WAVE_COUNT, WATER_DEPTH)
-        components = sea.components(waves.direction(sea.heading_deg, 3), WATER_DEPTH, count=WAVE_COUNT)
+        components = sea.components(waves.heading_vector(sea.heading_deg, 3), WATER_DEPTH, count=WAVE_COUNT)
         self.boats.begin(np.ones(1, dtype=bool), [components], np.zeros(1), boat.cruise)
         self.set_outputs()
 

@@ -75,7 +75,7 @@ def test_the_jacobian_is_the_slope_of_the_leg_lengths(hex_a):
     moved = np.hstack([pose[:, :3], turned.as_euler("ZYX")[:, ::-1]])
     slope = (hex_a.legs(moved) - hex_a.legs(pose)) / step
     np.testing.assert_allclose(slope, jacobian[:, :, 3:] @ spin, atol=1e-5)
-    leg, arm = hex_a.arms(pose)
+    leg, arm = hex_a.leg_vectors(pose)
     along = leg / np.linalg.norm(leg, axis=2, keepdims=True)
     twice = np.cross(arm @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2), along)
     assert np.abs(slope - twice @ spin).max() > 1e-2

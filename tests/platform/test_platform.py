@@ -168,7 +168,7 @@ RIDES = [(2.5, 0.5, 6.0), (3.0, 1.0, 12.0), (4.0, 5.0, 20.0), (5.0, 1.5, 6.0), (
 
 def accelerations(machine, poses):
     """(n,) of the reference point, or of the joints as they turn, where that is more [m/s2]."""
-    return machine.governor.sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
+    return machine.governor.motion_sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
 
 
 @pytest.mark.parametrize("name", quickly("ship", "ship_adaptive"))

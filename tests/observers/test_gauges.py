@@ -75,11 +75,8 @@ def test_pressure_stands_beside_elevation_or_alone(tmp_path, watched):
 def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(watched):
     wet = gauges.Config(pressure={"corner": [3.0, -2.0, 2.0], "side": [-3.0, -1.0, 0.0], "high": [0.0, 9.0, 0.0]})
     assert wet.misplaced_gauges(watched().basin) == []
-    problems = dict(
-        gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]}).misplaced_gauges(
-            watched().basin
-        )
-    )
+    beyond = gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]})
+    problems = dict(beyond.misplaced_gauges(watched().basin))
     assert problems["pressure", "deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
     assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
     assert "2-D" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced_gauges(watched(width=None).basin)[0][1]

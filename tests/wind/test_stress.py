@@ -280,7 +280,7 @@ def test_the_bend_of_the_surface_is_found(width):
         x[:, 1] += wave
         fluid.particles.position.from_numpy(x)
         fluid.begin()
-        fluid.exposure.find()
+        fluid.exposure.find_areas()
         x, names = fluid.particles.position.to_numpy(), fluid.particles.id.to_numpy()
         bend, area = (f.to_numpy()[names] for f in (fluid.exposure.bending.bend, fluid.exposure.area))
     crossed = np.ones(len(x)) if width is None else np.cos(k * x[:, 2])

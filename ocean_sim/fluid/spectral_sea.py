@@ -37,11 +37,11 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
 
-CELLS = 128  # along a tile
-FEW = 4.0  # cells over a ship's breadth
-FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
-HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
-DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
+DEFAULT_CELLS = 128  # along a tile
+MIN_BEAM_CELLS = 4.0  # cells over a ship's breadth
+MAX_FIT_CHANGE = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
+MIN_HELD_ENERGY = 0.5  # part of a sea's energy that a tile which repeats itself must hold
+SPECTRUM_COMPONENTS = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
@@ -57,7 +57,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     tile: float | None = quantity("m", None, gt=0.0)
     """Side length of the tiles; null: six wavelengths of the highest waves, in calm water the longer side of the
     basin."""
-    cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
+    cells: int = quantity("1", DEFAULT_CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
     step: float | None = quantity("s", None, ge=LEAST_STEP)
     """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
@@ -107,12 +107,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
             )
             wanted = snapped(sea, tile).wavevector[0]
-            if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
+            if np.linalg.norm(wanted - sea.wavevector[0]) > MAX_FIT_CHANGE * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
                 found.append((("tile",), f"{sentence} in this direction; {cure}"))
-        if not found and self.held(basin) < HELD:
+        if not found and self.held(basin) < MIN_HELD_ENERGY:
             sentence = (
                 f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves from {4.0 * tile.cell:.3g} m, four"
             )
@@ -124,7 +124,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def held(self, basin: Basin) -> float:
         """Part of the sea's energy in waves that a tile which repeats itself holds; 1 in calm water."""
-        whole = self.sea_of(basin, DRAWN)
+        whole = self.sea_of(basin, SPECTRUM_COMPONENTS)
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
@@ -145,11 +145,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 )
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
-            if look is not None and look.breadth < FEW * tile.cell:
+            if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
                 found.append(
                     f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
-                    f"{tile.cell:.3g} m; below {FEW:g} the waves that she makes are too long and too low: take more "
-                    "fluid.cells or a smaller fluid.tile"
+                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: take "
+                    "more fluid.cells or a smaller fluid.tile"
                 )
             if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
@@ -298,7 +298,7 @@ class SpectralSea(OpenWater):
         self.made: list[Made] = []
         self.sheets = ()
         if config.order == 3:
-            fitted = snapped(config.sea_of(basin, DRAWN), tile)
+            fitted = snapped(config.sea_of(basin, SPECTRUM_COMPONENTS), tile)
             self.afar = replace(fitted, ramp=whole.ramp)
             self.steep = Steep(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)

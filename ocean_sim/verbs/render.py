@@ -70,10 +70,10 @@ def render(
     if config is None:
         raise SceneError(problems)
     require_frames(run)
-    sentence = drawing.impossible(run, config.camera, config.stills, config.ship)
+    sentence = drawing.obstacle_to_pictures(run, config.camera, config.stills, config.ship)
     if sentence is not None:
         raise console.Refused(sentence)
-    options = drawing.asked(config, run) | ({} if fps is None else {"every": 1.0 / fps})
+    options = drawing.config_options(config, run) | ({} if fps is None else {"every": 1.0 / fps})
     progress = Drawing(quiet=as_json)
     before = {*(out or run).glob("*")}
     with console.claim(out or run):
@@ -82,9 +82,9 @@ def render(
         finally:
             progress.close()
         if out is None and (run / "report.html").exists():
-            from ocean_sim.observers import report
+            from ocean_sim.observers.shared import run_report
 
-            files = [*files, report.write_report(run)]  # with the new pictures
+            files = [*files, run_report.write_report(run)]  # with the new pictures
         run_files.add(run, files)
     list_files(files, as_json)
     replaced = [file.name for file in files if file in before]

@@ -148,8 +148,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
                 found.append(
                     f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
-                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: take "
-                    "more fluid.cells or a smaller fluid.tile"
+                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: "
+                    "take more fluid.cells or a smaller fluid.tile"
                 )
             if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")

@@ -95,8 +95,8 @@ def test_and_so_it_is_in_a_zone_that_is_short(kh, wavelengths, most):
 
 def test_layers_and_modes_are_enough(monkeypatch):
     coarse = sent_back(1.1, 1.0, LEAST_REFLECTION_RATE)
-    monkeypatch.setattr(absorption, "LAYERS", 240)
-    monkeypatch.setattr(absorption, "MODES", 10)
+    monkeypatch.setattr(absorption, "ZONE_LAYERS", 240)
+    monkeypatch.setattr(absorption, "DEPTH_MODES", 10)
     assert sent_back(1.1, 1.0, LEAST_REFLECTION_RATE) == pytest.approx(coarse, abs=1e-4)
 
 

@@ -159,7 +159,7 @@ def reported(error: BaseException, as_json: bool) -> int:
     """Print an error in the form that was asked for; gives the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
-        sentence = console.counted(problems) if problems else sentence
+        sentence = console.problem_count(problems) if problems else sentence
         try:
             console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
         except OSError:  # which may be what there is to report

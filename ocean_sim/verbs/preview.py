@@ -52,7 +52,7 @@ def preview(
             raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
         serve([scene], profile, sets, out=out, as_json=as_json)
         return
-    overrides: dict[str, Any] = dict(console.settings(sets))
+    overrides: dict[str, Any] = dict(console.set_values(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
 
     def scene_in_wind(wind: str) -> SceneConfig:

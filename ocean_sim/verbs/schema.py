@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ocean_sim.files.whole_file import whole
-from ocean_sim.reading.schema import text
+from ocean_sim.reading.schema import schema_text
 from ocean_sim.verbs.shared import console
 
 
@@ -17,9 +17,9 @@ def schema(
 ) -> None:
     """Print the schema, or write it into a file."""
     if out is None:
-        with console.OUTPUT:
-            sys.stdout.write(text())
+        with console.NAMED_OUTPUT:
+            sys.stdout.write(schema_text())
             sys.stdout.flush()
     else:
         with whole(out) as draft:
-            draft.write_text(text(), encoding="utf-8")
+            draft.write_text(schema_text(), encoding="utf-8")

@@ -21,9 +21,9 @@ from ocean_sim.machine import extra_missing
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
-complained: set[str] = set()  # what has been said once
-MOST = 2000  # bytes of a message about what went wrong
-OUTPUT = naming("standard output")
+complaints: set[str] = set()  # what has been said once
+MAX_COMPLAINT_BYTES = 2000  # bytes of a message about what went wrong
+NAMED_OUTPUT = naming("standard output")
 
 
 class Outlet(FileIO):
@@ -60,24 +60,24 @@ def open_streams() -> None:
 
 def say(text: str = "") -> None:
     """A line for people."""
-    with OUTPUT:
-        print(visible(text), flush=True)
+    with NAMED_OUTPUT:
+        print(escape_controls(text), flush=True)
 
 
 def complain(text: str) -> None:
     """A line about what went wrong."""
     with suppress(OSError):  # there may be nobody to tell
-        print(cut(visible(text), MOST), file=sys.stderr, flush=True)
+        print(cut(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
-def visible(text: str) -> str:
+def escape_controls(text: str) -> str:
     """A text in which what a terminal would obey, or not show, is escaped."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def answer(data: Any) -> None:
     """The answer for programs: JSON, in which NaN and infinity become null."""
-    with OUTPUT:
+    with NAMED_OUTPUT:
         print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
@@ -106,16 +106,16 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     for row in rows:
         shown.add_row(*row)
     width = None if sys.stdout.isatty() else 140
-    with OUTPUT:
+    with NAMED_OUTPUT:
         Console(width=width, markup=False, highlight=False).print(shown)
 
 
-def counted(problems: list[Any]) -> str:
+def problem_count(problems: list[Any]) -> str:
     """Sentence with the number of problems of a scene."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 
-def settings(sets: list[str] | None) -> dict[str, Node]:
+def set_values(sets: list[str] | None) -> dict[str, Node]:
     """The values of `--set`, by dotted key; raises SceneError with every mistake. Null takes what was set below its key
     before away with it."""
     values: dict[str, Node] = {}
@@ -138,13 +138,13 @@ def claim(out: Path, *ours: str) -> Claim:
     return claimed(out, *ours, named=f"--out {out}")
 
 
-def drawn(draw: Callable[..., object], *about: Any) -> bool:
+def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
     """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
     missing = extra_missing("pictures")
     if missing is None:
         draw(*about)
-    elif missing not in complained:
-        complained.add(missing)
+    elif missing not in complaints:
+        complaints.add(missing)
         complain(f"no pictures: {missing}")
     return missing is None
 

@@ -154,7 +154,7 @@ def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tm
     assert machine.extra_missing("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
     assert meaning(missing) == (3, sentence, [])
-    monkeypatch.setattr(console, "told_already", set())
+    monkeypatch.setattr(console, "complaints", set())
     drawn: list[str] = []
     assert not console.draw_if_able(drawn.append, "a") and not console.draw_if_able(drawn.append, "b") and not drawn
     assert capsys.readouterr().err == f"no pictures: {sentence}\n"

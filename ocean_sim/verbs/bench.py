@@ -19,7 +19,6 @@ import typer
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 if TYPE_CHECKING:
@@ -128,7 +127,7 @@ def bench_one(order: str, as_json: Json = False) -> None:
         {"runtime.threads": asked["threads"]} if asked["threads"] else {}
     )
     config = load(asked["scene"], {**quiet, **machine, **console.set_values(asked["sets"])}, asked["profile"])
-    must_compute_with(config.runtime.library)
+    console.must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:
         simulation.step()
         first_step = monotonic() - asked["spawned"]

@@ -13,7 +13,6 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
@@ -55,7 +54,7 @@ def check(
         )
         raise typer.Exit(2) from None
     if time:
-        must_compute_with(config.runtime.library)
+        console.must_compute_with(config.runtime.library)
         if not as_json:
             console.say(kernel_notice())
         measure_step_time(config)

@@ -1,6 +1,7 @@
-"""`ocean-sim new`: a scene of one's own to start from, every key with a comment."""
+"""`ocean-sim new` and `schema`: a scene to start from, every key with a comment, and the JSON Schema for editors."""
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -101,3 +102,17 @@ def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[s
 
 def with_comment(text: str, comment: str) -> str:
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
+
+
+def print_schema(
+    out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The output is always JSON.")] = True,
+) -> None:
+    """Print the schema, or write it into a file."""
+    if out is None:
+        with console.NAMED_OUTPUT:
+            sys.stdout.write(schema_text())
+            sys.stdout.flush()
+    else:
+        with whole(out) as draft:
+            draft.write_text(schema_text(), encoding="utf-8")

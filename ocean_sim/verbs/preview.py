@@ -20,7 +20,6 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import serve
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 
@@ -62,7 +61,7 @@ def preview(
         return load(scene, kept | {"wind": wind}, profile)
 
     config = scene_in_wind(SCENE_WIND)
-    must_compute_with(config.runtime.library)
+    console.must_compute_with(config.runtime.library)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture_name(0)).exists():
         raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")

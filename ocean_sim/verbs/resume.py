@@ -19,7 +19,6 @@ from ocean_sim.result import FIRST, Result, simulated
 from ocean_sim.state import file
 from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Quiet
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
@@ -53,7 +52,7 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
         report_finished(folder, manifest, as_json)
         return
     must_have_the_files_of(folder, manifest, config)
-    must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
+    console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
     else:

@@ -15,7 +15,6 @@ from ocean_sim.result import FIRST, Result, claimed_for, simulated
 from ocean_sim.state import file
 from ocean_sim.verbs.check import picture_time, preflight, preflight_lines
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.history import keep_step_time
 from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
@@ -42,7 +41,7 @@ def run(
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
-    must_compute_with(config.runtime.library)
+    console.must_compute_with(config.runtime.library)
     with run_folder(scene_path(scene).stem, out, overwrite, config.files()) as folder:
         silent = as_json or quiet
         progress = Progress(config.duration, silent)

@@ -17,7 +17,6 @@ from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 HTML_TYPE, BYTES_TYPE, JSON_TYPE = "text/html; charset=utf-8", "application/octet-stream", "application/json"
@@ -70,7 +69,7 @@ def serve_play(
     from ocean_sim.viewer.session import Session, Source
 
     source = Source.of(scene, profile, console.set_values(sets))
-    must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
+    console.must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
     with stoppable(), Server(live_files(source.name), host, port, access_token(host), {"drives": True}) as server:
         announce_page(server, as_json, show, "building; the page shows the water as soon as it is there")
         with suppress(KeyboardInterrupt):

@@ -10,8 +10,8 @@ from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.shared.study import rows_of, text
 
 
 def stability(

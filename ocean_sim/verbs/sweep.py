@@ -10,8 +10,8 @@ from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
 from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.shared.study import rows_of, text
 
 FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 

@@ -28,8 +28,8 @@ from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
-from ocean_sim.verbs.shared.study import rows_of, text
 
 EVERY_PROFILE = f"profile={','.join(PROFILE_NAMES)}"
 STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later

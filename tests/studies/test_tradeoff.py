@@ -27,7 +27,7 @@ from ocean_sim.studies.scene_tradeoff import (
 from ocean_sim.studies.shared import pareto, runs
 from ocean_sim.studies.shared import study as table
 from ocean_sim.studies.shared.clocked import Clocked
-from ocean_sim.studies.shared.scene_run import elevation_series
+from ocean_sim.studies.shared.scene_run import run_measures
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb
@@ -265,7 +265,7 @@ def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
 
     few = tuple(trial for trial in TRIAL_CASES if trial.case in ("dam_break_front", "ship_rao"))
     monkeypatch.setattr(tradeoff, "TRIAL_CASES", few)
-    monkeypatch.setattr(verb, "TRIALS", few)
+    monkeypatch.setattr(verb, "TRIAL_CASES", few)
     monkeypatch.setattr(runs, "perform_run", made_up)
     assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
     said = capsys.readouterr().out
@@ -306,7 +306,7 @@ def heading(folder: str, ahead: float, swing: float) -> Result:
 def test_a_ship_that_heads_for_minus_z_swings_as_much_as_any(ahead):
     """Her yaw leaps from pi to -pi: sweeps and studies took that for a swing of up to 0.9 rad."""
     one, other = heading("one", ahead, 0.02), heading("other", ahead - 0.01, 0.02)
-    assert elevation_series(one)["yaw_rms_rad"] == pytest.approx(0.02 / np.sqrt(2.0), rel=1e-6)
+    assert run_measures(one)["yaw_rms_rad"] == pytest.approx(0.02 / np.sqrt(2.0), rel=1e-6)
     assert errors_against(one, other)["yaw_rms_rad"] == pytest.approx(0.01, rel=1e-6)
 
 

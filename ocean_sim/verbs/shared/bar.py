@@ -1,10 +1,13 @@
-"""Progress of long work: a bar on a terminal, plain lines elsewhere."""
+"""Progress of long work, as of studies: a bar on a terminal, plain lines elsewhere."""
 
 import sys
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ocean_sim.verbs.shared import console
+
+if TYPE_CHECKING:
+    from ocean_sim.studies.shared.study import Study
 
 BAR_SECONDS = 0.1  # wall time between two pictures of the bar [s]
 LINE_SHARE = 0.05  # share of the whole between two plain lines
@@ -84,3 +87,23 @@ class Drawing:
 
     def close(self) -> None:
         self.bar.close()
+
+
+def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
+    """Run a study, with its progress shown; gives its rows, and raises Stopped on Ctrl-C."""
+    total, began = len(study.points), perf_counter()
+    bar = Bar(max(1.0, total), quiet)
+    try:
+        for done in study.run():
+            bar.show(done, f"{done} of {total} runs, {console.duration(perf_counter() - began)}")
+    except KeyboardInterrupt:
+        message = f"stopped after {len(study.found)} of {total} runs; the same command continues from there"
+        raise console.Stopped(message) from None
+    finally:
+        bar.close()
+    return study.rows
+
+
+def text(value: Any) -> str:
+    """A cell for people."""
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

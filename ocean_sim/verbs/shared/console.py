@@ -16,7 +16,7 @@ from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.run_files import Claim, claimed
 from ocean_sim.files.whole_file import naming
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
-from ocean_sim.machine import extra_missing
+from ocean_sim.machine import extra_missing, installed
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
@@ -42,6 +42,23 @@ class Outlet(FileIO):
 
 class Stopped(Failed):
     """A person stopped a run; the sentence gives the time."""
+
+
+class Anew(BaseException):
+    """Passes through all that handles errors: nothing has been done yet, and the process begins anew."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(library)
+        self.library = library
+
+    def begin(self, arguments: list[str]) -> None:
+        """Run the command line again in this process, with the other library; does not return."""
+        from ocean_sim import kernel_library
+
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        environment = os.environ | {kernel_library.VARIABLE: self.library}
+        os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
 
 
 def open_streams() -> None:
@@ -156,3 +173,17 @@ def duration(seconds: float) -> str:
     if seconds < 3600.0:
         return f"{int(seconds // 60)} min {int(seconds % 60)} s"
     return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"
+
+
+def must_compute_with(
+    library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
+) -> None:
+    """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
+    the one that is `asked` for there is not installed. For the command line, before anything is written."""
+    from ocean_sim import kernel_library
+
+    if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
+        return
+    if installed(library) is None:
+        raise Lacking(f"{asked}: {library} is not installed here; pip install {library}{cure}")
+    raise Anew(library)

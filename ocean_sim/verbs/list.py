@@ -7,7 +7,7 @@ import typer
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
 from ocean_sim.reading.sentences import file_sentence, module_sentence
 from ocean_sim.reading.translation import choice_sentence
-from ocean_sim.validation import names
+from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
@@ -54,7 +54,8 @@ def section_rows(section: str) -> list[dict[str, str]]:
         return [entry_row(section, name, "profile", file_sentence(folder / f"{name}.yaml")) for name in named("run")]
     if section == "cases":
         return [
-            entry_row(section, name, "case", module_sentence(PACKAGE / "validation" / f"{name}.py")) for name in names()
+            entry_row(section, name, "case", module_sentence(PACKAGE / "validation" / f"{name}.py"))
+            for name in case_names()
         ]
     if section == "figures":
         return [

@@ -12,8 +12,8 @@ from ocean_sim.basin import shifts
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.patch.relaxation_zone import Band, band, stokes
-from ocean_sim.fluid.patch.sea_patch import nodes
+from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, relaxation_band, stokes_shift
+from ocean_sim.fluid.patch.sea_patch import table_nodes
 from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import of_patch
@@ -21,7 +21,7 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.observers.shared.energy import kinetic, total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.state import state
+from ocean_sim.validation.shared.state import particle_state
 from tests.conftest import quickly
 
 G, LENGTH = 9.81, 2.0  # [m/s2], [m] of the wave
@@ -37,8 +37,8 @@ def patch(sea=REGULAR, basin=SLICE, spacing=0.1, kind="delta_sph", **keys):
     return load(scene | QUIET | keys)
 
 
-def band_of(scene) -> Band:
-    found = band(scene.fluid.lattice(scene.preflight.tank))
+def band_of(scene) -> RelaxationBand:
+    found = relaxation_band(scene.fluid.lattice(scene.preflight.tank))
     assert found is not None
     return found
 
@@ -52,7 +52,7 @@ def refused(**keys) -> str:
 @ti.kernel
 def read(table: ti.template(), points: ti.types.ndarray(ndim=2), values: ti.types.ndarray(ndim=2)):  # type: ignore[valid-type]
     for n in range(points.shape[0]):
-        found = table.at(ti.math.vec3(points[n, 0], points[n, 1], points[n, 2]))
+        found = table.sample(ti.math.vec3(points[n, 0], points[n, 1], points[n, 2]))
         for c in ti.static(range(6)):
             values[n, c] = found[c]
 
@@ -109,7 +109,7 @@ def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing, within):
     ):
         with Simulation(patch(basin=basin, kind=kind, **keys)) as simulation:
             simulation.run(0.3)
-            found.append(state(simulation).position)
+            found.append(particle_state(simulation).position)
     assert np.abs(found[0] - found[1]).max() <= within
 
 
@@ -117,10 +117,10 @@ def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing, within):
 def test_impulses_add_up_to_the_momentum_and_the_sea_has_its_own(kind):
     scene = patch(kind=kind, accuracy={}, duration=0.2)
     with Simulation(scene) as simulation:
-        before = state(simulation).momentum
+        before = particle_state(simulation).momentum
         simulation.run(0.2)
         given = simulation.fluid.impulse
-        gained = state(simulation).momentum - before
+        gained = particle_state(simulation).momentum - before
     assert "sea" in given and np.abs(given["sea"]).max() > 0.0
     assert sum(given.values()) == pytest.approx(gained, abs=2e-5 * np.abs(given["gravity"]).max())
 
@@ -143,7 +143,7 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
             water.particles.velocity.from_numpy(np.tile([0.1, 0.0, 0.0], (water.count, 1)).astype(np.float32))
             water.add_ships([ship])
             simulation.run(0.3)
-            now = state(simulation)
+            now = particle_state(simulation)
             far = np.abs((now.position[:, 0] - x + 3.0) % 6.0 - 3.0)
             assert now.velocity[far > 2.8, 0].mean() < 0.02 < 0.07 < now.velocity[far < 1.0, 0].mean()
 
@@ -156,7 +156,7 @@ def test_what_slows_incompressible_water_leaves_still_water_still(basin, sea):
     held of that, more at the seam than beside it, would stir the water, by up to g dt."""
     with Simulation(patch(sea, basin, kind="dfsph")) as simulation:
         simulation.run(0.5)
-        speed = np.linalg.norm(state(simulation).velocity, axis=1)
+        speed = np.linalg.norm(particle_state(simulation).velocity, axis=1)
         assert np.sqrt((speed**2).mean()) < 0.01 * G * simulation.next_dt
 
 
@@ -168,17 +168,17 @@ def test_the_model_of_one_line_meets_trials_without_a_feed(kappa, right):
     found = band_of(scene)
     group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
     losses = np.array([kappa * group / LENGTH + 0.0j])
-    model = Band(found.lattice, 0.75 * LENGTH, 2.0 * 2.0 * np.pi / PERIOD, found.sea, losses, 0.0 * losses)
-    assert abs(model.at_ship(0.0)) == pytest.approx(right, abs=0.015)
+    model = RelaxationBand(found.lattice, 0.75 * LENGTH, 2.0 * 2.0 * np.pi / PERIOD, found.sea, losses, 0.0 * losses)
+    assert abs(model.height_at_ship(0.0)) == pytest.approx(right, abs=0.015)
 
 
 def test_a_feed_of_twice_the_loss_holds_the_sea_up_at_any_speed():
     found = band_of(patch())
     assert found.losses is not None and found.feed == pytest.approx(2.0 * found.losses)
     for speed in (-1.5, 0.0, 0.7, 1.0, 1.3):
-        assert found.at_ship(speed) == pytest.approx(1.0, abs=1e-9)
+        assert found.height_at_ship(speed) == pytest.approx(1.0, abs=1e-9)
     unfed = band_of(patch(REGULAR | {"feed": 0.0}))
-    assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
+    assert abs(unfed.height_at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
 
 
 def moving(until: float) -> float:
@@ -250,7 +250,7 @@ def test_a_rim_that_is_too_weak_is_told_by_how_much_goes_through():
     group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
     for rate in (0.0, 2.0):
         found = band_of(patch(REGULAR | {"rim": {"rate": rate}}))
-        assert found.through == pytest.approx(np.exp(-rate * 0.75 * LENGTH / 2.5 / group), rel=1e-6)
+        assert found.wake_transmission == pytest.approx(np.exp(-rate * 0.75 * LENGTH / 2.5 / group), rel=1e-6)
         assert any("meets her own wake" in sentence for sentence in found.warnings(1.0))
     assert band_of(patch()).warnings(1.0) == [] == band_of(patch("calm")).warnings(1.0)
     weak = band_of(patch({"kind": "linear_waves", "rim": {"rate": 0.0}}))
@@ -279,7 +279,7 @@ def test_the_sea_grows_over_two_periods_where_a_ship_is_in_it_else_it_is_there_a
     for ramp in (None, 0.0):
         with Simulation(patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)) as simulation:
             assert simulation.fluid.sea.ramp == pytest.approx(2.0 * PERIOD if ramp is None else 0.0)
-            assert (np.abs(state(simulation).velocity).max() == 0.0) == (ramp is None)
+            assert (np.abs(particle_state(simulation).velocity).max() == 0.0) == (ramp is None)
 
 
 @pytest.mark.slow
@@ -306,7 +306,7 @@ def test_a_sea_that_has_grown_is_the_sea(kind):
     with Simulation(patch(sea, spacing=0.0625, duration=4.0)) as simulation:
         for until, share in ((PERIOD, 0.5), (3.0 * PERIOD, 1.0)):
             simulation.run(until)
-            water = state(simulation)
+            water = particle_state(simulation)
             deep = (water.position[:, 1] < -0.05) & (water.position[:, 1] > -0.5)
             x, y = water.position[deep, 0], water.position[deep, 1]
             angle, c = k * x - omega * simulation.time, 0.025 * G * k / omega * waves.profiles(k, y, 1.0)[0]
@@ -427,7 +427,7 @@ def sources(sea, basin=SLICE, spacing=0.1):
     sea."""
     found = band_of(patch(sea, basin, spacing))
     depths = Depths(1.0, 0.1, 1.0)
-    count = nodes(found, found.sea)
+    count = table_nodes(found, found.sea)
     return PlaneWaveSource(found, found.sea, depths, count), SteepSource(found, found.sea, depths, count), found.sea
 
 
@@ -451,7 +451,7 @@ def test_a_nonlinear_sea_is_faster_by_stokes():
     time = 2.0 * PERIOD
     ratio = steep.modes(time)[0, 0, 3, 0] / linear.modes(time)[0, 0, 3, 0]
     ahead = -np.angle(ratio)
-    right = sea.omega[0] * stokes(sea) * time
+    right = sea.omega[0] * stokes_shift(sea) * time
     assert ahead == pytest.approx(right, rel=0.05) and right > 0.1
 
 

@@ -26,16 +26,19 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
-    shown = done.some(liveliest_span(done, machine, MAX_CURVE_SECONDS))
-    for picture, name in ((draw_motion(shown), "motion.png"), (draw_legs(shown, config.geometry), "legs.png")):
+    shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
+    for picture, name in (
+        (draw_motion(shown), "draw_motion.png"),
+        (draw_legs(shown, config.geometry), "draw_legs.png"),
+    ):
         if len(shown.time) < len(done.time):
-            picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
+            picture.suptitle(f"the liveliest_span {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)
     save_figure(
-        draw_workspace(done.some(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
-        folder / "workspace.png",
+        draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
+        folder / "draw_workspace.png",
     )
-    save_figure(draw_strips(machine.hexapod), folder / "strips.png")
+    save_figure(draw_strips(machine.hexapod), folder / "draw_strips.png")
     if film:
         write_film(folder / "film.gif", done, machine)
 
@@ -183,7 +186,7 @@ def snapshot(points: np.ndarray) -> np.ndarray:
 
 def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
     """The hexapod in a pose: base, legs of a cylinder and a rod, platform, which way is forward; dotted: in neutral."""
-    resting, moved = hexapod.arms(np.array([np.zeros(6), pose]))[0]
+    resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
     rings = (
         0.0 * moved,
         resting,

@@ -358,7 +358,7 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
         raise opengl.OpenGLMissing
 
     monkeypatch.setattr(render, "render_run", missing)
-    monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     code, _, err = ask("render", "bare")
@@ -371,7 +371,7 @@ def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
     Path("bare").mkdir()
     Path("bare/preview.png").touch()
     monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
-    monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")

@@ -67,13 +67,13 @@ def check(
 
 def measure_step_time(config: SceneConfig) -> None:
     """Take steps of a scene for half a second, and keep their mean wall time for estimates; nothing is written."""
-    from ocean_sim.observers.timings import waiting
+    from ocean_sim.observers.timings import synchronization
     from ocean_sim.simulation import Simulation
     from ocean_sim.verbs.bench import time_block
 
     with Simulation(config) as simulation:
         simulation.step()  # it compiles kernels
-        steps, wall, _, _ = time_block(simulation, waiting(simulation.backend.arch))
+        steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
     keep_step_time(config, wall / steps)
 
 

@@ -27,7 +27,7 @@ from _paper import BLUE, INK, ORANGE, PALE, keep, paper, table
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves.orbits import circulation
-from ocean_sim.waves.record import evenly, zero_crossing_waves
+from ocean_sim.waves.record import even_samples, zero_crossing_waves
 from ocean_sim.wind import Drawing
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
@@ -36,7 +36,11 @@ PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "
 SPECTRAL = {"kind": "spectral_sea", "tile": 80.0, "cells": 64}  # 1.25 m
 PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d) "}
 FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
-GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
+GUST_SPEED, GUST_GAP, MIN_IRREGULAR_WAVES = (
+    8.0,
+    40.0,
+    18.0,
+)  # [m/s], [m] from gust to gust, [s] when the first have passed
 SLICE = {"kind": "delta_sph", "spacing": 1.25, "kinematic_viscosity": 1.0}
 COUNTED = 20  # waves of all gauges from which a period is told in a picture
 WEAK, LONGEST, TOP = 0.15, 9.0, 2.0  # arrows of which there are crosses instead; the longest [m]; how high they are [m]
@@ -52,7 +56,7 @@ def gust(range_m: float = 8.0, acceleration: float = 1.0, drift: float = 10.0, *
 
 
 def varied() -> list[tuple[str, float, dict, float]]:
-    """What is varied, its value, the wind, and the length of the basin [m]."""
+    """Varied quantity, its value, the wind, and the length of the basin [m]."""
     rows = [("range [m]", x, gust(range_m=x), 40.0) for x in (2.0, 4.0, 8.0)]
     # A faster gust of the same thrust kicks less; what rises with the speed of its air is the acceleration, as U^2.
     rows += [("speed [of wide]", x, gust(acceleration=x * x), 40.0) for x in (0.5, 0.75, 1.0)]
@@ -72,7 +76,7 @@ def train(length: float, lasts: float) -> dict:
 
 
 class Waves(NamedTuple):
-    """What one sea is."""
+    """Statistics of one sea."""
 
     hm0: float  # 4 sqrt m0 over time [m]
     hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
@@ -83,7 +87,7 @@ class Waves(NamedTuple):
 
 
 class View(NamedTuple):
-    """How one sea looks."""
+    """Picture of one sea."""
 
     chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
     wind: Drawing  # when it blew most strongly and nearest to the middle
@@ -149,7 +153,7 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
     with Simulation(load(scene)) as simulation:
         while simulation.time < lasts:
             simulation.run(until=simulation.time + 0.1)
-            if simulation.time >= min(STEADY, 0.5 * lasts):
+            if simulation.time >= min(MIN_IRREGULAR_WAVES, 0.5 * lasts):
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
     return Waves(*heights_of(times, heights), float("nan"))
@@ -173,7 +177,7 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
 
 def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     """A record at equal intervals [s], less its mean [m]."""
-    interval, even = evenly(time, height)
+    interval, even = even_samples(time, height)
     return interval, even - even.mean()
 
 
@@ -217,9 +221,8 @@ def drawn(
 
 
 def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What shows a wind, where it is over the basin: (3, n) points of its outlines, of which some are not numbers, as
-    they begin elsewhere; (2, 3, m) where arrows begin and what they are along, level; and (3, k) where it is but
-    noise [m]."""
+    """Marks of a wind over the basin: points (3, n) of its outlines, with NaN between separate ones; starts and
+    directions (2, 3, m) of level arrows; and places (3, k) of noise [m]."""
     share = np.append(np.linspace(0.0, 1.0, 41), np.nan)[:, None]
     lines = (wind.lines[:, :1] + share * (wind.lines[:, 1:] - wind.lines[:, :1])).reshape(-1, 3)
     lines[np.abs(lines[:, [0, 2]]).max(axis=1, initial=0.0) > 20.0] = np.nan

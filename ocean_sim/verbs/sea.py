@@ -33,21 +33,21 @@ def sea(
     point = number_list("--at", at)
     if point is None or len(point) != 2:
         raise Refused("--at is not like 0,0: x and z [m]")
-    config = load(scene, console.settings(sets))
+    config = load(scene, console.set_values(sets))
     field = wave_field(config)
     waves, files = field.sea, []
     title = " ".join((config.title or scene).split())  # one line of a file
     if swd is not None:
         swd.parent.mkdir(parents=True, exist_ok=True)
         with whole(swd) as draft:
-            draft.write_bytes(exchange.swd(waves, title))
+            draft.write_bytes(exchange.to_swd(waves, title))
         files.append(swd)
     if openfast is not None:
         time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([point]), t) for t in time.tolist()])
         openfast.parent.mkdir(parents=True, exist_ok=True)
         with whole(openfast) as draft:
-            draft.write_text(exchange.openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
+            draft.write_text(exchange.to_openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
         files.append(openfast)
     answer: dict[str, Any] = {
         "waves": len(waves.amplitude),

@@ -11,32 +11,32 @@ import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.whole_file import whole
-from ocean_sim.pictures.frame_files import Frame, frame_files, opened
-from ocean_sim.pictures.water.sea_state import scene_of
+from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
+from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.waves.orbits import BREAKING, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
+from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.waves.record import (
-    CUT_OFF,
-    REGULAR,
-    RESOLVED,
-    STEADY,
+    CUT_OFF_PEAKS,
+    MIN_IRREGULAR_WAVES,
+    RECORD_PERIODS,
+    REGULAR_ERROR,
     Sea,
     Treatment,
     Unmeasurable,
-    elevations,
-    evenly,
-    measured,
+    even_samples,
+    gauge_elevations,
+    linear_trend,
+    measure_record,
     missing_samples,
+    record_spectra,
     sampling_error,
     slow_part,
-    spectra,
-    trend,
 )
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
-COLUMNS = {
+WAVE_COLUMNS = {
     "H1/3": "hs_m",
     "4 sqrt m0": "hm0_m",
     "Hmax": "hmax_m",
@@ -46,7 +46,7 @@ COLUMNS = {
     "Tm02": "tm02_s",
     "waves": "waves",
 }
-ORBIT = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
+ORBIT_COLUMNS = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
 
 
 def waves(
@@ -68,9 +68,9 @@ def waves(
     treatment = Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
-    path = record(run)
+    path = read_record(run)
     try:
-        time, heights = elevations(path, begin)
+        time, heights = gauge_elevations(path, begin)
         found = {name: measured_as(name, time, height, treatment) for name, height in heights.items()}
     except Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
@@ -81,9 +81,9 @@ def waves(
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
     write_table(files[0], found, treatment.notes())
-    frequency, densities = spectra(time, heights, treatment)
+    frequency, densities = record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
-    if not console.drawn(draw, files[2], time, heights, frequency, densities):
+    if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
         files.pop()
     surface = surface_of(path.parent, begin, quiet=as_json)
     if surface is not None:
@@ -93,12 +93,14 @@ def waves(
     run_files.add(path.parent, files)
     treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
     if as_json:
-        whole_run = ({} if surface is None else surface.means()) | gain(path)
+        whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
-    show(found, path, treatment, time)
-    steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
-    for sentence in sampling([sampling_error(treatment.deviation(evenly(time, height)[1])) for height in steady]):
+    print_waves(found, path, treatment, time)
+    steady = [height for name, height in heights.items() if found[name].waves >= MIN_IRREGULAR_WAVES]
+    for sentence in sampling_facts(
+        [sampling_error(treatment.deviation(even_samples(time, height)[1])) for height in steady]
+    ):
         console.say(sentence)
     for name, done in treated.items():
         for warning in done.get("warnings", ()):
@@ -109,7 +111,7 @@ def waves(
         console.say(surface_sentence(surface))
     tracers = path.parent / "tracers.csv"
     if tracers.is_file():
-        files += orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
+        files += particle_orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
         run_files.add(path.parent, files)
     console.say("\n".join(str(file) for file in files))
 
@@ -120,7 +122,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
-        with opened(folder / "frames" / "grid.npz") as file:
+        with open_frame(folder / "frames" / "grid.npz") as file:
             x, z, lower, upper = (file[name] for name in ("x", "z", "lower", "upper"))
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
@@ -133,7 +135,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
 def surface_sentence(surface: SurfaceRecord) -> str:
     """Means over time, for people."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
-    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING:g} g "
+    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING_ACCELERATION:g} g "
     cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"
     turn = surface.circulation
     if turn is None:
@@ -142,7 +144,7 @@ def surface_sentence(surface: SurfaceRecord) -> str:
     return f"{mean}, on a circle of {surface.radius:.3g} m about the middle\n{cover}"
 
 
-def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
+def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
     """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
     file, where there is no period or there are no orbits."""
     if period is None:
@@ -154,15 +156,17 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
         console.say(f"{path}: no orbits: {error}")
         return []
     rows = orbit_rows(names, found)
-    write_rows(folder / "orbits.csv", ORBIT, rows)
+    write_rows(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
-    console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT, some)
+    console.table(
+        f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT_COLUMNS, some
+    )
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]
 
 
-def record(run: Path) -> Path:
+def read_record(run: Path) -> Path:
     """The file with the records of a run."""
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
@@ -175,8 +179,8 @@ def record(run: Path) -> Path:
 
 def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
     """Numbers of what was done to a record, and warnings of what it lacks; nothing of a whole one as it was."""
-    warnings = [*filter(None, (missing_samples(time), slow_part(*evenly(time, height), treatment)))]
-    found: dict[str, Any] = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
+    warnings = [*filter(None, (missing_samples(time), slow_part(*even_samples(time, height), treatment)))]
+    found: dict[str, Any] = {"trend_m_s": linear_trend(*even_samples(time, height))} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
     return found | ({"warnings": warnings} if warnings else {})
 
@@ -184,18 +188,18 @@ def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
     """The waves of a gauge; raises Unmeasurable with its name."""
     try:
-        return measured(time, height, treatment)
+        return measure_record(time, height, treatment)
     except Unmeasurable as why:
         raise Unmeasurable(f"the record of gauge {name!r} {why}") from None
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
-    wind = scene_of(path.parent).get("wind")
+    wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
-def gain(path: Path) -> dict[str, float]:
+def pressure_gain(path: Path) -> dict[str, float]:
     """The gain of a wind that is a physical stress, and that of its pressure where it has its own."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
@@ -220,30 +224,32 @@ def wind_of(path: Path) -> str | None:
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 
-def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
+def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
     """The table for people."""
-    rows = [[name, *(cell(getattr(sea, key)) for key in COLUMNS.values())] for name, sea in found.items()]
-    heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in COLUMNS.items()]
+    rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
+    heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
-        for sentence in shortcomings(sea, treatment):
+        for sentence in record_shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
-    console.say(f"moments up to {CUT_OFF:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}")
+    console.say(
+        f"moments up to {CUT_OFF_PEAKS:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}"
+    )
     if (wind := wind_of(path)) is not None:
         console.say(wind)
 
 
-def sampling(errors: list[float]) -> list[str]:
+def sampling_facts(errors: list[float]) -> list[str]:
     """Sentences on the sampling error of records as long as these; none for regular waves."""
-    irregular = sorted(error for error in errors if error < REGULAR)
+    irregular = sorted(error for error in errors if error < REGULAR_ERROR)
     if not irregular:
         return []
     share = " to ".join(dict.fromkeys(f"{100.0 * error:.2g}" for error in (irregular[0], irregular[-1])))
     return [f"4 sqrt m0 of irregular waves has a standard error of {share} % in a record of this length"]
 
 
-def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
+def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
     """Sentences on what a record is too short for."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
@@ -251,16 +257,16 @@ def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
         why = "constant" if sea.hm0_m == 0.0 else "shorter than a wave: it does not cross its mean upwards twice"
         return [f"the record is {why}, so no wave is counted"]
     found = []
-    if sea.waves < STEADY:
+    if sea.waves < MIN_IRREGULAR_WAVES:
         count = "1 wave" if sea.waves == 1 else f"{sea.waves} waves"
-        found.append(f"the record holds {count}; statistics of irregular waves need at least {STEADY}")
+        found.append(f"the record holds {count}; statistics of irregular waves need at least {MIN_IRREGULAR_WAVES}")
     if sea.tp_s is None:
-        why = f"the record is shorter than {RESOLVED:g} periods of its spectral peak"
+        why = f"the record is shorter than {RECORD_PERIODS:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
 
 
-def cell(value: float | None) -> str:
+def table_cell(value: float | None) -> str:
     """A number of the table; one that could not be measured is a dash."""
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
@@ -274,9 +280,9 @@ def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], 
 
 def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
     """A row a gauge, under comment lines with notes."""
-    numbers = {name: [getattr(sea, key) for key in COLUMNS.values()] for name, sea in found.items()}
+    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
     rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
-    write_rows(path, ["gauge", *COLUMNS.values()], rows, **notes)
+    write_rows(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
@@ -284,7 +290,7 @@ def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     write_rows(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
-def draw(
+def draw_waves(
     path: Path,
     time: np.ndarray,
     heights: dict[str, np.ndarray],
@@ -305,7 +311,7 @@ def draw(
     below.set_ylabel("spectral density [m2 s]")
     highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
     if highest > 0.0:  # beyond it the moments of a spectrum end, too
-        below.set_xlim(0.0, min(CUT_OFF * highest, float(frequency[-1])))
+        below.set_xlim(0.0, min(CUT_OFF_PEAKS * highest, float(frequency[-1])))
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")

@@ -9,13 +9,13 @@ from statistics import median
 import pytest
 
 from ocean_sim.machine import cores
-from ocean_sim.observers.render import ALONE, FIRST, PICTURE
+from ocean_sim.observers.render import PICTURE_SECONDS, SERIAL_SHARE, START_SECONDS
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.runtime import allocated_bytes, start
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.check import ledger, preflight
+from ocean_sim.verbs.check import ledger_rows, preflight
 
 SHIP = {"kind": "hydrostatic", "hull": {"shape": {"kind": "sphere", "radius": 0.3}, "mass": 40.0}}
 APART = {"contact": None} if "contact" in config_of("ship", "hydrostatic").model_fields else {}  # pushes no water
@@ -48,7 +48,7 @@ FLOATING = {"kind": "pressure", "hull": {"shape": {"kind": "sphere", "radius": 0
 
 def test_each_part_lists_its_own_kernels():
     config = load(WHOLE)
-    rows = ledger(preflight(config), config)
+    rows = ledger_rows(preflight(config), config)
     kernels = {row["part"]: row["kernels"] for row in rows if row["kernels"] is not None}
     assert "PairSph.move" in kernels["fluid"] and "Cloth.update" in kernels["surface"]
     assert not any(name.startswith("Mueller") for part in ("wind", "surface", "ship") for name in kernels[part])
@@ -57,8 +57,10 @@ def test_each_part_lists_its_own_kernels():
 def test_pictures_take_time_as_many_as_there_are():
     """No more pictures than frames, one each 0.033 s."""
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}}))
-    seconds = FIRST[3] + 2 * PICTURE[3]["draft"]
-    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(seconds * (ALONE + (1.0 - ALONE) / cores()))
+    seconds = START_SECONDS[3] + 2 * PICTURE_SECONDS[3]["draft"]
+    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(
+        seconds * (SERIAL_SHARE + (1.0 - SERIAL_SHARE) / cores())
+    )
     assert preflight(load(WHOLE))["estimated_by_part"]["pictures_s"] == 0.0
 
 
@@ -238,6 +240,6 @@ def test_a_step_without_a_slot_costs_what_its_other_slots_cost(tmp_path):
 
 def test_what_is_compiled_is_in_the_ledger(whole_and_without):
     config = load(WHOLE)
-    listed = {name for row in ledger(preflight(config), config) for name in row["kernels"] or ()}
+    listed = {name for row in ledger_rows(preflight(config), config) for name in row["kernels"] or ()}
     ours = {name for name in whole_and_without["whole"]["kernels"] if "." in name}  # the rest are Taichi's copies
     assert ours and ours <= listed, ours - listed

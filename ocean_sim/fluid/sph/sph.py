@@ -16,8 +16,8 @@ from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, trains
-from ocean_sim.fluid.patch.relaxation_zone import band, cells_of
+from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
+from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
 from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.smoothing import Smoothing
@@ -154,11 +154,11 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         lattice = self.began(preflight)
-        around = band(lattice)
+        around = relaxation_band(lattice)
         if around is not None:
             outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
             ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
-            found += [*around.warnings(preflight.duration), *around.parted(ships)]
+            found += [*around.warnings(preflight.duration), *around.ships_in_rim(ships)]
         return [*found, *of_zones(zones(lattice)), *self.of_scales(lattice, preflight.support)]
 
     def of_scales(self, lattice: Lattice, support: float) -> Iterator[str]:
@@ -169,7 +169,7 @@ class SphConfig(WaterConfig):
                 f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of "
                 f"{support / spacing:.3g}: too few to move like water; take a smaller spacing"
             )
-        for train in trains(lattice):
+        for train in wave_trains(lattice):
             length, height = train.sea.wavelength, train.height
             waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
             if length < COARSE * spacing:
@@ -177,7 +177,7 @@ class SphConfig(WaterConfig):
                     f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
                 )
-            short = train.shorter_than(CARRIED * spacing)
+            short = train.variance_below(CARRIED * spacing)
             if short > UNCARRIED:
                 yield (
                     f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
@@ -272,7 +272,7 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
-        around = band(self.began(preflight))
+        around = relaxation_band(self.began(preflight))
         found += around.statements() if around is not None else []
         found += [zone.statement for zone in zones(self.began(preflight))]
         return [*found, *self.of_waves(preflight), *super().statements(preflight)]
@@ -282,7 +282,7 @@ class SphConfig(WaterConfig):
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
-        for train in trains(self.began(preflight)):
+        for train in wave_trains(self.began(preflight)):
             if ratio != usual:
                 at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
                 yield f"what {self.kind} adds to the viscosity of waves {at}"
@@ -290,7 +290,7 @@ class SphConfig(WaterConfig):
             own, length = self.viscosity_asked, train.sea.wavelength
             added = self.viscosity_added(preflight, length, train.height, train.standing)
             if added > NOTABLE * own:
-                a_period, a_wavelength = train.lost(own + added)
+                a_period, a_wavelength = train.height_loss(own + added)
                 way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
                 yield (
                     f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
@@ -347,15 +347,15 @@ def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     """The ledger of the sea that the water is a patch of."""
-    around = band(lattice)
+    around = relaxation_band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.patch.sea_patch import memory
+    from ocean_sim.fluid.patch.sea_patch import table_bytes
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
-    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    found = [LedgerRow("fluid", what, table_bytes(around, around.sea, word), "sea")]
     if around.nonlinear is not None:
-        cells = int(np.prod(cells_of(around)))
+        cells = int(np.prod(tile_cells(around)))
         what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
         found.append(LedgerRow("fluid", what, 6 * 8 * cells, why))
     return found
@@ -368,16 +368,16 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
     rows: list[LedgerRow] = []
     if not with_bodies(basin):
         return []
-    from ocean_sim.fluid.bodies.boundary import at_work, boxes, floating, memory
+    from ocean_sim.fluid.bodies.boundary import any_moves, floating_bodies, memory, obstacle_bodies
 
-    afloat = {key_of(name): [body] for name, body in floating(lattice, grid.support).items()}
-    of_parts = {"basin": boxes(lattice, grid.support)} | afloat
+    afloat = {key_of(name): [body] for name, body in floating_bodies(lattice, grid.support).items()}
+    of_parts = {"basin": obstacle_bodies(lattice, grid.support)} | afloat
     for part, bodies in of_parts.items():
         count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
-            working = accounts and any(at_work(found) for found in of_parts.values())
+            working = accounts and any(any_moves(found) for found in of_parts.values())
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             size += 0 if rows else word * told * lattice.n
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why))
@@ -414,10 +414,10 @@ class Sph(ParticleWater):
         self.dt = ti.field(float, shape=())  # [s]
         self.bodies = with_bodies(basin)
         if self.bodies:
-            from ocean_sim.fluid.bodies.boundary import Boundary, boxes, floating
+            from ocean_sim.fluid.bodies.boundary import Boundary, floating_bodies, obstacle_bodies
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
-            bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
+            bodies = [*obstacle_bodies(lattice, support), *floating_bodies(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
@@ -438,7 +438,7 @@ class Sph(ParticleWater):
 
     def drive(self, dt: float) -> None:
         if self.exposed:
-            self.exposure.renew(dt, self.status.max_speed + self.reference_speed)
+            self.exposure.renew_if_due(dt, self.status.max_speed + self.reference_speed)
         super().drive(dt)
         if self.boundary is not None:
             self.boundary.advance(self.time)

@@ -17,7 +17,7 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PARTICLE = 4.7e-8  # [s] of processor time a step
+PARTICLE_SECONDS = 4.7e-8  # [s] of processor time a step
 SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
 
 
@@ -51,7 +51,7 @@ class Config(WaterConfig):
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
-            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
+            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE_SECONDS * n),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
             *account_ledger(size, word, preflight.sums_impulses),
         ]
@@ -87,7 +87,7 @@ class Ballistic(ParticleWater):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.fly(dt, self.wind.since, self.summary)
+        self.advance_all(dt, self.wind.since, self.summary)
 
     @ti.kernel
     def settle(self, summary: Array):
@@ -98,22 +98,22 @@ class Ballistic(ParticleWater):
                 group, p, u = t // self.tasks.stride, self.particles.position, self.particles.velocity
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
+                for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
                     x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
                     self.accounts.count_motion(group, v, self.pull.at(x, v), 0)
                     self.accounts.count_density(group, self.particles.density[i])
         self.accounts.summarise(summary)
 
     @ti.func
-    def fall(self, i, dt, group):
+    def advance_particle(self, i, dt, group):
         """Move particle i."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        a_wind, a_pull, a_hull = self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
+        a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
         mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
-        self.leave(i, x_new, v_new)
+        self.stage_particle(i, x_new, v_new)
         self.accounts.count_motion(group, v_new, a, fast)
         self.accounts.count_density(group, self.particles.density[i])
         if ti.static(self.accounts.impulses):
@@ -122,7 +122,7 @@ class Ballistic(ParticleWater):
             self.accounts.count_impulse(group, WALLS, m * (v_new - v - dt * a), v_mean)
 
     @ti.kernel
-    def fly(self, dt: float, since: float, summary: Array):
+    def advance_all(self, dt: float, since: float, summary: Array):
         """Move and sort."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
@@ -130,8 +130,8 @@ class Ballistic(ParticleWater):
                 group = t // self.tasks.stride
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
-                    self.fall(i, dt, group)
+                for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+                    self.advance_particle(i, dt, group)
         self.grid.sort()
         self.accounts.summarise(summary)
 

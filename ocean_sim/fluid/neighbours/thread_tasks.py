@@ -21,9 +21,9 @@ from ocean_sim.fluid.sph.particles import Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
-TASK = 512
-LINE = 32  # two lines of a cache
-SUMMED = 64  # rows that are summed one after the other; more are first summed in blocks
+TASK_ITERATIONS = 512
+ROW_PADDING = 32  # two lines of a cache
+MAX_SEQUENTIAL_ROWS = 64  # rows that are summed one after the other; more are first summed in blocks
 
 
 @in_kernels
@@ -38,7 +38,7 @@ class Tasks:
         self.single = groups == particles.most
 
     @ti.func
-    def first(self, group):
+    def first_particle(self, group):
         """Number of the first particle of a group, or of the last and one more."""
         n = self.particles.there()
         first = ti.min(group, n)
@@ -53,8 +53,8 @@ class Rows:
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns
-        self.rows = ti.field(float, shape=(count, columns + (LINE if count <= SUMMED else 0)))
-        self.block = isqrt(count) if count > SUMMED else 1
+        self.rows = ti.field(float, shape=(count, columns + (ROW_PADDING if count <= MAX_SEQUENTIAL_ROWS else 0)))
+        self.block = isqrt(count) if count > MAX_SEQUENTIAL_ROWS else 1
         self.last = self.rows
         if self.block > 1:
             self.last = ti.field(float, shape=(-(-count // self.block), columns))

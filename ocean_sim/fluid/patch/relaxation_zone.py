@@ -20,7 +20,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
-from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED, of_patch
+from ocean_sim.fluid.sph.initial_state import MIN_WAVE_SPACINGS, NOTABLE_LOST_VARIANCE, patch_waves
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.waves.absorption import PROFILE
 
@@ -141,8 +141,8 @@ class Band:
             return None
         left, asked = self.sea.significant_height, self.asked.significant_height
         return (
-            f"{share:.2g} of the variance of the sea is in waves of fewer than {CARRIED:g} particles, which are left "
-            f"out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
+            f"{share:.2g} of the variance of the sea is in waves of fewer than {MIN_WAVE_SPACINGS:g} particles, which "
+            f"are left out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
         )
 
     def statements(self) -> list[str]:
@@ -162,7 +162,7 @@ class Band:
                 f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
         short = self.short()
-        found += [short] if short is not None and self.left_out <= UNCARRIED else []
+        found += [short] if short is not None and self.left_out <= NOTABLE_LOST_VARIANCE else []
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
         at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
@@ -181,7 +181,9 @@ class Band:
         changed = self.changed()
         found += [changed] if changed is not None else []
         short = self.short()
-        found += [f"{short}; take a smaller spacing"] if short is not None and self.left_out > UNCARRIED else []
+        found += (
+            [f"{short}; take a smaller spacing"] if short is not None and self.left_out > NOTABLE_LOST_VARIANCE else []
+        )
         if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "
@@ -222,7 +224,7 @@ def band(lattice: Lattice) -> Band | None:
     basin = lattice.basin
     if basin.sea is None:
         return None
-    rim, sea = basin.sea.rim, of_patch(basin, lattice.spacing)
+    rim, sea = basin.sea.rim, patch_waves(basin, lattice.spacing)
     least = MOST * min(period for period in basin.periods if period)
     width = rim.width or (least if sea is None else min(WIDTH * sea.wavelength, least))
     if sea is None:

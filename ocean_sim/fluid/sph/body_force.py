@@ -7,8 +7,11 @@ from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
-PUSH, RATE, TURN, PIVOT = range(4)
-ALL, NONE = 0.75, 1.25  # [rows] heights up to which a particle bears its whole share, and from which it bears none
+FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
+FULL_SHARE_ROWS, NO_SHARE_ROWS = (
+    0.75,
+    1.25,
+)  # [rows] heights up to which a particle bears its whole share, and from which it bears none
 
 
 @in_kernels
@@ -28,23 +31,23 @@ class Pull:
 
     def at_mouth(self) -> np.ndarray:
         """(3,) [m/s2] on water that has just left an emitter: all but what a turning tank adds."""
-        return np.array(self.frame[PUSH]) if self.moving else self.gravity + self.body_force
+        return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
         """Take the motion of the tank at a time [s]."""
         if self.moving:
             frame = self.motion.at(time)
-            self.frame[PUSH] = frame.push(self.gravity) + self.body_force
-            self.frame[RATE], self.frame[TURN] = frame.rate, frame.angular_acceleration
-            self.frame[PIVOT] = frame.pivot
+            self.frame[FRAME_PUSH] = frame.push(self.gravity) + self.body_force
+            self.frame[FRAME_RATE], self.frame[FRAME_TURN] = frame.rate, frame.angular_acceleration
+            self.frame[FRAME_PIVOT] = frame.pivot
 
     @ti.func
     def at(self, x, v):
         """At a position, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
-            r, omega = x - self.frame[PIVOT], self.frame[RATE]
-            a = self.frame[PUSH] - tm.cross(self.frame[TURN], r)
+            r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]
+            a = self.frame[FRAME_PUSH] - tm.cross(self.frame[FRAME_TURN], r)
             a -= tm.cross(omega, tm.cross(omega, r)) + 2.0 * tm.cross(omega, v)
         return a
 
@@ -78,6 +81,6 @@ class Bed:
         Of du/dt = -k |u| u, k = drag share / row, the solution u / (1 + k |u| dt): no step turns the water round.
         """
         z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
-        share = tm.clamp((NONE - z / self.row) / (NONE - ALL), 0.0, 1.0)
+        share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
         rate = self.drag(z) * share / self.row * along.norm()
         return -rate / (1.0 + rate * dt) * along

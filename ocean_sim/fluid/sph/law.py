@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.neighbours.images import mirrored
+from ocean_sim.fluid.neighbours.images import mirror_position
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
@@ -65,7 +65,7 @@ class Law(ABC):
     @ti.func
     def image(self, other, mirror):
         """Row of a neighbour as a side shows it."""
-        return mirrored(mirror, other)
+        return mirror_position(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):

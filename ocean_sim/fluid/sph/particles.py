@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.fluid.sph.initial_state import started
+from ocean_sim.fluid.sph.initial_state import start_state
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, alone, in_kernels
@@ -207,8 +207,8 @@ def seeded(lattice: Lattice) -> Particles:
         pressure=numbers(float, count),
     )
     config, basin = lattice.config, lattice.basin
-    position, velocity, pressure = started(
-        config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
+    position, velocity, pressure = start_state(
+        config.initial, lattice.positions(), basin, config.rest_density, lattice.column_ends()[1]
     )
     if jet is not None:
         x, v = jet.left(jet.first, count.now, 0.0, np.zeros(3))

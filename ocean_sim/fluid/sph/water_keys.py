@@ -13,15 +13,17 @@ from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
 from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.fluid.sph.initial_state import Initial
-from ocean_sim.fluid.sph.lattice import Lattice, inside
+from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
 from ocean_sim.waves import Components, cut_short
 
-COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
-POINT = 6.0e-7  # [s] of processor time of the height at a point: 1.4e-6 from particles, 2e-7 from a surface over them
-TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
+MAX_ROUNDING_SPACINGS = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
+POINT_SECONDS = (
+    6.0e-7  # [s] of processor time of the height at a point: 1.4e-6 from particles, 2e-7 from a surface over them
+)
+MIN_GATE_SPACINGS = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
 class WaterConfig(FluidConfig):
@@ -87,17 +89,17 @@ class WaterConfig(FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
-        found += [*odd_gravity(tank.gravity), *fallen(tank), *coarse_numbers(preflight)]
+        found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
         if tank.piston is not None:
             found += cut_short(preflight.duration, tank.piston.ramp)
         if tank.config.motion is not None:
             found += tank.config.motion.warnings(preflight.duration)
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
-            if spacing is not None and thin < TIGHT * spacing - ROUNDING:
+            if spacing is not None and thin < MIN_GATE_SPACINGS * spacing - ROUNDING:
                 found.append(
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
-                    f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
+                    f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
                 )
         for k, gate in tank.gates:
             found += gate.warnings(preflight.duration)
@@ -123,9 +125,9 @@ class WaterConfig(FluidConfig):
         return self.emitter is not None
 
     def point_time(self, preflight: Preflight) -> float:
-        return POINT
+        return POINT_SECONDS
 
-    def began(self, preflight: Preflight) -> Lattice:
+    def start_lattice(self, preflight: Preflight) -> Lattice:
         """The lattice that this water starts on in a scene."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
@@ -182,17 +184,17 @@ class WaterConfig(FluidConfig):
                     found.append((("fill", k), "the box overlaps an earlier one: two particles would share a position"))
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
-            if inside(lattice.jet.sites, basin).any():
+            if in_obstacles(lattice.jet.sites, basin).any():
                 found.append((("emitter", "position"), "the mouth is inside an obstacle"))
         if basin.obstacles and not found:
             if lattice.n == 0:
                 found.append((("fill",), "the obstacles of the basin leave no room for water"))
-            elif inside(lattice.positions(), basin).any():
+            elif in_obstacles(lattice.positions(), basin).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
 
 
-def fallen(basin: Basin) -> Iterator[str]:
+def falling_warnings(basin: Basin) -> Iterator[str]:
     """Where water that nothing holds goes."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
@@ -200,12 +202,12 @@ def fallen(basin: Basin) -> Iterator[str]:
         yield "the basin has no floor: the water falls out of it"
 
 
-def coarse_numbers(preflight: Preflight) -> Iterator[str]:
+def rounding_warnings(preflight: Preflight) -> Iterator[str]:
     """Positions far from the origin have few digits left in single precision."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)
-    if spacing is not None and preflight.word == 4 and step > COARSE * spacing:
+    if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
         yield (
             f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
             f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"

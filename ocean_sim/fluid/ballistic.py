@@ -17,7 +17,6 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PARTICLE_SECONDS = 4.7e-8  # [s] of processor time a step
 SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
 
 
@@ -51,7 +50,7 @@ class Config(WaterConfig):
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
-            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE_SECONDS * n),
+            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
             *account_ledger(size, word, preflight.sums_impulses),
         ]

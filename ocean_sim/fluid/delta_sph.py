@@ -50,34 +50,21 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PAIR_SECONDS = 5.5e-9  # [s] of processor time a neighbour
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING_WEIGHT = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
-BULK_VISCOSITY = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
-MAX_BULK_VISCOSITY = (
-    0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
-)
+BULK_VISCOSITY = 0.7  # [h c]; at the default Courant number 1 is stable and 2 is not
+MAX_BULK_VISCOSITY = 0.42  # [h^2 / dt]; steps longer than the default damp less, and stay stable
 CUT_SHARE, FILLED_SHARE = 0.90, 0.97  # share of a kernel that is filled at which nothing and everything diffuses
-STRETCHED_RATIO, SHEARED_RATIO = (
-    0.1,
-    0.6,
-)  # spin over strain, both squared, from and up to which diffusion comes back there
+# Spin over strain, both squared, from which diffusion comes back next to a surface, and up to which.
+STRETCHED_RATIO, SHEARED_RATIO = 0.1, 0.6
 SHEAR_MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
-SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # of that time between two looks at them
-CALM_STRAIN, WINDY_CALM_STRAIN = (
-    1e-3,
-    1e-4,
-)  # [c / h] strain below which water is still; under a wind, whose drift may be as small
-IMPACT_DISSIPATION = (
-    0.5  # of the dissipation between particles that meet, over their density and the square of their speed
-)
-CARRIED_NUMBERS, GRADED_NUMBERS = (
-    2,
-    3,
-)  # deviation of the density, damped pressure over density squared; share, spin, strain
-NEAR_SUPPORT_SPACINGS = (
-    3.5  # [spacings] support of the kernel by which particles are found to be too near to each other
-)
+SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
+# [c / h] strain below which water is still; less under a wind, whose drift may be as small.
+CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
+IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
+# Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
+CARRIED_NUMBERS, GRADED_NUMBERS = 2, 3
+NEAR_SUPPORT_SPACINGS = 3.5  # [spacings] support of the kernel that finds particles too near to each other
 
 
 class Config(SphConfig):
@@ -137,14 +124,8 @@ class Config(SphConfig):
         if not self.is_enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.is_enclosed(preflight.tank) else 12 + 2 * GRADED_NUMBERS
-        return scheme_ledger(
-            preflight,
-            self.list_sizes(self.start_lattice(preflight), preflight.arch),
-            numbers,
-            what,
-            PAIR_SECONDS,
-            self.told_to_bodies,
-        )
+        sizes = self.list_sizes(self.start_lattice(preflight), preflight.arch)
+        return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
     def list_sizes(self, lattice: Lattice, arch: str) -> ListSize:
         """How large grid and lists are on a backend."""

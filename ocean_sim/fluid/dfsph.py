@@ -56,26 +56,15 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
-PARTICLE_SECONDS, PAIR_SECONDS = (
-    1.5e-6,
-    6.0e-9,
-)  # [s] of processor time, and a neighbour, with some ten iterations a step
 FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
 CALM_ERRORS = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
-BRIEF_STEP = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
-MIN_LIMIT_SPEED = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
-CALM_RMS_SPEED = 0.3  # of the reference speed: the root mean square speed about the mean up to which water is calm
+BRIEF_STEP = 0.1  # [smoothing length over reference speed]; in shorter steps calm water compresses itself less
+MIN_LIMIT_SPEED = 2.0  # [reference speeds] least speed by which the next step is chosen, see `limits`
+CALM_RMS_SPEED = 0.3  # [reference speeds] root mean square speed about the mean up to which water is calm
 MIN_STEADY_SUPPORT = (3.0, 3.5)  # [spacings] support below which water at rest stirs, in 2-D and in 3-D
-MIN_DIAGONAL_SHARE = (
-    0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
-)
-MAX_ROOM_STEPS, ROOM_TOLERANCE = (
-    20,
-    1.0e-6,
-)  # times that particles make room before a run, and the mean error that each may end with
-GAP_CLOSING_SHARE = (
-    0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
-)
+MIN_DIAGONAL_SHARE = 0.05  # least A_ii over its value on the lattice; keeps coincident particles finite
+MAX_ROOM_STEPS, ROOM_TOLERANCE = 20, 1.0e-6  # times that particles make room before a run, and mean error of each
+GAP_CLOSING_SHARE = 0.1  # least share of a gap's missing density that closes in a step; wider gaps close faster
 
 
 class Config(SphConfig):
@@ -159,7 +148,7 @@ class Config(SphConfig):
             numbers += 3 * len(impulse_terms(absent_terms(basin)))
         kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
-        return [*scheme_ledger(preflight, sizes, numbers, what, PAIR_SECONDS, particle=PARTICLE_SECONDS), pairs]
+        return [*scheme_ledger(preflight, sizes, numbers, what), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, accounts, wind)

@@ -27,13 +27,9 @@ from ocean_sim.runtime import Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
 SQUARED_GAP = 1.0e-12  # [m2] keeps two particles in one position finite
-PAIR_SECONDS = 3.0e-9  # [s] of processor time a neighbour
-CALMING_VISCOSITY = (
-    3.6e-3,
-    1.8e-3,
-)  # of c times the spacing, in 2-D and 3-D: the viscosity that keeps still water from boiling
-BOILING_TIME = 10.0  # sqrt(depth / g) after which it does: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
-SLOPE_FACTOR, OFFSET_FACTOR, VISCOUS_FACTOR = range(3)  # what may change while the water moves
+CALMING_VISCOSITY = (3.6e-3, 1.8e-3)  # [c spacing] in 2-D and 3-D: less lets still water boil
+BOILING_TIME = 10.0  # [sqrt(depth / g)] after which it boils: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
+SLOPE_FACTOR, OFFSET_FACTOR, VISCOUS_FACTOR = range(3)  # rows of the factors that `adjust` may change
 
 
 class Config(SphConfig):
@@ -80,14 +76,8 @@ class Config(SphConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
-        return scheme_ledger(
-            preflight,
-            sizes,
-            9,
-            "position, velocity, density, pressure, volume, number",
-            PAIR_SECONDS,
-            self.told_to_bodies,
-        )
+        what = "position, velocity, density, pressure, volume, number"
+        return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, accounts, wind)

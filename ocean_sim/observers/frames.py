@@ -16,7 +16,7 @@ from ocean_sim.files.whole_file import whole
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
+from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import raised_by
 from ocean_sim.ship import Ship
@@ -31,9 +31,6 @@ SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, how far foam was carr
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # for which foam is made before a run begins
 FOAM_LEAD_STEP = 0.25  # [s] of it
-WHITE = 1.0e-7  # [s] of processor time of the foam at a point
-TICKED = (2.0e-3, 3.0e-7)  # [s] of the foam where its own clock ticks, and at each point more
-HEIGHTS = 4.0  # at a point in closed form: its own, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -42,8 +39,6 @@ LARGE = 2.0e9  # bytes that are worth a warning
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 1
     leaves: ClassVar[str] = "frames/grid.npz, frames/frame_*.npz"
-    reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.0e-3, 5.0e-8)
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""
     spacing: float | None = quantity("m", None, gt=0.0)
@@ -71,15 +66,6 @@ class Config(PeriodicConfig):
             return []
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        points, fluid, [row] = self.points(preflight), preflight.fluid, super().ledger(preflight)
-        each = fluid.point_time(preflight)
-        white = 0.0
-        if preflight.tank.dimension == 3:
-            each = (1.0 if fluid.made_of_particles else HEIGHTS) * each + WHITE
-            white = min(1.0, self.every / foam.BREAKING_INTERVAL) * (TICKED[0] + TICKED[1] * points)
-        return [row._replace(seconds=row.seconds + white + points * each)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Frames":
         return Frames(self, folder, simulation)

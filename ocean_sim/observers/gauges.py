@@ -104,7 +104,6 @@ def nearest(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequen
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -1
     leaves: ClassVar[str] = "gauges.csv"
-    takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Column | Wave] = {}
     """Height of the water at points [x, z] in metres; in 2-D [x]. One that rides is {at: [x, z], rides: true}."""
     pressure: dict[Name, Point | Sensor] = {}

@@ -42,7 +42,6 @@ STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -3
     leaves: ClassVar[str] = "events.jsonl; checks every particle"
-    takes: ClassVar[tuple[float, float]] = (2.0e-5, 5.0e-10)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.0, ge=0.0)
     """Simulated time between checks; 0 checks after every step."""

@@ -37,7 +37,6 @@ FAR_OVER_NEAR = 20_000.0  # greatest over least distance that is drawn
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
-    reads_surface: ClassVar[bool] = True
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)
     """Simulated time between pictures."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})

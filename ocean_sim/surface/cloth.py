@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
-NODE = 3.3e-7  # [s] of processor time an update
 MOST_NODES = 2**24
 FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
@@ -99,7 +98,7 @@ class Config(SurfaceConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
-        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
+        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why)]
 
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
         return Cloth(self, basin, fluid)

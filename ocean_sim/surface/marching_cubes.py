@@ -24,7 +24,6 @@ from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
 MEASURED = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
@@ -36,7 +35,6 @@ WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 class Config(SurfaceConfig):
     """Triangles around the water, from the rows near water of a grid over the whole basin."""
 
-    when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
     compared: ClassVar[bool] = True
     fineness: ClassVar[int] = 1
     kind: Literal["marching_cubes"] = "marching_cubes"
@@ -106,13 +104,11 @@ class Config(SurfaceConfig):
         completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
         assert completed.radius is not None and preflight.spacing is not None
         nodes = completed.nodes(preflight.tank)
-        wet = particles * preflight.spacing**3  # [m3]
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(particles, nodes, completed.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
-        seconds = NODE * nodes.count + WET * wet / nodes.cell**3
         return [
-            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
+            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why),
             LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {completed.radius:g} m"),
         ]
 

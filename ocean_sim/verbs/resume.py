@@ -17,11 +17,11 @@ from ocean_sim.machine import sources, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST, Result, simulated
 from ocean_sim.state import file
-from ocean_sim.verbs.run import kernels, report, until_node
+from ocean_sim.verbs.run import report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Quiet
-from ocean_sim.verbs.shared.progress import Progress
+from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -63,7 +63,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     if not (as_json or quiet):
         nothing = "it ended before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
-        console.say(f"{folder}: {start}\n{kernels()}")
+        console.say(f"{folder}: {start}\n{kernel_notice()}")
 
     def made() -> Result:
         if kept is None:

@@ -53,8 +53,6 @@ SHAPE = Columns(
 )
 """A volume's row: its own columns, and then those of its shapes, one after the other."""
 
-STEP_SECONDS = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
-
 
 class Volume(Scheduled):
     """One volume of moving air: all included shapes less all excluded ones.
@@ -206,9 +204,7 @@ class Config(Placed, WindConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
-        return [
-            LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes", STEP_SECONDS)
-        ]
+        return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         sentences = []

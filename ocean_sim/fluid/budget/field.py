@@ -28,12 +28,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 MOMENT_COLUMNS = Columns(share=1, first=3, xx=1, yy=1, zz=1, xy=1, yz=1, zx=1)
 FACTOR_COLUMNS = Columns(constant=1, slope=3)
 WET_SHARE = 0.5  # smoothed share of water at a flat surface
-MAX_EXTRAPOLATION = (
-    2.0  # how far outside its neighbours a point is extrapolated to [standard deviations of their positions]
-)
-MIN_SPREAD = (
-    1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, along which alone there is a slope
-)
+MAX_EXTRAPOLATION = 2.0  # [standard deviations of neighbours' positions] distance of a point outside its neighbours
+MIN_SPREAD = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, with a slope along it alone
 STEPS_PER_SUPPORT = 4  # a support is searched in so many steps
 SURFACE_HALVINGS = 4
 

@@ -11,9 +11,8 @@ from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.particles import Count
 from ocean_sim.kernel_library import knows_processor, ti
 
-VECTOR_LENGTH = (
-    32 if knows_processor() else 8
-)  # candidates summed at once: eight lanes of f32 four times, or four lanes twice
+# Candidates summed at once: eight lanes of f32 four times, or four lanes twice.
+VECTOR_LENGTH = 32 if knows_processor() else 8
 MAX_KEPT_SHAPES = 2**30  # counted in 32 bits
 FILLER_X = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
 MAX_SERIAL_PARTICLES = 20_000  # up to so many particles one thread sorts faster than several

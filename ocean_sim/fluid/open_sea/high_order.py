@@ -28,7 +28,6 @@ KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
 STEPS_PER_WAVE = 40  # of the highest wave
 PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step
 SHORT = 4.0  # cells
-STEEP = 9.0e-7  # [s] of processor time a step and cell
 
 ONSET = 0.85  # u/C on a crest that begins to break
 EDDY = 0.02  # viscosity over C / k: of the size that Tian et al. find

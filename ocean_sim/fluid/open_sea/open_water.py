@@ -16,9 +16,6 @@ if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.open_sea.wave_sheet import Sheet
     from ocean_sim.fluid.open_sea.wave_tile import OnTile
 
-ADVANCE = 1.0e-4  # [s] of processor time a step
-# [s] of processor time: the height at a point of a frame, and of each plane wave there; a velocity takes three such
-POINT, WAVE_AT_POINT = 5.0e-8, 6.0e-10
 POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 

@@ -11,7 +11,7 @@ FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
 FULL_SHARE_ROWS, NO_SHARE_ROWS = (
     0.75,
     1.25,
-)  # [rows] heights up to which a particle bears its whole share, and from which it bears none
+)  # [rows] heights up to which a particle bears its share, and from which none
 
 
 @in_kernels

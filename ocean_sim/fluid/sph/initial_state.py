@@ -32,9 +32,7 @@ Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, 
 DISORDER_STREAM = 0x4_0000  # stream of random numbers
 FLOW_STEPS = 4  # Runge-Kutta steps along a displacement
 MAX_FIT_CHANGE = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
-MIN_WAVE_SPACINGS = (
-    10.0  # spacings that a wave of a random sea must be long: fed, shorter ones become up to 3 times too high
-)
+MIN_WAVE_SPACINGS = 10.0  # [spacings] shortest wave of a random sea: shorter ones, fed, become up to 3 times too high
 NOTABLE_LOST_VARIANCE = 0.02  # share of the variance in waves that are shorter: worth a warning
 MAX_STANDING_STEEPNESS = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 

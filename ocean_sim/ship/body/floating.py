@@ -30,7 +30,6 @@ from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea
 from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact
 
-BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
 STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
@@ -322,7 +321,7 @@ class FloatingConfig(VesselConfig):
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
         size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
         solid = self.solid(preflight)
         if solid is not None:
             count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)

@@ -173,7 +173,7 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
     if any(solid.felt for solid in simulation.basin.afloat.values()):
         pressed = cast("Pressure", ship)
         pressed.known[0, axis] = moved.acceleration
-        pressed.place()
+        pressed.place_hull()
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.hull.shapes import drawn
+from ocean_sim.ship.hull.shapes import drawn_mesh
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -28,7 +28,7 @@ def voyage(folder, count, every=0.1, ship=True):
     x = np.arange(-29.0, 30.0, 2.0)
     grid = {"x": x, "z": x, "lower": [-30.0, -6.0, -30.0], "upper": [30.0, 0.0, 30.0], "depth": 6.0, "spacing": 2.0}
     hull = hull_of("yacht")
-    vertices, triangles = drawn(hull.shape)
+    vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
     kept = {"ship_vertices": vertices - centre, "ship_triangles": triangles, "ship_look": "yacht outline"}
     kept |= {"ship_helm": np.array([0.0, 4.2, 0.5]) - centre, "ship_submerged": 0.22}

@@ -23,7 +23,7 @@ from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.water.foam import monahan, shares
 from ocean_sim.random_numbers import numpy_uniform
-from ocean_sim.waves import COMPONENTS, Components, Spectrum, wavenumber
+from ocean_sim.waves import SPECTRUM_WAVES, Components, Spectrum, wavenumber
 
 WINDS, SHOWN = np.arange(4.0, 25.0, 1.0), (7.0, 10.0, 15.0, 20.0)  # [m/s]
 PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over g
@@ -128,7 +128,7 @@ def main() -> None:
         mean = float(by_height(elevation).mean())
         rows.append((wind, height, period, wanted, float(foam.mean()), least, mean, expected_by_height(height)))
         progress(0.5 * (done + 1) / len(winds), f"a sea under {wind:g} m/s")
-    head = [f"fully developed seas of {COMPONENTS} waves, {points} x {points} points over six peak wavelengths"]
+    head = [f"fully developed seas of {SPECTRUM_WAVES} waves, {points} x {points} points over six peak wavelengths"]
     head += ["foam where the convergence of crests is above `convergence`; thesis: height over 0.8 m, cut to 0 and 1"]
     columns = ["u10_m_s", "hm0_m", "tp_s", "measured_at_sea", "drawn", "convergence", "thesis", "thesis_closed_form"]
     table(asked.out / "fig6_4.csv", head, columns, rows)

@@ -210,7 +210,7 @@ class Frames(Observer):
         """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
         that is called for would be born at once, in a stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
-        if sea is None or sea.grown(begins) < 1.0:
+        if sea is None or sea.ramp_share(begins) < 1.0:
             return
         wind = self.wind_speed or raised_by(sea, begins)
         for time in begins + np.arange(-FOAM_LEAD_SECONDS, 0.0, FOAM_LEAD_STEP):

@@ -49,7 +49,7 @@ def test_a_known_wind_calls_for_what_was_counted_and_crests_only_where_none_is_k
 def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     """There evenly: a share of the light, as a pixel sees it that holds many crests."""
     wanted, spectrum = 0.03, waves.Spectrum(significant_wave_height=1.0, peak_period=4.0, heading_deg=60.0, seed=1)
-    sea = far_sea.strongest(spectrum.components(waves.direction(60.0, 3), 30.0))
+    sea = far_sea.strongest(spectrum.components(waves.heading_vector(60.0, 3), 30.0))
     x = middles(-20.0, 20.0, 1.25)
     box = {"x": x, "z": x, "lower": np.array([-20.0, -30.0, -20.0]), "upper": np.array([20.0, 0.0, 20.0])}
     surface = sea_surface.SeaSurface(box, SimpleNamespace(exact=sea, beyond=sea, angle=0.6), DRAWN)

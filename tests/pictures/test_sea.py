@@ -39,7 +39,7 @@ def standing(time: float) -> SimpleNamespace:
 
 def spectrum(seed: int = 1) -> waves.Components:
     wanted = waves.Spectrum(significant_wave_height=1.0, peak_period=4.0, heading_deg=60.0, seed=seed)
-    return wanted.components(waves.direction(60.0, 3), 7.5)
+    return wanted.components(waves.heading_vector(60.0, 3), 7.5)
 
 
 def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
@@ -265,7 +265,7 @@ def test_a_young_sea_tells_of_the_wind_that_raised_it_and_a_swell_of_none():
 
     def sea(height: float, period: float) -> waves.Components:
         made = waves.Spectrum(kind="jonswap", significant_wave_height=height, peak_period=period)
-        return made.components(waves.direction(30.0, 3), 4000.0)
+        return made.components(waves.heading_vector(30.0, 3), 4000.0)
 
     assert far_sea.raised_by(sea(height, 2.0 * np.pi / peak), 0.0) == pytest.approx(wind, rel=0.05)
     assert foam.monahan(far_sea.raised_by(sea(3.0, 14.0), 0.0)) < 3e-4

@@ -9,7 +9,7 @@ import pytest
 from ocean_sim import load, run
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.patch.relaxation_zone import into_rim
+from ocean_sim.fluid.patch.relaxation_zone import rim_depth
 from ocean_sim.observers import motion
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading import schema
@@ -368,8 +368,8 @@ def test_a_ship_nearer_round_the_patch_is_not_in_the_rim():
     """On a patch of 100 m with a rim of 20 m on either side of the seam: 90 m away one way is 10 m the other way."""
     away = np.array([[0.0, 0.0], [29.0, 0.0], [31.0, 0.0], [50.0, 0.0], [90.0, 0.0], [0.0, 45.0]])
     both, slice_ = np.array([100.0, 100.0]), np.array([100.0, 0.0])
-    assert into_rim(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
-    assert into_rim(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])
+    assert rim_depth(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
+    assert rim_depth(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])
 
 
 def test_the_order_in_which_ships_are_written_changes_no_byte(tmp_path):

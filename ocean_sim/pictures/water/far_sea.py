@@ -71,7 +71,7 @@ def turning(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
 
 def grown(sea: Components, time: float) -> Components:
     """Plane waves as high as they are at a time [s]."""
-    return replace(sea, amplitude=sea.grown(time) * sea.amplitude, ramp=0.0)
+    return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
 def strongest(sea: Components, most: int = STRONGEST) -> Components:
@@ -265,5 +265,5 @@ def raised_by(sea: Components, time: float) -> float:
     if not sea.random or energy.sum() <= 0.0:
         return 0.0
     peak = PEAK_PERIOD * energy.sum() / (energy / sea.omega).sum()
-    height = sea.grown(time) * sea.significant_height
+    height = sea.ramp_share(time) * sea.significant_height
     return float((height * GRAVITY / (0.0016 * (22.0 * GRAVITY / peak) ** 1.5)) ** 2)

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 
 from ocean_sim.pictures.water.ripples import noise
-from ocean_sim.waves.orbits import falling
+from ocean_sim.waves.orbits import surface_fall
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
@@ -50,7 +50,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
     By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
     """
-    return falling(elevation, spacing_x, spacing_z)
+    return surface_fall(elevation, spacing_x, spacing_z)
 
 
 def cover(drawn_together: np.ndarray) -> float:

@@ -11,8 +11,8 @@ import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.whole_file import whole
-from ocean_sim.pictures.frame_files import Frame, frame_files, opened
-from ocean_sim.pictures.water.sea_state import scene_of
+from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
+from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
@@ -120,7 +120,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
-        with opened(folder / "frames" / "grid.npz") as file:
+        with open_frame(folder / "frames" / "grid.npz") as file:
             x, z, lower, upper = (file[name] for name in ("x", "z", "lower", "upper"))
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
@@ -191,7 +191,7 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
-    wind = scene_of(path.parent).get("wind")
+    wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 

@@ -15,6 +15,7 @@ from ocean_sim.observers import frames, manifest, render
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.water import foam
+from ocean_sim.pictures.water.waterline import ship_coordinates
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
 
@@ -216,7 +217,7 @@ def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, w
     seen = frames.Config(spacing=0.25).build(tmp_path, simulation)
     x, z = seen.points.T
     calm = 0.1 * np.sin(0.4 * x - 0.3 * z).reshape(seen.shape)
-    ahead, aside = foam.from_ship(x, z, sailing.body.position, sailing.body.matrix)
+    ahead, aside = ship_coordinates(x, z, sailing.body.position, sailing.body.matrix)
     hull = ((np.abs(ahead) < 1.0) & (np.abs(aside) < 0.4)).reshape(seen.shape)
     found = seen.crests(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
     changed = found != calm - 2.0 * hull

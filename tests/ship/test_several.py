@@ -280,7 +280,7 @@ def test_a_platform_rides_in_the_ship_that_it_names(tmp_path):
 def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_path, capsys):
     from ocean_sim.__main__ import answered
     from ocean_sim.observers import render
-    from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+    from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 
     ships = {"a": BARGE | {"velocity": [0.0, 0.0, 2.0]}, "b": BARGE | {"position": [APART, 0.0]}}
     ships["c"] = {"kind": "otter", "position": [60.0, 0.0]}
@@ -288,10 +288,10 @@ def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_pat
     keys = {"frames": {"every": 0.5, "spacing": 20.0}}
     folder = run(load(at_sea(ships, calm, 1.0, **keys), {"runtime.threads": 1}), tmp_path / "run").folder
     files = frame_files(folder)
-    tracks = Log(files).tracks
+    tracks = FrameLog(files).tracks
     assert list(Frame(files[0]).ships) == list(tracks) == ["ships.a", "ships.b"]  # the otter has no hull to draw
     assert tracks["ships.a"].position[-1, 2] > 1.0 and abs(tracks["ships.b"].position[:, 0] - APART).max() < 1e-3
-    assert render.impossible(folder, "follow", (), "b") is None
+    assert render.obstacle_to_pictures(folder, "follow", (), "b") is None
     assert answered(["render", str(folder), "--ship", "d"]) == 2
     assert "this run draws no ship 'd'; there is a, b" in capsys.readouterr().err
 

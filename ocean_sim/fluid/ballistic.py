@@ -90,7 +90,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort, and sum up what there is without a step."""
+        """Sort the particles, and sum up their state without a step."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:

@@ -89,7 +89,7 @@ class Config(SphConfig):
     """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in 2-D, / 10 in 3-D; h is 0.4 of
     the kernel support radius."""
     collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
-    """How near to a wall or the floor a particle's centre may come; its ghost particles hold it before that."""
+    """Least distance of a particle's centre from a wall or the floor; its ghost particles hold it before that."""
 
     def limits_at(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
@@ -105,7 +105,7 @@ class Config(SphConfig):
         return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
     def settling(self, preflight: Preflight) -> float:
-        """Of the deepest column, g h^2 / (2 c^2)."""
+        """Settlement of the deepest column [m], g h^2 / (2 c^2)."""
         tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
         if lattice is None or self.is_enclosed(tank) or pull <= 0.0:
             return 0.0
@@ -128,7 +128,7 @@ class Config(SphConfig):
         return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
     def list_sizes(self, lattice: Lattice, arch: str) -> ListSize:
-        """How large grid and lists are on a backend."""
+        """Sizes of grid and lists on a backend."""
         if self.is_enclosed(lattice.basin):
             return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
         return self.list_size(lattice, arch, Continuity.row.size, CARRIED_NUMBERS + GRADED_NUMBERS)
@@ -138,8 +138,8 @@ class Config(SphConfig):
 
 
 def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """How far [m] the weight of water lowers where its pressure over the density is `top` [m2/s2], over a column that
-    ends where it is `bottom`: the integral of p / (rho0 c^2)."""
+    """Settlement [m] of water whose pressure over the density is `top` [m2/s2], on a column that ends at the pressure
+    `bottom`: the integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -348,9 +348,9 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, own, total):
-        """Find which share of the diffusion particle i takes part in: all where its kernel is filled; none next to a
-        free surface, but for water that is sheared there (spin as great as strain) and not merely stretched, as by
-        waves (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
+        """Find the share of the diffusion in which particle i takes part: all if its kernel is filled. Next to a free
+        surface it is none, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves
+        (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         filled = self.prefactor(own) * total[self.terms.filled] / self.whole
         inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
@@ -502,8 +502,8 @@ class DeltaSph(Sph):
         self.begin()
 
     def lower_particles(self, bed: np.ndarray) -> None:
-        """Lower the particles by what the weight of the water above takes off the column below, down to the bed
-        (n,) [m] of each: the integral of p / (rho0 c^2)."""
+        """Lower the particles by the settlement of the column below, down to the bed (n,) [m] of each: the integral of
+        p / (rho0 c^2)."""
         pull = -self.pull.constant.y
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
@@ -516,7 +516,7 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """At the end of the step, in the order of its middle, with nothing wrapped into the period since."""
+        """Positions at the end of the step, in the order of its middle, not wrapped into the period since."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:

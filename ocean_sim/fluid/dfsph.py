@@ -230,7 +230,8 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Of the pressures: m / rho0^2 and the constant of grad W, over what the lattice makes of a gradient of one."""
+        """Factor of the pressures: m / rho0^2 and the constant of grad W, over the lattice's gradient of a unit
+        gradient."""
         return self.fluid.pressing
 
     @ti.func
@@ -413,7 +414,7 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """How far the pressures press the water together, or apart, more than they may: a mean, over its density."""
+        """Mean relative error of the density, of particles pressed together or apart."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
@@ -436,13 +437,13 @@ class Dfsph(Sph):
 
     @ti.kernel
     def book_pressures(self, solver: Template):
-        """Put what a solver's pressures have done to the accounts."""
+        """Book the impulses of a solver's pressures."""
         self.pairs.walk(solver.account)
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """The density that these velocities, and shifts of particles as fast as `speed`, lead to. Without shifts it has
-        been found before: the velocities are those that the solver for the divergence has left."""
+        """Predict the density from these velocities and from shifts of particles as fast as `speed`. Without shifts the
+        solver for the divergence has left it."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -463,7 +464,7 @@ class Dfsph(Sph):
 
     @ti.func
     def judge_group(self, group):
-        """Begin with the density of a group's particles by what the solver for the divergence has left."""
+        """Judge a group's particles by the compression that the solver for the divergence has left."""
         self.incompressible.compression.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             self.incompressible.compression.judge_particle(i, self.rate[i], group)
@@ -493,7 +494,7 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Where particle i is [m] after a way [m] that it goes at velocity u, and its velocity there, by the walls."""
+        """Place [m] of particle i after a way [m] at velocity u, and its velocity there, limited by the walls."""
         p = self.particles.position
         return self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
@@ -526,7 +527,7 @@ class Dfsph(Sph):
 
     @ti.func
     def density_allowance(self, i):
-        """What particle i may gain in density in this step, in a gap that closes [kg/m3]."""
+        """Density that particle i may gain in this step, in a gap that closes [kg/m3]."""
         surplus = 0.0
         if ti.static(not self.closed):
             surplus = self.closing[i]

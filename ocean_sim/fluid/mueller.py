@@ -203,7 +203,7 @@ class Mueller(PairSph):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """What `adjust` takes, and its unit; without viscosity in the scene its term is not compiled."""
+        """Settings that `adjust` takes, with units; without viscosity in the scene its term is not compiled."""
         found = {"stiffness": Setting(self.stiffness, "m2/s2")}
         if self.viscous:
             found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")

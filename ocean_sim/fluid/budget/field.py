@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """How much water there is around a point, and how it is spread: share, first and second moments."""
+    """Share of water around a point, and its first and second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -124,7 +124,7 @@ class Field:
 
     @ti.func
     def unsteady_pull(self, x):
-        """What the motion of the tank adds to gravity for water at rest at x [m/s2]."""
+        """Acceleration beyond gravity of water at rest at x in a moving tank [m/s2]."""
         pull = tm.vec3(0.0)
         if ti.static(self.moving):
             pull = self.pull.at_rest(x) - self.held
@@ -132,7 +132,7 @@ class Field:
 
     @ti.func
     def is_wet(self, x, share):
-        """Whether the water's share of what is not solid around x is at least one half."""
+        """True if water fills at least half of the space around x that is not solid."""
         least = WET_SHARE
         if ti.static(self.bodies):
             least *= 1.0 - self.boundary.solid(x)
@@ -140,7 +140,7 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """What a neighbour counts besides its weight; linear in its position."""
+        """Factor of a neighbour besides its weight; linear in its position."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
@@ -160,7 +160,7 @@ class Field:
 
     @ti.func
     def pressure(self, x):
-        """At x [Pa]; 0 where it is dry."""
+        """Pressure at x [Pa]; 0 where it is dry."""
         share, factors = self.fit_plane(x)
         pressure = 0.0
         if self.is_wet(x, share):
@@ -169,7 +169,7 @@ class Field:
 
     @ti.func
     def velocity(self, x):
-        """At x [m/s]; 0 where it is dry."""
+        """Velocity at x [m/s]; 0 where it is dry."""
         share, factors = self.fit_plane(x)
         velocity = tm.vec3(0.0)
         if self.is_wet(x, share):

@@ -1,4 +1,5 @@
-"""What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
+"""Budget of a step: extremes, and the impulse of every term, counted per group of cells and added in the order of
+groups; and sums over all particles."""
 
 from math import isfinite
 
@@ -56,7 +57,7 @@ class Accounts:
             self.sums_copy = np.zeros(rows)
 
     def has_term(self, term: int) -> bool:
-        """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
+        """True if a term acts in this scene, as is known when a kernel is compiled; the others stay zero."""
         return term not in self.idle
 
     @ti.func
@@ -100,7 +101,7 @@ class Accounts:
 
     @ti.func
     def block_extremes(self, begin, end):
-        """Of the rows from `begin` to `end`, but for impulses and work: what a step reports."""
+        """Extremes, sum and counts over the rows from `begin` to `end`, without impulses and work."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
         for g in range(begin, end):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
@@ -112,15 +113,16 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
-        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
+        """Fill an array of SUMMARY_SIZE numbers: largest squared speed and acceleration, least and largest density, a
+        sum that shows numbers that are not finite, particles held back, and cells with more candidates than their list
+        holds."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
                 summary[k] = number
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
-        """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        """Status from the numbers of `summarise`; raise Diverged where a list of candidates overflowed."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
         if crowded:
             x, y, z = grid.fullest_place()
@@ -147,7 +149,7 @@ class Accounts:
         return {TERM_NAMES[term]: total[term] for term in self.impulse_terms}
 
     def total_work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
+        """Work of each term since the start [J]; that of diffusion is its addition to the internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)
@@ -157,14 +159,14 @@ class Accounts:
 
 @in_kernels
 class Summing:
-    """Adds up what particles have now."""
+    """Sums over all particles in float64: fixed blocks, added in their order, so that threads change nothing."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles
         self.table = np.zeros((SUM_BLOCKS, SUM_COLUMNS.size + MAX_COLUMNS.size))
 
     def totals(self) -> Totals:
-        """Of the state that the particles are in."""
+        """Sums over the present state of the particles."""
         self.add_up(self.table)
         with np.errstate(invalid="ignore"):  # infinite both ways is NaN
             total, most = self.table[:, : SUM_COLUMNS.size].sum(axis=0), self.table[:, SUM_COLUMNS.size :].max(axis=0)

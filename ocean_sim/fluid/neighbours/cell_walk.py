@@ -1,9 +1,9 @@
-"""Who is near whom: the walk over neighbours, written once.
+"""The walk over neighbours for processors.
 
-The unit of work is a cell, as wide as the support, or a part of a large one: the particles within one support of the
-bounding box of its particles are its candidates, found once a step and kept; a pair law is then summed over them in one
-long loop without branches. Everything is gathered, nothing is scattered, so the result does not depend on the number of
-threads.
+The unit of work is a cell, as wide as the support, or a part of a large one. Its candidates are the particles within
+one support of the bounding box of its own particles. They are found once a step and kept. A pair law is then summed
+over them in one long loop without branches. Sums are gathered and never scattered, so the result does not depend on the
+number of threads.
 """
 
 from ocean_sim.columns import vec3
@@ -77,8 +77,8 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Of the n numbers from `name` on keep those that are marked with 1 from `first` on, in place of the marks; how
-        many."""
+        """Keep of the n numbers from `name` on those marked with 1 from `first` on, in place of the marks; return their
+        number."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -104,7 +104,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """The same next to a periodic side: a candidate is a particle and a code of the period it is seen through."""
+        """Keep the particles near the box next to a periodic side. A candidate is a particle and a code of the period
+        through which it is seen."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -124,7 +125,7 @@ class CellWalk:
 
     @ti.func
     def is_interior(self, c):
-        """Whether no cell around c is seen through a periodic side."""
+        """True if no cell around c is seen through a periodic side."""
         indices, inside = self.grid.indices_of(c), True
         for k in ti.static(range(3)):
             if ti.static(self.grid.basin.periods[k] > 0.0):
@@ -133,7 +134,7 @@ class CellWalk:
 
     @ti.func
     def code_shift(self, code):
-        """Where the particles of a code are seen, relative to where they are [m]."""
+        """Shift [m] from the particles of a code to their repeats."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
@@ -149,10 +150,10 @@ class CellWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """For every particle i: sum law.pair over its candidates, then law.finish it. Call it at the top of a kernel.
+        """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
 
-        `find`: whether the candidates are found anew, which those are that law.reads has as positions. Images are
-        summed with the particles, or, where the law wants them `apart`, by themselves.
+        `find`: True if the candidates are to be found anew, by the positions that law.reads holds. Images are summed
+        with the particles, or by themselves if the law wants them `apart`.
         """
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
@@ -160,7 +161,7 @@ class CellWalk:
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """The same for the particles of a group's parts of cells."""
+        """Walk the particles of the parts of cells of one group."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -194,7 +195,8 @@ class CellWalk:
 
     @ti.func
     def gather_part(self, k, law: Template, find: Template, group, first):
-        """Put what the law reads of the candidates of occupied part k into the scratch; how many there are."""
+        """Put the fields that the law reads of the candidates of occupied part k into the scratch; return their
+        number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
             self.gather_unshifted(law, find, scratch, first, n, 0)
@@ -213,7 +215,7 @@ class CellWalk:
 
     @ti.func
     def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
-        """The same of n candidates that are all seen where they are, through one code."""
+        """Put n candidates with one code, none of them shifted, into the scratch."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -265,8 +267,8 @@ class CellWalk:
 
     @ti.func
     def padded_count(self, law: Template, count):
-        """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
-        vectors. What is left over behind those is summed one by one, with four times the instructions each."""
+        """Number of candidates that a sum over `count` goes through: whole vectors if the law is `padded`. A remainder
+        behind whole vectors is summed one by one, with four times the instructions each."""
         return whole_vectors(count) if ti.static(law.options.padded) else count
 
     @ti.func
@@ -291,8 +293,8 @@ class CellWalk:
 
     @ti.func
     def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """What the candidates from `begin` to `middle` in the scratch add up to, each by `pair`, and the images from
-        there to `end`. Where pairs are kept their shapes go from `to` on."""
+        """Sums of `pair` over the candidates from `begin` to `middle` in the scratch, and over the images from there to
+        `end`. Shapes of kept pairs go from `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
             total += self.candidate_term(law, pair, own, a, find, to + a - begin)
@@ -303,7 +305,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """What candidate a in the scratch adds."""
+        """Term of candidate a in the scratch."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)

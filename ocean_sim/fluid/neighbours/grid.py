@@ -1,14 +1,13 @@
-"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it,
-within large cells by their parts.
+"""A uniform grid of cells at least a support wide, and a stable counting sort into cells, within large cells by their
+parts.
 
-Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
-of threads. Particles beyond the grid belong to its border cells; those above it, since a jet would crowd these, to the
-layers over still water, down and up again as they fly higher. Neither moves two particles further apart, so every pair
-is within reach of neighbouring cells.
+Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor on
+that of threads. Particles beyond the grid belong to its border cells. A jet above the grid would crowd these, so it
+belongs to the layers over still water, down and up again with its height. Neither moves two particles further apart, so
+every pair is within reach of neighbouring cells.
 
-Far from the origin a position in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
-particles move by whole quanta, which positions hold without rounding, and what is left of a way is kept for the next
-step.
+Far from the origin a position in single precision is coarse (4e-6 m at 60 m) and would lose a short way. So particles
+move by whole quanta, which positions hold without rounding; the rest of a way is kept for the next step.
 """
 
 import numpy as np
@@ -57,7 +56,7 @@ class Grid:
         self.occupied_count = ti.field(int, shape=())
 
     def fullest_place(self) -> np.ndarray:
-        """Where the fullest cell is: the mean position of its particles, (3,) [m]."""
+        """Mean position of the particles in the fullest cell, (3,) [m]."""
         start = self.start.to_numpy()
         c = int(np.argmax(np.diff(start)))
         return np.array(
@@ -66,7 +65,7 @@ class Grid:
 
     @ti.func
     def indices_at(self, x):
-        """Of the cell of a point, one for each axis, padding counted."""
+        """Indices of the cell of a point, one for each axis, padding counted."""
         return self.cell_of(self.cell_coordinates(x))
 
     @ti.func
@@ -114,7 +113,7 @@ class Grid:
 
     @ti.func
     def at_rim(self, indices, layers: Template):
-        """Whether a cell lies in the outermost `layers` of any side of the grid."""
+        """True if a cell lies in the outermost `layers` of any side of the grid."""
         return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
 
     @ti.func
@@ -136,14 +135,14 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """The same of its position and velocity alone: the particle stays in the cell that it was sorted into."""
+        """Keep the next position and velocity of particle i, which stays in its cell."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def whole_quanta(self, i, way):
-        """The part of a way [m] that particle i goes now, with what was left of the last one: whole quanta. The rest
-        is left for the next."""
+        """Whole quanta of a way [m] of particle i and of the rest of its last one. The new rest is kept for the next
+        step."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -153,7 +152,8 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
+        kernel."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):

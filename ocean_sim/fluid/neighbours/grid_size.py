@@ -1,4 +1,4 @@
-"""How large the grid of cells is, known before anything is allocated."""
+"""Sizes of the grid of cells and of the lists of candidates, known before anything is allocated."""
 
 from dataclasses import dataclass
 from math import floor, log2, pi
@@ -84,7 +84,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class GridSize:
-    """How large the grid is."""
+    """Size of the grid."""
 
     lattice: Lattice
     support: float  # [m]
@@ -106,7 +106,8 @@ class GridSize:
 
     @property
     def sky(self) -> int:
-        """Layers of cells over still water, or the uppermost one at least: they hold what flies above the grid, too."""
+        """Layers of cells over still water, at least the uppermost one. They also hold particles that fly above the
+        grid."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
@@ -156,7 +157,7 @@ class GridSize:
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
-        """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the grid and of the staged state, where `word` is the size of a `float` [bytes]."""
         return (
             4 * (2 * self.lattice.n + self.count_numbers + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
@@ -166,7 +167,7 @@ class GridSize:
 
 @dataclass(frozen=True)
 class ListSize:
-    """How long the candidate lists are, known before anything is allocated."""
+    """Lengths of the candidate lists, known before anything is allocated."""
 
     grid: GridSize
     reads: int  # the most fields that a pair law of this fluid reads of a neighbour
@@ -194,8 +195,8 @@ class ListSize:
 
     @property
     def shapes_per_particle(self) -> int:
-        """Shapes of pairs that are kept a particle: a quarter more than in water that has lost its lattice, where parts
-        are full and candidates fill a support around them. What finds no room is found again when it is read."""
+        """Kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice, where parts
+        are full and candidates fill a support around them. A shape without room is computed again when it is read."""
         lattice, side = self.grid.lattice, 1.0 / self.grid.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -214,7 +215,7 @@ class ListSize:
         return self.segment + VECTOR_LENGTH * (self.grid.lattice.n // self.grid.groups)
 
     def kept_bytes(self, word: int) -> int:
-        """Of pairs that are kept, and of their candidates."""
+        """Bytes of kept pairs and of their candidates."""
         groups = self.grid.groups
         names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept_candidates))
         return names + word * (
@@ -222,7 +223,7 @@ class ListSize:
         )
 
     def bytes(self, word: int) -> int:
-        """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
+        """Bytes of lists and scratch, where `word` is the size of a `float` [bytes]."""
         return (
             4 * (self.grid.occupied + self.grid.groups * self.segment)
             + word * self.grid.groups * self.width * self.reads

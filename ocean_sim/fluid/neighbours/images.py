@@ -55,7 +55,7 @@ class Images:
 
     @ti.func
     def is_adjacent(self, s, cell):
-        """Whether a cell lies next to this side."""
+        """True if a cell lies next to this side."""
         layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
         return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
             self.side[s, SIDE_COLUMNS.last_layer]
@@ -63,8 +63,8 @@ class Images:
 
     @ti.func
     def mirror(self, s):
-        """How this side shows the water: an image lies at SIGN * x + OFFSET [m] and moves with TURN * v + PUSH [m/s],
-        behind a wall that accelerates by PULL [m/s2]."""
+        """Mirror of this side: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN *
+        v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
             across = int(self.side[s, SIDE_COLUMNS.axis]) == k
@@ -109,13 +109,13 @@ def hydrostatic_offset(mirror, x, pull):
 
 @ti.func
 def mirror_velocity(mirror, v):
-    """Velocity of the image of what moves with v [m/s]."""
+    """Velocity of the image of a particle with velocity v [m/s]."""
     return tm.vec3([mirror[VELOCITY_SIGN, k] * v[k] + mirror[VELOCITY_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
 def mirror_row(mirror, other):
-    """What a law reads of a neighbour, position and velocity first, as the side shows it; all else is as it was."""
+    """Row of a neighbour, position and velocity first, as the side shows it; the other columns stay."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -126,8 +126,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """The same as `mirror_row`, but along the side as if it were slippery: what a side that holds fast drags along does
-    not press water together or draw it apart (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    """Row of a neighbour as a slippery side shows it. Water that a rough side drags along is neither pressed together
+    nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:
@@ -137,8 +137,8 @@ def mirror_row_free_slip(mirror, other):
 
 @ti.func
 def row_at(own, d, v):
-    """What a law reads, position and velocity first, of what lies at d [m] from a particle and moves with v [m/s]; all
-    else is the particle's own."""
+    """Row of a point at d [m] from a particle that moves with v [m/s], position and velocity first; the other columns
+    are the particle's own."""
     other = own
     for k in ti.static(range(3)):
         other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = (

@@ -1,6 +1,9 @@
-"""Pairs of neighbours kept for a step: what iterates over them again and again finds each with its gradient.
+"""Pairs of neighbours kept for a step, each with its gradient, for solvers that iterate over them.
 
-An image is named by its particle and by the axes along which it is mirrored, so what it has follows its particle.
+An image is named by its particle and by the axes along which it is mirrored, so its fields follow its particle.
+`PairSlots` keeps the pairs of each particle. `PairBlocks` keeps those of the particles of a part of a cell with all
+candidates of the part, near or not. There a pair costs one number, the shape of grad W, instead of its gradient and a
+name; and the fields of the candidates are fetched once for the part, so that sums run through adjacent numbers.
 """
 
 from abc import ABC, abstractmethod
@@ -22,7 +25,7 @@ MIN_SLOTS = 48  # slots of a particle at least
 
 
 def slot_count(neighbours: int) -> int:
-    """Of a particle that has so many neighbours on the lattice."""
+    """Slots of a particle with so many neighbours on the lattice."""
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
@@ -47,7 +50,7 @@ class KeptLaw(Law):
 
 @in_kernels
 class KeptPairs(ABC):
-    """Of each particle its neighbours and images."""
+    """Neighbours and images of each particle."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -60,17 +63,18 @@ class KeptPairs(ABC):
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """What a law reads of particle j."""
+        """Row of particle j."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """The same of an image."""
+        """Row of an image."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
     def image_velocity(self, v, name, away):
-        """Of the image of what moves with v [m/s]: only its normal velocity is turned round, whatever the slip."""
+        """Velocity of the image of a particle with velocity v [m/s]: only its normal component is reversed, for any
+        slip."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
@@ -84,7 +88,7 @@ class KeptPairs(ABC):
 
 @in_kernels
 class PairSlots(KeptPairs):
-    """The same, each particle with slots of its own: pairs with particles first, those with images after them."""
+    """Pairs in slots of each particle: pairs with particles first, pairs with images after them."""
 
     def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
         super().__init__(images)
@@ -101,7 +105,7 @@ class PairSlots(KeptPairs):
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """The same for the particles of a group."""
+        """Sum the law for the particles of one group."""
         law.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             own, first = self.particle_row(law, i), i * self.slots
@@ -116,7 +120,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """The axes along which a mirror turns what it shows, as a name has them."""
+    """Code in a name of the axes along which a mirror reverses."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -125,8 +129,8 @@ def flip_code(mirror):
 
 @in_kernels
 class PairBlocks(KeptPairs):
-    """Of each part its candidates, particles first and images after them, each filled up to whole vectors; then of each
-    of its particles the shapes of grad W."""
+    """Candidates of each part, particles first and images after them, each filled up to whole vectors; and for each
+    particle of the part the shapes of grad W."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: ListSize
@@ -152,19 +156,19 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def shape_start(self, group):
-        """Where the shapes of a group begin: by its particles, since groups have the same number of parts."""
+        """Index of the first shape of a group, by its first particle, since groups have equal numbers of parts."""
         return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
     def spare_start(self, group):
-        """Where the shapes of a particle go that found no room."""
+        """Index of the spare shapes of a group, for a particle without room."""
         return self.shape_start(group + 1) - self.width
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Keep the m candidates of part k that are in the scratch, where the first n of them are particles; their
-        images begin at `images`, and what fills both up ends at `end`. Where the shapes of its first particle's pairs
-        go, how far from there those of the next, and whether the candidates found room."""
+        """Keep the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
+        their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
+        one, and 1 if the candidates have room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
@@ -196,7 +200,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """The same for the particles of a group's parts of cells."""
+        """Sum the law for the particles of the parts of cells of one group."""
         law.begin(group)
         for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             self.gather(k, law, group * self.width)
@@ -204,7 +208,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Put what the law reads of the candidates of part k into the scratch."""
+        """Put the fields that the law reads of the candidates of part k into the scratch."""
         first, near = self.first[k], self.near[k]
         own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -240,7 +244,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
-        """What candidates of part k add to the sum of a particle at `place`, whose shapes begin at `begun`."""
+        """Sum over candidates of part k for a particle at `place`, whose shapes begin at `begun`."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
             away = place - place_at(self.place, first + a)

@@ -1,9 +1,9 @@
-"""The walk over neighbours where each particle has a thread, as on graphics cards: the same laws, the same sums.
+"""The walk over neighbours for graphics cards, with a thread for each particle: the same laws and the same sums.
 
-Nothing is listed: a thread goes through the cells around its particle, and through those around where sides show it.
-What `neighbours.Neighbours` does with few long tasks, and few rows of accounts, this does with a task and a row a
-particle. All is gathered; the one thing whose order is left to the card, which particle of a cell is put down first,
-is put right before anything reads it.
+Nothing is listed: a thread goes through the cells around its particle, and through those around its mirrored places. A
+task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows. All is
+gathered. Only the order in which particles are put into a cell is left to the card, and it is corrected before anything
+reads it.
 """
 
 from math import isqrt
@@ -27,7 +27,8 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """How many sums there are of each level, of so many cells: sums of BLOCK sums of the last, down to one."""
+    """Numbers of sums of each level for so many cells: each level sums SUM_BLOCK_CELLS sums of the level before, down
+    to one."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -50,7 +51,8 @@ class WideGrid(Grid):
 
     @ti.func
     def sort(self):
-        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
+        kernel."""
         for c in self.count:
             self.count[c] = 0
         for i in range(self.particles.there()):
@@ -140,11 +142,11 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """What a law of pairs adds up of the particles around, or of their images."""
+    """Sum of a pair law over the particles around, or over their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """`reflected`: whether what is seen are images; then the set of sides that show them, a bit each, comes after
-        the row of the particle."""
+        """`reflected`: True for images. Then the set of sides that show them, a bit each, follows the row of the
+        particle."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
@@ -203,7 +205,7 @@ class ParticleWalk:
         return self.pairs
 
     def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
-        """The water around a particle as a law reads it, and what sees particles and images there."""
+        """Sums around a particle over the fields that a law reads, and the terms of particles and of images."""
         if law not in self.shown:
             places = PointSum(law.reads[:3], self.grid)
             self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
@@ -211,7 +213,8 @@ class ParticleWalk:
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """As `Neighbours.walk`; to `find` candidates is to keep their pairs, where they are kept."""
+        """Sum law.pair over the neighbours of each particle, then call law.finish, as `CellWalk.walk`. If pairs are
+        kept, `find` keeps them."""
         around, water, images = ti.static(self.sums_of(law))
         for i in range(self.most):
             law.begin(i)
@@ -230,7 +233,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """What all images add to the sum of a particle at x [m]."""
+        """Sum over all images for a particle at x [m]."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)

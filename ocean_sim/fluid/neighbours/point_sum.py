@@ -34,7 +34,7 @@ def identity_mirror():
 
 @ti.func
 def compose_mirrors(first, then):
-    """The mirror that shows what `then` shows of what `first` shows."""
+    """Composition of two mirrors: the mirror `then` of the image in the mirror `first`."""
     mirror = first
     for k in ti.static(range(3)):
         mirror[POSITION_SIGN, k] = then[POSITION_SIGN, k] * first[POSITION_SIGN, k]
@@ -46,14 +46,13 @@ def compose_mirrors(first, then):
 
 
 class PointLaw(Protocol):
-    """What is summed over all water around a point."""
+    """Interface of a sum over all water around a point."""
 
     sums: int
-    """How many numbers a particle adds."""
+    """Numbers that a particle adds."""
 
     def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
-        """ti.func: what particle j adds that a mirror shows at d [m] from the point; `own` is what was handed to the
-        sum."""
+        """ti.func: term of particle j, seen in a mirror at d [m] from the point; `own` is handed through by the sum."""
         ...
 
 
@@ -70,22 +69,22 @@ class PointSum:
 
     @ti.func
     def total(self, x, law: Template, own):
-        """Of the law's terms around x."""
+        """Sum of the law's terms around x, images included."""
         return self.subset_total(0, x, law, own)
 
     @ti.func
     def image_total(self, x, law: Template, own):
-        """The same of the images in sides alone."""
+        """Sum over the images in sides alone."""
         return self.subset_total(1, x, law, own)
 
     @ti.func
     def water_total(self, x, law: Template, own):
-        """The same without images."""
+        """Sum over the water without its images."""
         return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
     def subset_total(self, first, x, law: Template, own):
-        """The same in the sets of sides from the `first` on, a bit for each side; 0 is the empty one."""
+        """Sum over the sets of sides from the `first` on, a bit for each side; 0 is the empty set."""
         here = self.grid.wrap_position(x)
         reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
@@ -96,7 +95,7 @@ class PointSum:
 
     @ti.func
     def mirror(self, subset):
-        """What a set of sides is as one mirror."""
+        """Mirror of a set of sides."""
         mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -116,7 +115,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """What the particles add that are seen from x in one mirror."""
+        """Sum over the particles seen from x in one mirror."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse

@@ -1,4 +1,11 @@
-"""What pulls on all water alike: gravity, a body force, and in the axes of a moving tank what its motion adds."""
+"""Accelerations of water by its surroundings: gravity, a body force, the motion of a tank, and friction of a bed.
+
+Bed friction lies between free slip and no slip: a shear stress on the layer next to the bed, as thick as a row of the
+lattice. A particle in this layer bears the stress on a share of the bed: its volume over that thickness, less where the
+layer gives way to the next. On a lattice, even a quarter of a row too high or too low, the first row bears all and the
+second nothing; in any water the shares sum to the bed in the mean. Velocity and height are the particle's own, so
+nothing depends on the order of particles.
+"""
 
 import numpy as np
 
@@ -30,7 +37,7 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """(3,) [m/s2] on water that has just left an emitter: all but what a turning tank adds."""
+        """(3,) [m/s2] acceleration of water that has just left an emitter, without the terms of a turning tank."""
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
@@ -43,7 +50,7 @@ class Pull:
 
     @ti.func
     def at(self, x, v):
-        """At a position, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
+        """Acceleration at x in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
             r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]
@@ -53,7 +60,7 @@ class Pull:
 
     @ti.func
     def at_rest(self, x):
-        """What pressure holds in water at rest: along a periodic axis it can hold nothing."""
+        """Acceleration [m/s2] that pressure balances in water at rest; none along a periodic axis."""
         return self.held * self.at(x, tm.vec3(0.0))
 
 

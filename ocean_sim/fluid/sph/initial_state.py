@@ -41,7 +41,7 @@ class Start(Model):
     """The keys of every initial state."""
 
     def sea(self, basin: Basin) -> waves.Components | None:
-        """The waves that it is made of; None where there are none."""
+        """Waves of this state; None without waves."""
         return None
 
 
@@ -103,7 +103,7 @@ class RegularWave(Start):
     period: float = quantity("s", gt=0.0)
     """Period of the wave; its wavelength must fit the basin."""
     heading_deg: float | None = quantity("deg", None)
-    """Where it goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
+    """Direction of travel: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     def sea(self, basin: Basin) -> waves.Components:
         """The wave before it is fitted to the basin."""
@@ -270,7 +270,7 @@ def start_state(
 
 
 def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-    """What is wrong with an initial state in this basin: (path below `fluid.initial`, sentence)."""
+    """Faults of an initial state in this basin: (path below `fluid.initial`, sentence)."""
     return [] if initial is None else list(initial.problems(basin))
 
 
@@ -286,7 +286,7 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """Water that rests at (n, 3), in these waves at time 0."""
+    """State of water that rests at (n, 3), in these waves at time 0."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -300,9 +300,9 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """What water bears of random waves of a significant height [m], none as short as `shortest` [m]: those beyond k =
-    2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
-    rest carry their variance."""
+    """Random waves of a significant height [m] that water bears, none as short as `shortest` [m]. Waves beyond k = 2 /
+    Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest
+    carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -324,8 +324,8 @@ def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
-    """The sea as a patch of particles so far apart [m] carries it: of random waves those that are long enough, without
-    the variance of the others; None in calm water."""
+    """Sea on a patch of particles `spacing` [m] apart: of random waves only the long enough ones, without the variance
+    of the others; None in calm water."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
@@ -339,7 +339,7 @@ def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
 
 
 def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
-    """Why a wave cannot travel this way: its water would start inside a wall."""
+    """Reason why a wave cannot travel this way: its water would start inside a wall."""
     for axis, k in zip((0, 2), wavevector):
         walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
         if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:

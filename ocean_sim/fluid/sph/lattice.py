@@ -17,7 +17,7 @@ MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that mak
 
 
 class Filling(Protocol):
-    """What is read of the keys of a kind of water where its particles are made."""
+    """Keys of the water that its lattice reads."""
 
     spacing: float | None  # [m]
     particles: int | None
@@ -84,14 +84,14 @@ class Lattice:
 
     @cached_property
     def start_count(self) -> int:
-        """How many of them are there without an emitter."""
+        """Number of particles before an emitter adds any."""
         if self.given is None and not (self.basin.obstacles or self.basin.afloat):
             return total_count(self.counts)
         return len(self.positions())
 
     @cached_property
     def jet(self) -> Jet | None:
-        """What leaves the emitter."""
+        """Jet of the emitter, or None."""
         if self.config.emitter is None:
             return None
         volume = self.mass / self.config.rest_density
@@ -179,8 +179,8 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
-        out of the reach of what is not felt through the water's own laws."""
+        """(m,) mask of the particles in no obstacle and no floating body, and (m, 3) their places, moved out of the
+        reach of bodies that the water's laws do not feel."""
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -217,7 +217,7 @@ class Lattice:
 
     @property
     def wet_mask(self) -> np.ndarray:
-        """(m,) which of them are water."""
+        """(m,) mask of the particles that are water."""
         return self.room_for_bodies[0]
 
     def positions(self) -> np.ndarray:
@@ -226,7 +226,7 @@ class Lattice:
 
 
 def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """(n,) which of (n, 3) positions [m] are in an obstacle."""
+    """(n,) mask of the positions (n, 3) [m] in an obstacle."""
     found = np.zeros(len(positions), dtype=bool)
     if basin.obstacles:
         order = positions[:, 0].argsort(kind="stable")

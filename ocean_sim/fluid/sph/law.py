@@ -21,7 +21,7 @@ NO_COLUMN = -1
 
 @dataclass(frozen=True)
 class WalkOptions:
-    """How the walk over neighbours sums a law."""
+    """Options of the walk over neighbours for a law."""
 
     apart: bool = False
     """True if the sum over images in the sides is kept by itself, as `beyond`."""
@@ -55,7 +55,7 @@ class Law(ABC):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: constants of the kernel, masses, what is the particle's own."""
+        """Factor of the whole sum: constants of the kernel, masses, and the particle's own fields."""
         return 1.0
 
     @ti.func  # noqa: B027

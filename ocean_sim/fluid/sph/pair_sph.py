@@ -26,7 +26,7 @@ class Force(Law):
     reaction: "Reaction"
 
     def __init__(self, fluid: Sph) -> None:
-        """To be called once `reads` and `terms` are known."""
+        """Call this once `reads` and `terms` are known."""
         self.fluid = fluid
         self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
         self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
@@ -164,8 +164,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Where particle i goes from x [m] at v [m/s]: without walls and with them [m]; its velocity there [m/s]; and
-        1 if the motion limit held it back."""
+        """Places of particle i after a step from x [m] at v [m/s], without walls and with them [m]; its velocity there
+        [m/s]; and 1 if the motion limit held it back."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.held_back(walls.relaxed(x, v, dt), dt)
         x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)

@@ -1,5 +1,5 @@
-"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, accounts, and the
-frame of a step."""
+"""Common base of water made of particles, whatever moves them: grid, walls, surface, emitter, accounts, and the frame
+of a step."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -33,8 +33,8 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Particles between steps: sorted by cell, with all that is known of them current. A kind adds how they move
-    (`step`) and how all is made current (`arrive`)."""
+    """Particles between steps, sorted by cell, with all fields current. A kind adds its motion (`step`) and the update
+    of its fields (`arrive`)."""
 
     particles: Particles
     around: PointSum
@@ -98,7 +98,7 @@ class ParticleWater(ParticleFluid):
         return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
     def add_contact(self, contact: Contact) -> None:
-        """From the first step on feel the push of one more hull."""
+        """Add a hull that pushes the water from the first step on."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
@@ -114,8 +114,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def surface_bend(self, i):
-        """How much the slope of the surface changes near particle i (exposure.Exposure.bend_of); zero where none is
-        asked for."""
+        """Change of the slope of the surface near particle i (exposure.Exposure.bend_of); zero if no wind reads it."""
         return tm.vec3(0.0)
 
     @ti.func
@@ -126,7 +125,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def hull_push(self, x, ahead):
-        """Acceleration [m/s2] by all hulls of what is at x [m], `ahead` [s] of the beginning of the step."""
+        """Acceleration [m/s2] by all hulls at x [m], `ahead` [s] after the beginning of the step."""
         a = tm.vec3(0.0)
         for contact in ti.static(self.contacts):
             a += contact.hull.push(x, ahead)
@@ -156,11 +155,10 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def step(self, dt: float) -> None:
-        """The same after they have moved for dt [s]."""
+        """Move the particles for dt [s], then do as `arrive`."""
 
     def advance_boundaries(self, dt: float) -> None:
-        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones and sea relax
-        the water towards where they are at its end."""
+        """Put tank and wavemaker in the middle of a step of dt [s]; gates, zones and sea at its end."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
@@ -169,7 +167,7 @@ class ParticleWater(ParticleFluid):
             self.rim.advance(self.time)
 
     def emit(self) -> None:
-        """Add what has left the emitter by now, at the end of a step."""
+        """Add the particles that have left the emitter by the end of a step."""
         if self.jet is None:
             return
         first, last = self.particles.count.now, self.jet.number(self.time)
@@ -249,7 +247,7 @@ class ParticleWater(ParticleFluid):
         return self.summing.totals()
 
     def positions(self) -> np.ndarray:
-        """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""
+        """(n, 3) positions [m] in float64, with the rests of ways that `position` rounds off."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):
             x[:, k] += left.to_numpy()[: len(x)]

@@ -45,7 +45,7 @@ class IncompressibleWater(Protocol):
     rows: Rows  # what a group of particles reports, REPORT columns
 
     def density_allowance(self, i: Any) -> Any:
-        """ti.func: what particle i may gain in density in this step [kg/m3]."""
+        """ti.func: density that particle i may gain in this step [kg/m3]."""
         ...
 
     def admissible_pressure(self, pressure: Any) -> Any:
@@ -129,8 +129,8 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
-    that rounding does not add up over iterations."""
+    """The velocity with the gain of the pressures; the adjoint of Compression. It is computed from all gains each time,
+    so that rounding does not add up over iterations."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -161,7 +161,7 @@ class Push(KeptLaw):
 
     @ti.func
     def body_total(self, i, own):
-        """What all samples add."""
+        """Sum over all samples of solid bodies."""
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
@@ -193,7 +193,7 @@ class Account(Push):
 
 @in_kernels
 class Solver:
-    """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
+    """One of the two solvers: its pressures [Pa], the velocity [m/s] that they change, and its record of iterations."""
 
     def __init__(
         self,
@@ -205,10 +205,10 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
-        a solver that undoes only what the velocity adds; one without them undoes compression that is there already.
-        In steps shorter than `brief` [s] the least error is less, by the square: so is what a force compresses in a
-        step, which would never be undone else."""
+        """`least`: the error [tolerances] that needs no iteration. `start`: initial pressures of a solver that undoes
+        only the compression by the velocity; a solver without them undoes present compression. In steps shorter than
+        `brief` [s] the least error falls with their square, as the compression by a force in one step does, which
+        nothing else would undo."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
@@ -220,8 +220,8 @@ class Solver:
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
     def error_goal(self, first: float, dt: float, calm: bool) -> float:
-        """The error to stop at, of a step of dt [s] that begins with the error `first`. Water that is not calm stops
-        at the tolerance, but for brief steps: to press out at once what it would let by gives speed."""
+        """Error to stop at, in a step of dt [s] that begins with the error `first`. Water that is not calm stops at the
+        tolerance, except in brief steps: pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance

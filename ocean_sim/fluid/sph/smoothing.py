@@ -26,7 +26,7 @@ def positive(x):
 
 @ti.func
 def lesser(a, b):
-    """Of two numbers: one instruction, where `ti.min` also asks whether either is not a number."""
+    """Lesser of two numbers in one instruction; `ti.min` also tests whether either is not a number."""
     return ti.select(a < b, a, b)
 
 
@@ -57,8 +57,8 @@ class Kernel:
 
     @property
     def value_terms(self) -> tuple[float, ...]:
-        """Of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of (1 - t) times
-        `gradient` from the end of the support inwards."""
+        """Coefficients of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of
+        (1 - t) times `gradient` from the end of the support inwards."""
         inwards = np.polynomial.Polynomial(self.terms) * np.polynomial.Polynomial([1.0, -1.0])
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
@@ -73,7 +73,7 @@ class Kernel:
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """That with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
+        """Slope with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -168,7 +168,8 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Stencil:
-    """What a kernel makes of a lattice of particles; its constant is such that their density is at rest."""
+    """Moments of a kernel on a lattice of particles. The constant of the kernel is such that the lattice has the rest
+    density."""
 
     smoothing: Smoothing
     spacing: float  # [m]
@@ -196,7 +197,7 @@ class Stencil:
 
     @property
     def volume(self) -> float:
-        """Of a particle [m3], in 2-D [m2]."""
+        """Volume of a particle [m3], in 2-D [m2]."""
         return self.spacing**self.smoothing.dimension
 
     @property
@@ -206,24 +207,25 @@ class Stencil:
 
     @property
     def filled_gain(self) -> float:
-        """What the lattice makes of a gradient of one where W integrates to 1: about 1, and less next to a surface."""
+        """Gradient on the lattice of a unit gradient if W integrates to 1: about 1, and less next to a surface."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """What the lattice makes of a gradient of one; forces are divided by it."""
+        """Gradient on the lattice of a unit gradient; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
     def top_deficit(self) -> float:
-        """What the top row of a lattice lacks of its density, over the gradient of the share of water there [m]."""
+        """Missing density of the top row of a lattice, over the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
     def skin_depth(self) -> float:
-        """Mean depth of what a half-space of the lattice exposes [m]: row m of it lacks what is m rows further up."""
+        """Mean depth of the area that a half-space of the lattice exposes [m]: row m lacks the rows more than m further
+        up."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -231,7 +233,7 @@ class Stencil:
 
     @property
     def neighbours(self) -> int:
-        """How many there are."""
+        """Number of neighbours."""
         return int((self.t > 0.0).sum()) - 1
 
     @property
@@ -289,7 +291,7 @@ class Stencil:
 
 
 def rigidity_notes(smoothing: Smoothing, spacing: float) -> list[str]:
-    """What to know of waves in water that starts on a lattice of this spacing [m]."""
+    """Sentences on the speed of waves in water that starts on a lattice of this spacing [m]."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
     if abs(share) < NOTABLE_RIGIDITY:
         return []

@@ -1,4 +1,4 @@
-"""What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
+"""Common base of schemes whose particles press and rub on each other: keys, sizes, limits, and fields."""
 
 from collections.abc import Iterator
 from math import inf, pi, sqrt
@@ -50,7 +50,7 @@ class SphConfig(WaterConfig):
     attenuation: ClassVar[Attenuation | None] = None
     """Viscosity that the scheme adds to waves; None where it has not been measured."""
     delay: ClassVar[Delay] = Delay(0.0)
-    """By how much the scheme lengthens the period of waves."""
+    """Lengthening of the period of waves by the scheme."""
     joins_a_sea: ClassVar[bool] = True
     told_to_bodies: ClassVar[int] = 3
     """Numbers that are carried along for solid bodies: its acceleration, where a pressure is continued into them."""
@@ -84,7 +84,7 @@ class SphConfig(WaterConfig):
         return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
 
     def is_enclosed(self, basin: Basin) -> bool:
-        """Whether the water has no free surface."""
+        """True if the water has no free surface."""
         return basin.closed and self.fill is None
 
     @property
@@ -124,7 +124,7 @@ class SphConfig(WaterConfig):
         return min(MOST_PARTICLES, sizes.grid.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> ListSize:
-        """How large grid and lists would be without anything afloat."""
+        """Sizes of grid and lists without anything afloat."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         return self.list_size(lattice, preflight.arch, 1)
@@ -134,7 +134,7 @@ class SphConfig(WaterConfig):
         return 0
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
-        """Whether there are more neighbours, or cells, than 32 bits can count."""
+        """Report more neighbours, or cells, than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
@@ -162,7 +162,7 @@ class SphConfig(WaterConfig):
         return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Whether there are too few particles for the depth or for the waves of a scene, and whether these break."""
+        """Warn of too few particles for the depth or for the waves of a scene, and of waves that break."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -191,7 +191,7 @@ class SphConfig(WaterConfig):
                 )
 
     def stiffness_warnings(self, basin: Basin) -> list[str]:
-        """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""
+        """Warn of water much stiffer, or much softer, than 1 % of compression asks for."""
         stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
         times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
         if times >= NOTABLE_STIFFNESS * (1.0 - 1e-9):
@@ -207,8 +207,8 @@ class SphConfig(WaterConfig):
         return []
 
     def weight_warnings(self, basin: Basin, duration: float) -> list[str]:
-        """Whether what pulls on the water beside gravity along the depth compresses it: a body force, gravity along
-        the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
+        """Warn if accelerations beside gravity along the depth compress the water: a body force, gravity along the
+        basin, the motion of the tank. Along an axis without walls nothing builds up."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
         times = np.linspace(0.0, duration, MOTION_SAMPLES)
@@ -226,8 +226,7 @@ class SphConfig(WaterConfig):
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
     def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
-        """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a
-        backend."""
+        """Sizes of grid and lists for laws that read `reads` fields and carry `carried` numbers along, on a backend."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
@@ -281,7 +280,7 @@ class SphConfig(WaterConfig):
         return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
-        """What the scheme takes of the waves of a scene."""
+        """State the height that waves of a scene lose by the scheme."""
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
@@ -324,7 +323,7 @@ def scheme_ledger(
 
 
 def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """The ledger of what walks over neighbours."""
+    """Ledger of the walk over neighbours."""
     lists = sizes.grid.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
     return [*found, *account_ledger(sizes.grid, word, impulses)]
@@ -388,7 +387,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 
 def has_bodies(basin: Basin) -> bool:
-    """Whether the laws of the water meet solid bodies."""
+    """True if the laws of the water meet solid bodies."""
     return bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
 
 
@@ -455,7 +454,7 @@ class Sph(ParticleWater):
 
     @property
     def max_speed(self) -> float:
-        """Of the water and of the gates in it, in the last step [m/s]."""
+        """Highest speed of the water and of its gates in the last step [m/s]."""
         return self.status.max_speed if self.boundary is None else max(self.status.max_speed, self.boundary.speed)
 
     @property
@@ -480,8 +479,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
-        its kernel: `share` is how much."""
+        """Limit the remembered push of particle i, which would add up where solid bodies fill `share` of its kernel."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 
@@ -496,7 +494,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def surface_bend(self, i):
-        """How much the slope of the surface changes near particle i, see Exposure.bend_of."""
+        """Change of the slope of the surface near particle i, see Exposure.bend_of."""
         bend = tm.vec3(0.0)
         if ti.static(self.exposed):
             bend = self.exposure.bend_of(i)

@@ -1,4 +1,4 @@
-"""What a user may say about water that is made of particles, whatever the scheme."""
+"""Keys of water made of particles, for every scheme."""
 
 from collections.abc import Iterator
 from math import sqrt
@@ -30,7 +30,7 @@ class WaterConfig(FluidConfig):
     counts_in_doubles: ClassVar[bool] = False
     example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
     kernel: ClassVar[Kernel] = WENDLAND
-    """Of the gradient of pressure, and of exposed areas."""
+    """Kernel of the gradient of pressure, and of exposed areas."""
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""
@@ -43,7 +43,7 @@ class WaterConfig(FluidConfig):
     fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
     """Boxes of water instead of the whole basin."""
     initial: Initial | None = None
-    """What the water starts from; null: at rest."""
+    """State that the water starts from; null: at rest."""
     emitter: Emitter | None = None
     """An inflow: water flows from a mouth into a basin that is empty but for `fill`."""
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
@@ -52,7 +52,7 @@ class WaterConfig(FluidConfig):
     """Sum impulse and work of each term, which `accuracy` reads. Without the sums a step takes about 0.85
     of the time, and rounds otherwise."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
-    """How near to a wall or the floor a particle's centre may come."""
+    """Least distance of a particle's centre from a wall or the floor."""
 
     @field_validator("spacing", "particles", mode="before")
     @classmethod
@@ -109,8 +109,8 @@ class WaterConfig(FluidConfig):
         return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """(n,) complex: by how much the scheme lowers the height of each wave of a sea, less i times by how much it
-        lowers its frequency [1/s]; None where it has not been measured."""
+        """(n,) complex decay rate of each wave of a sea by the scheme, less i times the fall of its frequency [1/s];
+        None if it has not been measured."""
         return None
 
     @property
@@ -136,7 +136,7 @@ class WaterConfig(FluidConfig):
         return MOST_PARTICLES
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Where the particles are at first, counted but not yet made."""
+        """Lattice of the first places of the particles, counted but not yet made."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -189,7 +189,7 @@ class WaterConfig(FluidConfig):
 
 
 def falling_warnings(basin: Basin) -> Iterator[str]:
-    """Where water that nothing holds goes."""
+    """Warn of water that falls out of its basin."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
     elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":

@@ -370,6 +370,7 @@ class Continuity(Law):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
             fluid.damp_crowded(i, self.prefactor(own) * solid[self.terms.filled] / self.whole)
+        # Second half step of the density; the first was made before the sort.
         compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
         rate = self.prefactor(own) * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
@@ -582,6 +583,7 @@ class DeltaSph(Sph):
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
         bulk = tm.min(BULK_VISCOSITY * self.sound_speed * h, MAX_BULK_VISCOSITY * h * h / dt)  # [m2/s]
+        # First drift: half a step with the present velocity; density and damped pressure follow to mid-step.
         for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -597,6 +599,7 @@ class DeltaSph(Sph):
             if ti.static(not self.shifting):
                 for k, fresh in ti.static(enumerate(self.fresh)):
                     self.grid.carried[CARRIED_NUMBERS + k][i] = fresh[i]
+        # Kick in mid-step; the momentum law also makes the second drift.
         self.grid.sort()
         self.momentum.react(dt)
         self.neighbours.walk(self.momentum, True)

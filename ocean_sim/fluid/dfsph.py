@@ -196,6 +196,7 @@ class Density(Law):
             solid = self.solid.total(own, own)
             solid[self.terms.squares] = 0.0  # no pressure moves a body
             total += solid
+        # A_ii over dt^2: the squared sum of gradients and the sum of squared gradients.
         gradient = self.slope * vec3(total, self.terms.gradient)
         rho = self.mass * total[self.terms.density]
         squares = gradient.dot(gradient) + self.square * total[self.terms.squares]
@@ -285,6 +286,7 @@ class Forces(Force):
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)
         fluid.begin_changes(i)
+        # Forces that do not depend on the new velocity.
         a_wind, a_pull, a_hull = fluid.wind_acceleration(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
         v_new = v + fluid.change_velocity(i, WIND, dt * a_wind)

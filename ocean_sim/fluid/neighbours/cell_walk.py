@@ -315,6 +315,7 @@ class CellWalk:
     def sum_up(self, k, law: Template, find: Template, group, n, m):
         """Sum the law for every particle of occupied part k over the m candidates in the scratch, the first n of them
         particles, and finish it."""
+        # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
         images = scratch + n + self.image_gap(law, n)
         end = (
@@ -328,6 +329,7 @@ class CellWalk:
             self.fill_up(law, scratch, images + m - n, end)
         column = ti.static(law.options.tension_column)
         tense = self.has_tension(self.scratch[column], scratch, end) if ti.static(column != NO_COLUMN) else 1
+        # Kept pairs: reserve room for the shapes of this part before its particles are summed.
         to, further = 0, 0  # where the shapes of a particle's pairs go, and how far from there those of the next
         if ti.static(find and self.keeps):
             ti.static_assert(law.options.apart and law.options.padded, "pairs are kept of whole vectors")

@@ -53,6 +53,7 @@ class WideGrid(Grid):
     def sort(self):
         """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
         kernel."""
+        # Count the particles of each cell, and sum the counts to the first particle of each.
         for c in self.count:
             self.count[c] = 0
         for i in range(self.particles.there()):
@@ -60,6 +61,7 @@ class WideGrid(Grid):
         for c in self.start:
             self.start[c] = self.count[c] if c < self.cell_count else 0
         self.scan_counts()
+        # Put particles down in any order, then each where its order of storage says.
         for c in self.count:
             self.count[c] = self.start[c]
         for i in range(self.particles.there()):

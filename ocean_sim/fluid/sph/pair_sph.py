@@ -190,6 +190,7 @@ class MomentumLaw(Force):
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
         a_pressure, mean = self.prefactor(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+        # Walls take what the other forces do not explain.
         by_walls = v_new - (v + dt * a) + dt * a_walls
         if ti.static(self.drifted == 0.0):
             if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took

@@ -307,7 +307,7 @@ class Forces(Force):
             a_sea = fluid.rim.acceleration(x, v_new, dt)
             v_new += fluid.change_velocity(i, SEA, dt * a_sea)
             a += a_sea
-        v_new += fluid.change_velocity(i, WALLS, fluid.walls.relaxed(x, v_new, dt) - v_new)
+        v_new += fluid.change_velocity(i, WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
         for k, component in ti.static(enumerate(fluid.predicted)):
             component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
@@ -498,7 +498,7 @@ class Dfsph(Sph):
     def landing(self, i, way, u):
         """Place [m] of particle i after a way [m] at velocity u, and its velocity there, limited by the walls."""
         p = self.particles.position
-        return self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
+        return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
@@ -507,7 +507,7 @@ class Dfsph(Sph):
         u = way
         if ti.static(self.closed):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
-        held, fast = self.walls.held_back(way, dt)
+        held, fast = self.walls.limit_motion(way, dt)
         x, v = self.landing(i, dt * held, u)
         self.change_velocity(i, WALLS, v - u)
         before = self.particles.velocity

@@ -1,5 +1,5 @@
-"""Distance from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its cubes, and
-kept with them."""
+"""Signed distance from a hull, and the share of a smoothed hull, on a lattice around it; computed once from its cubes
+and kept with them."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def lattice_side(shape: HullShape, side: float, reach: float) -> float:
-    """The side asked for [m], or that of USUAL_CUBES cubes."""
+    """The side asked for [m], or that of a lattice of USUAL_CUBES, if larger."""
     lower, upper = shape.bounds()
     return max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
 
@@ -31,7 +31,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[np.ndarr
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Nodes of a lattice, and the bytes that they take."""
+    """Nodes of a lattice, and their memory [bytes]."""
     size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
@@ -41,8 +41,8 @@ def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tu
 def distance_lattice(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
-    the position of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
+    """`distance` [m] at (i, j, k), negative inside, and `share` of the hull in Wendland's kernel (C2) of a support; the
+    position of the first node in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
     size, margin = lattice_shape(shape, side, reach)
@@ -91,8 +91,8 @@ class Distance:
 
     @ti.func
     def at(self, position):
-        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m]: the
-        integral of the kernel's gradient over the hull."""
+        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m], which
+        is the integral of the kernel's gradient over the hull."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

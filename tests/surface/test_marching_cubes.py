@@ -274,13 +274,18 @@ def test_a_surface_of_too_many_triangles_stops_with_a_sentence(sea, monkeypatch)
 
 def test_nothing_is_built_until_it_is_read(sea, monkeypatch):
     done = []
-    for owner, name in ((sea.map, "sort"), (sea.map, "fill"), (sea.isosurface, "count"), (sea, "find_heights")):
+    for owner, name in (
+        (sea.map, "sort_particles"),
+        (sea.map, "fill_rows"),
+        (sea.isosurface, "count_surface"),
+        (sea, "find_heights"),
+    ):
         before = getattr(owner, name)
         monkeypatch.setattr(owner, name, lambda *a, f=before, n=name: done.append(n) or f(*a))
     sea.follow(sea.map.particles, 0.01)
     assert done == []
     sea.mesh(), sea.free_surface()
-    assert done == ["sort", "fill", "count", "count"]
+    assert done == ["sort_particles", "fill_rows", "count_surface", "count_surface"]
     sea.elevations(line(np.zeros(1))), sea.elevations(line(np.ones(1)))
     assert done[4:] == ["find_heights"]
 

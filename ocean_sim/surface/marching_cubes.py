@@ -42,11 +42,12 @@ class Config(SurfaceConfig):
     """Distance between nodes, made a little smaller to fit the basin (the listing's stride); null: half the spacing of
     the particles."""
     radius: float | None = quantity("m", None, gt=0.0)
-    """How far from a node a particle counts (the listing's isosurface radius); null: two spacings of the particles."""
+    """Distance from a node within which a particle counts (the listing's isosurface radius); null: two spacings of the
+    particles."""
     isovalue: float | None = quantity("1", None, gt=0.0, lt=1.0)
-    """Smoothed share of water at the surface; null: what it is where flat water ends."""
+    """Smoothed share of water at the surface; null: that at the end of flat water."""
     height: float | None = quantity("m", None, gt=0.0)
-    """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
+    """Height of the grid above the still water (the listing's range); null: the depth of the bed."""
     most_nodes: int = quantity("nodes", 2**23, ge=1, le=MAX_NODES)
     """Largest number of nodes near water that are kept at a time; more stop the run."""
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
@@ -95,7 +96,7 @@ class Config(SurfaceConfig):
         return Nodes(tuple(low), tuple(up), self.spacing)  # type: ignore[arg-type]
 
     def count(self, basin: Basin) -> float:
-        """About how many nodes the grid has, however many that may be."""
+        """Approximate number of nodes of the grid, without making it."""
         assert self.spacing is not None and self.height is not None
         extents = np.subtract(basin.upper, basin.lower) + [0.0, self.height - basin.upper[1], 0.0]
         return float(np.prod(extents / self.spacing + 2.0))
@@ -146,8 +147,8 @@ class MarchingCubes:
         )
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
-        them, and in the first step that it sees, in which one may be compiled."""
+        """Take in that the particles have moved on by dt [s]. Heights are computed at once if a kernel reads them, and
+        in the first step, in which one may be compiled."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
             self.update_heights()
@@ -182,7 +183,7 @@ class MarchingCubes:
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
     def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
-        """The surface, going on through the sides whose bits are set; raises Diverged where it is too large."""
+        """The surface, going on through the sides whose bits are set; raises Diverged if it is too large."""
         self.update_field()
         self.isosurface.pad_field(goes_on)
         counts = self.isosurface.count_surface()
@@ -194,7 +195,7 @@ class MarchingCubes:
         return self.isosurface.mesh(counts), counts
 
     def spray(self) -> np.ndarray:
-        """(n,) whether a particle, in storage order, is lonely: outside the surface drawn."""
+        """(n,) True for particles, in storage order, that lie outside the surface drawn."""
         self.update_field()
         lonely = np.empty(self.map.particles.count.now, dtype=np.int32)
         self.find_spray(lonely)
@@ -208,7 +209,8 @@ class MarchingCubes:
 
     @ti.kernel
     def find_heights(self):
-        """Down each column to the first node in the water, then up in proportion to where the field is zero."""
+        """Search each column downwards to the first node in the water, then interpolate upwards to the zero of the
+        field."""
         ny, value = ti.static(self.nodes.inner[1], self.isosurface.value)
         for n in self.heights.height:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
@@ -225,7 +227,8 @@ class MarchingCubes:
             self.heights.height[n] = height
 
     def read_by_a_kernel(self) -> bool:
-        """Called while a kernel is compiled that reads the heights; raises RuntimeError where they are out of date."""
+        """Record that a kernel reads the heights, called while it is compiled; raises RuntimeError if they are out of
+        date."""
         self.read_by_kernel = True
         if self.levelled != self.moment:
             raise RuntimeError("the heights are out of date: call `level` before the first kernel that reads them")

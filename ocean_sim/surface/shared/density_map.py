@@ -76,7 +76,7 @@ class DensityMap:
 
     @classmethod
     def bytes(cls, n: int, nodes: Nodes, radius: float, word: int) -> int:
-        """Of the fields for n particles, where `word` is the size of a `float` [bytes]."""
+        """Memory of the fields for n particles; `word` is the size of a `float` [bytes]."""
         return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * AXIS_IMAGES
 
     @ti.func
@@ -118,7 +118,7 @@ class DensityMap:
 
     @ti.func
     def shares_along(self, x, step, run: Template):
-        """Around so many points that follow each other along x, `step` [m] apart; they may be anywhere."""
+        """Shares of water around `run` successive points along x, `step` [m] apart, which may lie anywhere."""
         total = ti.Vector.zero(float, run)
         for c in range(AXIS_IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
@@ -136,7 +136,7 @@ class DensityMap:
 
     @ti.func
     def in_reach(self, first, last, axis: Template):
-        """Whether particles may be within a radius of what lies between two positions on an axis."""
+        """True if particles may lie within a radius of the range between two positions on an axis."""
         low, high = self.lower[axis] - self.radius, self.upper[axis] + self.radius
         return tm.max(first, last) > low and tm.min(first, last) < high
 
@@ -161,8 +161,8 @@ class DensityMap:
 
     @ti.kernel
     def mark_rows(self, rows: Template):
-        """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
-        every wet one are marked, too; a row beyond a side is as near as the row next to it."""
+        """Mark the rows of nodes within a radius and a node of any particle, so that the next nodes around every wet
+        one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
@@ -171,7 +171,7 @@ class DensityMap:
 
     @ti.func
     def particles_near(self, y, z):
-        """Whether there are particles in the bins around a row of nodes and the rows next to it, or their images."""
+        """True if there are particles in the bins around a row of nodes and the rows next to it, or their images."""
         found = 0
         for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]
@@ -192,14 +192,14 @@ class DensityMap:
 
     @ti.kernel
     def fill_rows(self, rows: Template, value: Template, level: float):
-        """Share less `level` at all nodes of the rows kept that lie within the box."""
+        """Write the share less `level` at all nodes of the rows kept that lie within the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.fill_group(g // TASK_ITERATIONS, rows, value, level)
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
-        """Every GROUPS-th row of nodes."""
+        """Fill every ROW_GROUPS-th row of nodes."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS

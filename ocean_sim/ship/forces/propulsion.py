@@ -25,14 +25,12 @@ ORDER_COLUMNS = ("throttle", "rudder_rad")
 MAX_ORDERS = (1.0, pi / 2)  # to either side
 ORDER_RULE = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
 CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDER_RULE,)),)
-SLIPSTREAM_SHARE = (
-    0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
-)
+SLIPSTREAM_SHARE = 0.6  # of a slipstream's speed at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
 LOOK_AHEAD_TIME = 6.0  # [s] of way: how far a pilot looks ahead
-DRIFT_RATE = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+DRIFT_RATE = 0.2  # [m/s] twice the greatest rate of the integral of a steady drift
 START_RADIUS = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
 SPEED_GAIN, SPEED_INTEGRAL_TIME = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
-MAX_INTEGRAL_RUDDER = 0.35  # [rad] the most that the integral of the heading's error may steer
+MAX_INTEGRAL_RUDDER = 0.35  # [rad] by the integral of the heading's error
 
 
 class Propeller(Model):

@@ -12,7 +12,7 @@ A motion's force is -A(infinity) times its acceleration, less the integral of K(
 K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
 Where a table says so, motions act on each other: A, B and K are then symmetric matrices.
 
-What has been left in the waves is a momentum, the integral of L(t - tau) times the velocity with L(t) = -int K from t
+The momentum left in the waves is the integral of L(t - tau) times the velocity with L(t) = -int K from t
 on, and the force is less its rate. A hull that moves on through the water at v is turned by it, by -v x momentum, as
 Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these are strip theory's terms of speed,
 U A33, U B33 / omega^2 and U^2 / omega^2 times both (table 1 there, without those of a transom), omega being the
@@ -37,15 +37,13 @@ from ocean_sim.ship.body.rigid_body import cross
 
 FREQUENCY_COLUMN = "omega_rad_s"
 ADDED_UNITS = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
-RECIPROCITY_TOLERANCE = (
-    0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
-)
-MIRROR_SIGNS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+RECIPROCITY_TOLERANCE = 0.1  # share of both own entries by which the two couplings may differ (median of all rows)
+MIRROR_SIGNS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of each motion in waves from the other side
 DOF_NAMES = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
 PANEL_RULE = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
-MAX_END_DAMPING = 0.25  # of the largest damping: what may be left at the highest frequency
+MAX_END_DAMPING = 0.25  # of the largest damping, at the highest frequency
 MIN_FREQUENCIES, MAX_FREQUENCIES = 4, 300  # frequencies
-NEGATIVE_TOLERANCE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
+NEGATIVE_TOLERANCE = 0.25  # of the largest damping: negative values by irregular frequencies
 FREQUENCY_RULE = Rule(f"there are {MIN_FREQUENCIES} to {MAX_FREQUENCIES} frequencies above 0, which rise, each once")
 DAMPING_RULE = Rule(
     "damping is above 0, or there are no waves to remember; of the other sign it is of another convention"
@@ -60,7 +58,7 @@ CHECKS = (
 POINTS_A_PERIOD = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL_FREQUENCIES = 3.0  # [highest frequencies] to which damping is carried on
 ERROR_TOLERANCE = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
-FORGOTTEN_SHARE = 0.003  # of the largest K: what is forgotten
+FORGOTTEN_SHARE = 0.003  # of the largest K, below which it is forgotten
 HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
@@ -337,9 +335,8 @@ class Radiation:
             sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
             added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
         most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
-        kernels[np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)] = (
-            0.0  # of a symmetric hull: noise
-        )
+        noise = np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)  # of a symmetric hull
+        kernels[noise] = 0.0
         kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > FORGOTTEN_SHARE
         last = int(np.flatnonzero(kept)[-1]) + 1
         times, kernels = times[:last], kernels[:, :, :last]

@@ -10,9 +10,7 @@ from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import voxels
 
 USUAL_CUBES = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
-MAX_LATTICE_NODES = (
-    1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
-)
+MAX_LATTICE_NODES = 1e7  # around a hull far smaller than a spacing, whose cubes are as small as the hull
 SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 

@@ -73,11 +73,8 @@ class Hydrostatics:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
         low, high = float(height.min()) - spread, float(height.max()) + spread
-        near, whole, sunk = (
-            height,
-            self.cube_volumes,
-            0.0,
-        )  # cubes that the surface may cut, and the volume of those under it
+        # Bisect over the cubes that the surface may cut; `sunk` is the volume of those under it.
+        near, whole, sunk = height, self.cube_volumes, 0.0
         for _ in range(40):
             middle = 0.5 * (low + high)
             volume = sunk + volume_under(middle, near, spread, whole)

@@ -22,10 +22,8 @@ FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
 FIT_ITERATIONS = 100  # at most
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
-PACKING_SWEEPS, PACKING_PUSH = (
-    100,
-    0.5,
-)  # how often crowded particles are pushed apart, and the share of their overlap each time
+PACKING_SWEEPS = 100  # over crowded particles that are pushed apart
+PACKING_PUSH = 0.5  # share of their overlap in each sweep
 GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
@@ -127,10 +125,7 @@ class Solid:
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
         origin = np.round(self.origin / spacing, 3) * spacing
         _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
-        wet, whole = (
-            self.displaced_volume(spacing, boxes) / volume,
-            self.displaced_volume(spacing, UNBOUNDED_BOX) / volume,
-        )
+        wet, whole = (self.displaced_volume(spacing, within) / volume for within in (boxes, UNBOUNDED_BOX))
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
@@ -151,9 +146,8 @@ class Solid:
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
         distance = lattice_values(values["distance"], (own - first) / step, 2.0 * spacing)
-        return distance, np.lexsort(
-            (np.arange(len(own)) * GOLDEN_RATIO % 1.0, np.round(distance / (ROW_TOLERANCE * spacing)))
-        )
+        rows = np.round(distance / (ROW_TOLERANCE * spacing))
+        return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""

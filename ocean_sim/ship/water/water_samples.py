@@ -23,11 +23,8 @@ from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 
-NODES_ALONG, NODES_ACROSS, DEPTH_LEVELS = (
-    25,
-    13,
-    4,
-)  # nodes; levels lie half a draught apart, downwards from the surface
+NODES_ALONG, NODES_ACROSS = 25, 13
+DEPTH_LEVELS = 4  # half a draught apart, downwards from the surface
 LATTICE_REACH = 1.1  # of the hull's half sizes
 LATTICE_SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
 HIGHEST_LEVEL = 4  # of the frame: the highest level [m]
@@ -153,12 +150,8 @@ class SurroundingWater(SampleLattice):
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
-            self.hull, self.rim, self.others, self.asked = (
-                hollow,
-                rim,
-                others,
-                ti.field(int, shape=(NODES_ALONG, NODES_ACROSS)),
-            )
+            self.hull, self.rim, self.others = hollow, rim, others
+            self.is_clear = ti.field(int, shape=(NODES_ALONG, NODES_ACROSS))
 
     def other_hulls(self) -> list[Hull]:
         """The other hulls that keep particles out."""
@@ -183,13 +176,14 @@ class SurroundingWater(SampleLattice):
                 clear = away >= self.rim or k == 0 or k == NODES_ACROSS - 1
                 for hull in ti.static(self.other_hulls()):
                     clear = clear and hull.distance_to(node) >= self.rim
-                self.asked[i, k] = int(clear)
+                self.is_clear[i, k] = int(clear)
         if ti.static(self.hollow):
+            # Fill the hole of the hull straight across, from clear node to clear node.
             ti.loop_config(serialize=True)
             for i in range(NODES_ALONG):
                 last = -1
                 for k in range(NODES_ACROSS):
-                    if self.asked[i, k] == 1:
+                    if self.is_clear[i, k] == 1:
                         low, rise = self.level[i, k], 0.0
                         if last >= 0:
                             low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]

@@ -34,9 +34,21 @@ from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.water.water_samples import POSE_COLUMNS, SurroundingSea, SurroundingWater, row_vector, write_pose
 
-BOX_COLUMNS = Columns(
-    **POSE_COLUMNS, middle=3, half=3
-)  # a body, and the box around it: its middle from there, half its sides [m]
+TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
+SERIAL_PARTICLES = 20_000  # particles, up to so many of which one thread is quicker than several
+CUBES_A_SPACING = 3.0  # cubes of the distance to a spacing
+CONTACT_MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+LISTED_DISTANCE = 0.5  # [spacings] before the hull, where a collision may yet move it to
+SAG_RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
+EXIT_STEPS = 3  # off the hull and back to the walls
+MATRIX_PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+MATRIX_INDICES = np.array([[MATRIX_PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
+FOUND_COLUMNS = Columns(touching=1, b=6, a=len(MATRIX_PAIRS))  # particles that touch, b and A
+PUSH_COLUMNS = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
+# A body, its motion before the step, and the share of the slip that friction may take.
+CONTACT_COLUMNS = Columns(**POSE_COLUMNS, velocity_before=3, spin_before=3, slip=1)
+# A body, and the box around it: its middle from there, half its sides [m].
+BOX_COLUMNS = Columns(**POSE_COLUMNS, middle=3, half=3)
 
 
 @in_kernels
@@ -128,22 +140,6 @@ class MovingHull:
         return a
 
 
-TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
-SERIAL_PARTICLES = 20_000  # particles, up to so many of which one thread is quicker than several
-CUBES_A_SPACING = 3.0  # cubes of the distance to a spacing
-CONTACT_MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
-LISTED_DISTANCE = 0.5  # [spacings] before the hull, where a collision may yet move it to
-SAG_RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
-EXIT_STEPS = 3  # off the hull and back to the walls
-MATRIX_PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
-MATRIX_INDICES = np.array([[MATRIX_PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
-FOUND_COLUMNS = Columns(touching=1, b=6, a=len(MATRIX_PAIRS))  # particles that touch, b and A
-PUSH_COLUMNS = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
-CONTACT_COLUMNS = Columns(
-    **POSE_COLUMNS, velocity_before=3, spin_before=3, slip=1
-)  # the last: the share that friction may take
-
-
 class Contact(Model):
     """Collisions of particles with the hull."""
 
@@ -164,10 +160,8 @@ class WaveContact:
         """`centre` of mass from the hull's origin [m]."""
         spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
         self.config, self.mass = config, fluid.particles.mass
-        self.margin, self.rim = (
-            CONTACT_MARGIN * spacing,
-            SAG_RIM * spacing,
-        )  # the rim: where the water's height cannot be asked [m]
+        self.margin = CONTACT_MARGIN * spacing  # [m]
+        self.rim = SAG_RIM * spacing  # [m] around the hull, where the water's height cannot be asked
         distance = Distance(shape, centre, spacing / CUBES_A_SPACING, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
@@ -246,10 +240,9 @@ class Collisions:
         """Number of the first cell along an axis that the box around the hull reaches, and the number of cells; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
         pose = ti.static(self.hull.pose)
-        middle = (
-            pose[ti.static(BOX_COLUMNS.position + k)] + pose[ti.static(BOX_COLUMNS.middle + k)] - self.grid.lower[k]
-        )
-        half, last = pose[ti.static(BOX_COLUMNS.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        box = ti.static(BOX_COLUMNS)
+        middle = pose[ti.static(box.position + k)] + pose[ti.static(box.middle + k)] - self.grid.lower[k]
+        half, last = pose[ti.static(box.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
         first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
         end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
         if ti.static(self.hull.periods[k] > 0.0):
@@ -324,10 +317,8 @@ class Collisions:
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            first, spin = (
-                row_vector(table, CONTACT_COLUMNS.velocity_before),
-                row_vector(table, CONTACT_COLUMNS.spin_before),
-            )
+            first = row_vector(table, CONTACT_COLUMNS.velocity_before)
+            spin = row_vector(table, CONTACT_COLUMNS.spin_before)
             slipping = ti.cast(table[0, CONTACT_COLUMNS.slip], float)
             total = ti.Vector.zero(ti.f64, PUSH_COLUMNS.size)
             for layer in range(self.layers):

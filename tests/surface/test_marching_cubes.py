@@ -17,8 +17,7 @@ from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.water.smoothed_mesh import smoothed
-from ocean_sim.surface.marching_cubes import Config, MarchingCubes
-from ocean_sim.surface.shared.density_map import flat_share
+from ocean_sim.surface.marching_cubes import Config, MarchingCubes, flat_share
 from tests.surface.test_isosurface import topology
 
 SPACING = 0.1  # [m] of the particles

@@ -78,9 +78,7 @@ class Hydrostatics:
         for _ in range(40):
             middle = 0.5 * (low + high)
             volume = sunk + volume_under(middle, near, spread, whole)
-            if (
-                abs(volume - self.needed_volume) < VOLUME_ROUNDING * self.voxels.volume
-            ):  # where the order of a sum may decide
+            if abs(volume - self.needed_volume) < VOLUME_ROUNDING * self.voxels.volume:  # the order of a sum may decide
                 volume = volume_under(middle, height, spread, self.cube_volumes)
             low, high = (middle, high) if volume < self.needed_volume else (low, middle)
             if high - low > 0.25 * spread:

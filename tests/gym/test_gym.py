@@ -27,7 +27,7 @@ def run(found, seconds, helm=0.0, throttle=0.0, dt=0.1):
 
 def test_long_waves_are_followed_and_tilt_the_boat_by_their_slope():
     """A wave of 20 s from abeam to port: heave is its amplitude, roll k a, pitch nothing; from ahead the other way."""
-    sea = waves.regular(2.0, 20.0, waves.direction(90.0, 3), DEEP)
+    sea = waves.regular_wave(2.0, 20.0, waves.heading_vector(90.0, 3), DEEP)
     slope = float(sea.wavenumber[0])
     rows = run(boats(sea, 0.0), 120.0)[600:]
     assert np.abs(rows[:, 0]).max() == pytest.approx(1.0, rel=0.06)
@@ -38,14 +38,14 @@ def test_long_waves_are_followed_and_tilt_the_boat_by_their_slope():
 
 def test_a_boat_turns_as_nomoto_says():
     """In calm water at cruise: r = K delta after some T, to port where the helm is positive."""
-    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0)
+    found = boats(waves.regular_wave(0.0, 6.0, waves.heading_vector(0.0, 3), DEEP), 0.0)
     found.speed[:] = found.boat.cruise
     rows = run(found, 40.0, helm=0.5, throttle=0.5)
     assert rows[-1, 4] == pytest.approx(found.boat.turning * 0.5 * found.boat.rudder, rel=1e-3) and rows[-1, 3] > 0.0
 
 
 def test_a_heave_that_is_let_go_swings_at_its_period():
-    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0, damping=(0.0, 0.1, 0.1))
+    found = boats(waves.regular_wave(0.0, 6.0, waves.heading_vector(0.0, 3), DEEP), 0.0, damping=(0.0, 0.1, 0.1))
     found.state[0, 0] = 1.0
     heave = run(found, 25.0)[:, 0]
     assert heave[-1] == pytest.approx(1.0, abs=1e-9)  # ten periods of 2.5 s
@@ -93,12 +93,12 @@ def test_boats_are_made_by_name_and_tell_where_they_are():
 
 def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_not():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym.environments import LONGEST, OceanVectorEnv
+    from ocean_sim.gym.environments import EPISODE_STEPS, OceanVectorEnv
 
     def episode(seed):
         env, random = OceanVectorEnv(4), np.random.default_rng(3)
         rows = [env.reset(seed=seed)[0].tobytes()]
-        for _ in range(LONGEST + 20):  # over the end of an episode
+        for _ in range(EPISODE_STEPS + 20):  # over the end of an episode
             seen, reward, *_ = env.step(random.uniform([-1.0, 0.0], 1.0, (4, 2)))
             rows += [seen.tobytes(), reward.tobytes()]
         return rows
@@ -130,7 +130,7 @@ def test_a_list_of_seeds_is_refused_where_one_seed_is_for_all_boats():
 @pytest.mark.slow
 def test_a_thousand_boats_are_ten_times_faster_than_time():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym.environments import STEP, OceanVectorEnv
+    from ocean_sim.gym.environments import TIME_STEP, OceanVectorEnv
 
     env = OceanVectorEnv(1000)
     env.reset(seed=1)
@@ -138,4 +138,4 @@ def test_a_thousand_boats_are_ten_times_faster_than_time():
     begin = perf_counter()
     for _ in range(100):
         env.step(orders)
-    assert 100 * STEP / (perf_counter() - begin) > 10.0
+    assert 100 * TIME_STEP / (perf_counter() - begin) > 10.0

@@ -66,8 +66,8 @@ def test_flat_water_lies_at_zero_up_to_the_walls(pond, lattice, cloth, thickness
 def test_the_share_at_the_surface_is_what_calibrates_it():
     """Negative control: with one half instead, a thin sheet lies elsewhere."""
     thin = Contact(3, 1.2 * H, H)
-    assert abs(thin.height(thin.at_surface)) < 1e-6 * H
-    assert abs(thin.height(0.5)) > 0.008 * H
+    assert abs(thin.surface_height(thin.at_surface)) < 1e-6 * H
+    assert abs(thin.surface_height(0.5)) > 0.008 * H
 
 
 def waved(still: np.ndarray, wavelength: float, amplitude: float, shift: float = 0.0) -> np.ndarray:

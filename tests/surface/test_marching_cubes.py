@@ -248,13 +248,13 @@ def test_only_rows_near_water_are_kept_and_the_rest_is_dry(tank):
     rows.near.fill(1)
     rows.keep_rows()
     tank.map.fill_rows(rows, tank.isosurface.value, tank.isovalue)
-    whole = tank.cut(0)[0]
+    whole = tank.cut_surface(0)[0]
     assert rows.count[None] == rows.all
     for array in ("vertices", "triangles", "normals"):
         np.testing.assert_array_equal(getattr(banded, array), getattr(whole, array))
     rows.near.fill(0)  # a control: without rows there is nothing
     rows.keep_rows()
-    assert len(tank.cut(0)[0].triangles) == 0
+    assert len(tank.cut_surface(0)[0].triangles) == 0
 
 
 def test_rows_without_room_stop_with_a_sentence(taichi_cpu):

@@ -6,8 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, takers
-from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, as_logged, ride_of
+from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS, Platform
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 FRAME = "flu"
@@ -26,9 +26,9 @@ class Config(ObserverConfig):
         rate = self.interval(scene.preflight)
         observing = [config for config in scene.observers.values() if isinstance(config, ObserverConfig)]
         at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
-        logged = as_logged(rate)
+        logged = round_interval(rate)
         head = heading(logged) | {"seed": scene.seed}
-        csv = CsvFile(folder / "platform.csv", head, COLUMNS)
+        csv = CsvFile(folder / "platform.csv", head, PLATFORM_COLUMNS)
         ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS * rate
         return PlatformLog(csv, every, scene.platform.build(logged), simulation, ship)
 
@@ -41,7 +41,7 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
         "pose": "from neutral; Rz(yaw) Ry(pitch) Rx(roll)",
         "felt": "specific force, gravity included, and rates on the platform in its own axes, by differences of the "
         "poses so far: accelerations are those of the row before, rates half a row late",
-        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMITS.items()),
+        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()),
         "rate": f"every {every:.9g} s",
     }
 

@@ -11,8 +11,8 @@ from ocean_sim.files.input_file import AnyFileName
 from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
-from ocean_sim.platform.shared.datagrams import Sender, address, key_in
-from ocean_sim.platform.shared.packets import packets
+from ocean_sim.platform.shared.datagrams import Sender, parse_address, read_key
+from ocean_sim.platform.shared.packets import row_packets
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 
@@ -33,7 +33,7 @@ class Config(ObserverConfig):
     @field_validator("to")
     @classmethod
     def _is_an_address(cls, value: str) -> str:
-        address(value)
+        parse_address(value)
         return value
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -42,7 +42,7 @@ class Config(ObserverConfig):
         if self.packets != "ocean_sim":
             return [(("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim")]
         try:
-            key_in(self.key)
+            read_key(self.key)
         except ValueError as error:
             return [(("key",), str(error))]
         return []
@@ -66,7 +66,7 @@ class Stream(Observer, TakesCommands):
         self.new: list[Commands] = []  # rows that are not sent yet
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
-        self.sender = Sender(config.to, config.packets, key_in(config.key) if config.key else b"")
+        self.sender = Sender(config.to, config.packets, read_key(config.key) if config.key else b"")
 
     def take_commands(self, rows: Commands) -> None:
         self.new.append(rows)
@@ -83,14 +83,14 @@ class Stream(Observer, TakesCommands):
         self.new = []
 
     def send(self, rows: Commands) -> None:
-        for packet in packets(rows, self.config.frame):
+        for packet in row_packets(rows, self.config.frame):
             self.sender.send(packet)
 
     def close(self) -> None:
         self.send_new()
         if len(self.past):
-            self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq))
+            self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()
-        back = "".join(f"; {told}" for told in (latency, self.sender.stopped()) if told)
+        back = "".join(f"; {told}" for told in (latency, self.sender.stop_report()) if told)
         print(f"stream to {self.config.to}: {self.sender.jitter()}{back}", file=sys.stderr, flush=True)
         self.sender.close()

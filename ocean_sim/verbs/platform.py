@@ -15,12 +15,12 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merge
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
-from ocean_sim.platform import COLUMNS, LEGS, Commands, Cue
+from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
-from ocean_sim.platform.shared.metrics import Metric, metrics
-from ocean_sim.platform.shared.motion_log import AXES, MotionLog
+from ocean_sim.platform.shared.metrics import Metric, ride_metrics
+from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
 from ocean_sim.reading.translation import choice_sentence, validated
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
@@ -58,7 +58,7 @@ def platform(
 ) -> None:
     """Follow a log and report; everything is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
-        for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, wire.FORMATS)):
+        for what, name, known in (("frame", frame or "flu", FRAME_AXES), ("packets", packets, wire.FORMAT_NAMES)):
             if name not in known:
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
@@ -67,7 +67,7 @@ def platform(
         ride = opened_log(log, frame)
         machine = config.build(ride.every)
         done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
-        found = metrics(ride.ride, done, machine.hexapod, ride.every)
+        found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
         files = written(out, ride, done, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
         if not as_json:
@@ -87,7 +87,7 @@ def platform(
             console.answer(answer)
         elif jitter is not None:
             console.say(f"{stream}: {jitter}")
-            for told in (latency, sender.stopped() if sender is not None else ""):
+            for told in (latency, sender.stop_report() if sender is not None else ""):
                 if told:
                     console.say(f"{stream}: {told}")
 
@@ -119,7 +119,7 @@ def chosen(what: str, name: str) -> Node:
 
 def opened(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
     try:
-        secret = b"" if key is None else datagrams.key_in(str(key))
+        secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
     except Unreadable as error:
         raise console.Refused(f"--key {error}") from None
@@ -138,9 +138,9 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
     try:
-        found = motion_log.read(path)
+        found = motion_log.read_log(path)
         if frame is not None:
-            motion_log.convertible(found)
+            motion_log.check_convertible(found)
         return found
     except ValueError as error:
         raise console.Refused(str(error)) from None
@@ -155,8 +155,8 @@ def joined(parts: Sequence[Commands]) -> Commands:
 
 def turned(done: Commands, frame: str) -> Commands:
     """Commands along the axes of another frame."""
-    force, rate = done.felt_force @ AXES[frame].T, done.felt_rate @ AXES[frame].T
-    return done._replace(pose=wire.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
+    force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
+    return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
 
 def written(
@@ -175,12 +175,12 @@ def written(
         head = heading(log.every, frame or "flu") | (
             {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
         )
-        table(folder / "platform.csv", head, COLUMNS, turned(done, frame or "flu").rows())
+        table(folder / "platform.csv", head, PLATFORM_COLUMNS, turned(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
         table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.converted(log, frame))
+            table(folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame))
         console.drawn(pictures.draw, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
@@ -192,7 +192,7 @@ def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
         return []
     begin = sender.sent[0]
     head = {"time": "since the first packet went out", "leg": "lengths that the platform reports"}
-    names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEGS), "stopped")
+    names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEG_NUMBERS), "stopped")
     rows = [[came - begin, found.seq, *found.legs, int(found.stopped)] for came, found in sender.readings]
     table(out / "legs.csv", head, names, rows)
     return [out / "legs.csv"]
@@ -208,13 +208,13 @@ def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -
 def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
     try:
-        for packet in wire.packets(done, frame):
+        for packet in wire.row_packets(done, frame):
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
         past = done.pose[[max(0, last - 1), last]]
-        back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
-        for packet in wire.packets(back, frame):
+        back = machine.return_home(past, float(done.time[last]), int(done.seq[last]))
+        for packet in wire.row_packets(back, frame):
             sender.send(packet)
         sender.close()
     return sender.jitter()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.csv_file import columns as read_columns
-from ocean_sim.platform import COLUMNS
+from ocean_sim.platform import PLATFORM_COLUMNS
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.verbs.shared import platform_pictures
@@ -38,8 +38,8 @@ def test_a_log_becomes_a_ride(ask, draw_nothing, log, tmp_path):
     assert {path.name for path in folder.iterdir()} == names == {path.rsplit("/", 1)[-1] for path in answer["files"]}
     draw_nothing()
     ned = read_columns(folder / "platform.csv")
-    assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
-    assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
+    assert tuple(ned) == PLATFORM_COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
+    assert motion_log.read_log(folder / "motion_ned.csv").frame == "ned"
     code, out, _ = ask(log.parent, "--out", "again")  # a run folder
     assert code == 0 and "motion sickness dose" in out and "1001 rows" in out and "nan" not in out
     flu = read_columns(tmp_path / "again" / "platform.csv")
@@ -98,7 +98,7 @@ def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path)
     done, machine = drawn
     rows = platform_pictures.lively(done, machine)
     assert len(rows) == 200 and done.time[rows[0]] > 11.0 and np.all(np.diff(rows) == 5)
-    short = done.some(slice(1300, 1360))
+    short = done.select(slice(1300, 1360))
     platform_pictures.filmed(tmp_path / "film.gif", short, machine)
     with Image.open(tmp_path / "film.gif") as film:
         assert film.n_frames == len(platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50

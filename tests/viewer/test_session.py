@@ -105,7 +105,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
 def test_a_frame_says_where_everything_is(session):
     simulation, desk = session.simulation, session.desk
     session.watch.show(0.0)
-    head, arrays = page_packets.unpacked(desk.frames[-1])
+    head, arrays = page_packets.unpack(desk.frames[-1])
     assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
     heights = simulation.surface.elevations(session.watch.points)
     assert np.abs(arrays["height"] - heights).max() < 1e-3
@@ -115,8 +115,8 @@ def test_a_frame_says_where_everything_is(session):
     low, high = session.watch.setting.box
     assert np.abs(page_packets.opened(arrays["particles"], low, high) - there).max() < 1e-3
     assert arrays["poses"][0, :3] == pytest.approx(simulation.ships["ship"].body.position, abs=1e-5)
-    still, _ = page_packets.unpacked(desk.stills[-1])
-    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.VERSION
+    still, _ = page_packets.unpack(desk.stills[-1])
+    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.FORMAT_VERSION
     assert len(desk.frames[-1]) < 12_000 and still["tile"] == {
         "nx": 16,
         "nz": 16,
@@ -294,7 +294,7 @@ def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
     while session.claim is not None:
         session.go_on(0.05)
     run = Recorded(folder)
-    head, arrays = page_packets.unpacked(run.stream())
+    head, arrays = page_packets.unpack(run.stream())
     heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
     with np.load(run.files[-1]) as frame:
         assert np.abs(heights[-1].reshape(16, 16) - frame["elevation"]).max() < 1e-3
@@ -334,7 +334,7 @@ def test_who_steers_in_the_page_rides_on_the_platform(tmp_path):
             with suppress(OSError):
                 while True:
                     with suppress(TimeoutError):
-                        came.append(packets.unpacked(listening.recv(2048)))
+                        came.append(packets.unpack(listening.recv(2048)))
 
         threading.Thread(target=listen, daemon=True).start()
         more = f"stream: {{to: 'udp://127.0.0.1:{listening.getsockname()[1]}'}}\n"

@@ -26,12 +26,12 @@ THICK = 0.025  # of the drawn platform, as a part of its height
 
 def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
-    shown = done.some(liveliest(done, machine, LONGEST))
+    shown = done.select(liveliest(done, machine, LONGEST))
     for picture, name in ((motion(shown), "motion.png"), (legs(shown, config.geometry), "legs.png")):
         if len(shown.time) < len(done.time):
             picture.suptitle(f"the liveliest {LONGEST:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save(picture, folder / name)
-    save(workspace(done.some(slice(None, None, max(1, len(done.time) // MOST))), machine), folder / "workspace.png")
+    save(workspace(done.select(slice(None, None, max(1, len(done.time) // MOST))), machine), folder / "workspace.png")
     save(strips(machine.hexapod), folder / "strips.png")
     if film:
         filmed(folder / "film.gif", done, machine)
@@ -180,7 +180,7 @@ def seen(points: np.ndarray) -> np.ndarray:
 
 def stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
     """The hexapod in a pose: base, legs of a cylinder and a rod, platform, which way is forward; dotted: in neutral."""
-    resting, moved = hexapod.arms(np.array([np.zeros(6), pose]))[0]
+    resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
     rings = (0.0 * moved, resting, moved, moved - [0.0, 0.0, THICK * hexapod.neutral_height], cylinder(hexapod, moved))
     base, rest, top, under, ends = (seen(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")

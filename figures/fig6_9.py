@@ -94,7 +94,7 @@ def box(axes: Any, x: float, y: float, wide: float, high: float, title: str, lin
 
 
 def arrow(axes: Any, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
-    """From one place to another, with words over its middle."""
+    """Draw an arrow from one place to another, with words over its middle."""
     shape = {"arrowstyle": "-|>", "color": INK, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, begin, arrowprops=shape)
     middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2 + 0.12

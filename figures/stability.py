@@ -1,4 +1,4 @@
-"""Where water breaks: time steps and one more setting taken to extremes, next to the theoretical limits: CSV and PNGs.
+"""Stability of water: time steps and one more setting taken to extremes, next to theoretical limits: CSV and PNGs.
 
 python figures/stability.py [--fast] [--study runs/stability/stability.csv] [--out DIR]
 """

@@ -21,10 +21,10 @@ class Config(ObserverConfig):
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion", "platform_log")
 
     to: str = "udp://127.0.0.1:5005"
-    """Where packets go; another machine only when it is named."""
+    """Address of the receiver; another machine only when it is named."""
     packets: Literal["ocean_sim", "openmotionsim", "floats", "text"] = "ocean_sim"
-    """Their format; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height; `floats`:
-    six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
+    """Format of packets; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height;
+    `floats`: six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
     frame: Literal["flu", "ned", "ship"] = "flu"
     """Axes of the poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
     key: AnyFileName | None = None
@@ -55,15 +55,15 @@ class Config(ObserverConfig):
 
 
 class Stream(Observer, TakesCommands):
-    """Sends the rows of platform.csv. A run faster than real time is held back to it; a slower one stalls, and the
-    receiver holds its pose. At the end the platform returns to neutral."""
+    """Sends the rows of platform.csv. A run faster than real time waits; in a slower one the receiver holds its pose.
+    At the end the platform returns to neutral."""
 
     every = 0.0  # each row leaves as soon as it is known
 
     def __init__(self, config: Config, platform: Platform) -> None:
-        """`platform`: one at rest, which knows the way back to neutral."""
+        """`platform`: one at rest, for the way back to neutral."""
         self.config, self.platform = config, platform
-        self.new: list[Commands] = []  # rows that are not sent yet
+        self.new: list[Commands] = []  # rows to be sent
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
         self.sender = Sender(config.to, config.packets, read_key(config.key) if config.key else b"")

@@ -35,7 +35,7 @@ class Config(PlatformConfig):
     """Time over which the platform goes from neutral into the motion, and at the end of a stream back to neutral."""
 
     catch_up: float = quantity("m/s2", 2.0, gt=0.0)
-    """Largest acceleration, beyond what the washout asks for, with which a platform that fell behind catches up. Near
+    """Largest acceleration, beyond the request of the washout, with which a platform that fell behind catches up. Near
     the end of a stroke it is braked with at most half as much again."""
 
     @field_validator("geometry", "washout", mode="before")

@@ -136,9 +136,9 @@ def bench_one(order: str, as_json: Json = False) -> None:
         for _ in range(WARM_UP):
             simulation.step()
         clock.sync()
-        before = clock.mark(perf_counter())
+        before = clock.take_mark(perf_counter())
         blocks = [block(simulation, clock.sync) for _ in range(asked["repeats"])]
-        stages = clock.means(before, clock.mark(perf_counter()))[1]
+        stages = clock.stage_means(before, clock.take_mark(perf_counter()))[1]
         particles = simulation.fluid.count
         threads = simulation.backend.threads
     per_step = [1e3 * wall / steps for steps, wall, _, _ in blocks]

@@ -68,13 +68,13 @@ def check(
 
 def measure_step_time(config: SceneConfig) -> None:
     """Take steps of a scene for half a second, and keep their mean wall time for estimates; nothing is written."""
-    from ocean_sim.observers.timings import waiting
+    from ocean_sim.observers.timings import synchronization
     from ocean_sim.simulation import Simulation
     from ocean_sim.verbs.bench import block
 
     with Simulation(config) as simulation:
         simulation.step()  # it compiles kernels
-        steps, wall, _, _ = block(simulation, waiting(simulation.backend.arch))
+        steps, wall, _, _ = block(simulation, synchronization(simulation.backend.arch))
     keep_step_time(config, wall / steps)
 
 

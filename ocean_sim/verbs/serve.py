@@ -84,10 +84,10 @@ def play(
 def live_files(title: str) -> dict[str, Any]:
     """The addresses of a page that shows a simulation."""
     from ocean_sim.reading.schema import schema
-    from ocean_sim.viewer.still import page, sky_packet
+    from ocean_sim.viewer.still import page_document, sky_packet
 
     return {
-        "/": (HTML, lambda: page(f"{title} · Ocean Sim", {"mode": "live"})),
+        "/": (HTML, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES, sky_packet),
         "/schema": (JSON, lambda: json.dumps(schema()).encode()),
     }
@@ -97,11 +97,11 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
     """One finished run, or two side by side."""
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
-    from ocean_sim.viewer.still import page, sky_packet
+    from ocean_sim.viewer.still import page_document, sky_packet
 
     found = [Recorded(run) for run in runs]
     start = {"mode": "replay", "held": False, "runs": [{"title": run.title, "name": run.folder.name} for run in found]}
-    files: dict[str, Any] = {"/": (HTML, lambda: page("Ocean Sim", start)), "/sky": (BYTES, sky_packet)}
+    files: dict[str, Any] = {"/": (HTML, lambda: page_document("Ocean Sim", start)), "/sky": (BYTES, sky_packet)}
     for k, run in enumerate(found):
         files |= {f"/still/{k}": (BYTES, run.still), f"/replay/{k}": (BYTES, run.stream)}
     with stoppable(), Server(files, host, port, token(host), {"drives": False}) as server:
@@ -112,9 +112,9 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
 
 def token(host: str) -> str:
     """Secret part of an address that other machines can reach."""
-    from ocean_sim.viewer.server import LOCAL
+    from ocean_sim.viewer.server import LOCAL_HOSTS
 
-    return "" if host in LOCAL else secrets.token_urlsafe(24)
+    return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
 def announce(server: Any, as_json: bool, show: bool, more: str) -> None:
@@ -140,7 +140,7 @@ def report(
     as_json: Json = False,
 ) -> None:
     """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
-    from ocean_sim.observers import report
+    from ocean_sim.observers.shared import run_report
     from ocean_sim.viewer.replay import replay_file
 
     if len(runs) > 2:
@@ -154,7 +154,7 @@ def report(
         replay_file(runs, path)
         files = [path]
         if len(runs) == 1 and out is None:
-            files.append(report.write_report(runs[0]))
+            files.append(run_report.write_report(runs[0]))
         run_files.add(runs[0], files)
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})

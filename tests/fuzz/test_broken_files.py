@@ -249,8 +249,8 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     import os
 
     from ocean_sim.conventions import Refused
-    from ocean_sim.observers.report import Run
     from ocean_sim.observers.shared.page import embedded_picture
+    from ocean_sim.observers.shared.run_report import Run
     from ocean_sim.pictures.frame_files import Frame
     from ocean_sim.pictures.water.sea_state import run_scene
     from ocean_sim.result import Result

@@ -116,7 +116,7 @@ def test_who_asks_for_pressures_that_are_no_measurements_is_told(tmp_path, kind)
 def face(place, **keys) -> np.ndarray:
     """(n, 3) points [m] of a sensor from its middle."""
     sensor = gauges.Sensor(**keys)
-    return sensor.points(place) - np.array((*sensor.at, 0.0)[:3])
+    return sensor.face_points(place) - np.array((*sensor.at, 0.0)[:3])
 
 
 def test_the_points_of_a_sensor_have_the_moments_of_its_face(watched):
@@ -225,9 +225,9 @@ def test_a_gauge_over_a_dry_block_reads_its_top_and_one_beside_it_the_bed():
     )
     columns = np.array([[0.6, 0.0], [0.2, 0.0], [1.2, 0.0]])
     dry = np.full(3, -0.5)
-    np.testing.assert_allclose(gauges.above([on_bed], columns, dry), [-0.1, -0.5, -0.5])
-    np.testing.assert_allclose(gauges.above([stacked, on_bed, in_air], columns, dry), [0.2, -0.5, -0.5])
-    np.testing.assert_allclose(gauges.above([on_bed], columns, np.array([0.05, 0.05, 0.05])), 0.05)
+    np.testing.assert_allclose(gauges.dry_tops([on_bed], columns, dry), [-0.1, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.dry_tops([stacked, on_bed, in_air], columns, dry), [0.2, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.dry_tops([on_bed], columns, np.array([0.05, 0.05, 0.05])), 0.05)
 
 
 def test_a_pressure_gauge_inside_an_obstacle_is_warned_of():

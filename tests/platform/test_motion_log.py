@@ -4,7 +4,7 @@ import pytest
 from ocean_sim import conventions
 from ocean_sim.files import csv_file
 from ocean_sim.observers.motion import Log
-from ocean_sim.observers.motion import columns as logged
+from ocean_sim.observers.motion import log_columns as logged
 from ocean_sim.platform.shared.motion_log import (
     FORCE_COLUMNS,
     LOG_FRAMES,

@@ -367,7 +367,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
         def take_commands(self, rows):
             self.taken += rows.rows()
 
-    rows = dict.fromkeys(motion_log.columns(PARTS), np.zeros(301)) | columns(3.0)
+    rows = dict.fromkeys(motion_log.log_columns(PARTS), np.zeros(301)) | columns(3.0)
     observers = {"motion": motion_log.Config(every=DT)}
     preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
     scene = SimpleNamespace(seed=7, platform=Config(), ships={"ship": None}, observers=observers, preflight=preflight)
@@ -376,10 +376,10 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     taker = Taker()
     simulation.observers = [taker, observer]
     motion = motion_log.Log.__new__(motion_log.Log)
-    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.columns(PARTS)
-    motion.handed_on = len(motion.columns)
+    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.log_columns(PARTS)
+    motion.motion_columns = len(motion.columns)
     for k, row in enumerate(zip(*rows.values())):
-        motion.hand_on([",".join(map(repr, map(float, row)))], simulation)
+        motion.hand_rows_on([",".join(map(repr, map(float, row)))], simulation)
         if k % every == 0:
             observer.observe(simulation)
     observer.close()

@@ -18,17 +18,8 @@ QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 ANGLE_COLUMNS = ("roll_rad", "pitch_rad", "yaw_rad")
 RATE_COLUMNS = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
 FORCE_COLUMNS = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
-REQUIRED_COLUMNS = (
-    TIME_COLUMN,
-    "sway_m",
-    "heave_m",
-    "surge_m",
-    "pitch_rad",
-    "yaw_rad",
-    "roll_rad",
-    *RATE_COLUMNS,
-    *FORCE_COLUMNS,
-)
+POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
+REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
 UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
@@ -69,12 +60,8 @@ AGREEMENT_RULE = Rule(
     "columns that say the same agree: angles, rates and quaternion, positions, velocities and accelerations, "
     "and specific force with all of them and gravity"
 )
-CHECKS = (
-    Checked(
-        "A motion log, `ocean-sim platform LOG`: a table over time",
-        (AXES_RULE, EVEN_RULE, POSSIBLE_RULE, AGREEMENT_RULE),
-    ),
-)
+LOG_RULES = (AXES_RULE, EVEN_RULE, POSSIBLE_RULE, AGREEMENT_RULE)
+CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", LOG_RULES),)
 
 
 class Ride(NamedTuple):
@@ -124,13 +111,11 @@ def frame_signs(frame: str) -> np.ndarray:
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
     """The ride for a platform, from columns along the axes of a frame."""
-    force, rate, attitude = (
-        np.column_stack([table[name] for name in names]) for names in (FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS)
-    )
+    groups = FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS
+    force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in groups)
+    signs = frame_signs(frame)
     seq = table.get("seq", np.arange(len(force))).astype(int)
-    return Ride(
-        table[TIME_COLUMN], seq, force @ LOG_FRAMES[frame], rate * frame_signs(frame), attitude * frame_signs(frame)
-    )
+    return Ride(table[TIME_COLUMN], seq, force @ LOG_FRAMES[frame], rate * signs, attitude * signs)
 
 
 def read_log(path: str | Path) -> MotionLog:
@@ -160,9 +145,8 @@ def row_interval(table: Table) -> float:
     if off.any():
         k = int(np.argmax(off))
         where = f"between {time[k]:.12g} s and {time[k + 1]:.12g} s, rows {k + 1} and {k + 2}"
-        raise EVEN_RULE.broken(
-            table.path, f"rows are missing or out of order {where}; they should be {every:g} s apart"
-        )
+        found = f"rows are missing or out of order {where}; they should be {every:g} s apart"
+        raise EVEN_RULE.broken(table.path, found)
     if every > 1.0 / MIN_ROW_RATE:
         raise EVEN_RULE.broken(table.path, f"it has a row every {every:g} s")
     return round_interval(float(time[-1] - time[0]) / len(steps))
@@ -193,11 +177,8 @@ def check_plausible(log: MotionLog) -> None:
     compare_columns(path, (ANGLE_COLUMNS, turn), (RATE_COLUMNS, rate), MIN_TURN)
     sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
     for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
-        angle, rates = (
-            f"{ANGLE_COLUMNS[k]} turns by {sizes[0, k]:.3g} rad/s",
-            f"{RATE_COLUMNS[k]} says {sizes[1, k]:.3g}",
-        )
-        raise AGREEMENT_RULE.broken(path, f"{angle}, {rates} (standard deviations)")
+        found = f"{ANGLE_COLUMNS[k]} turns by {sizes[0, k]:.3g} rad/s, {RATE_COLUMNS[k]} says {sizes[1, k]:.3g}"
+        raise AGREEMENT_RULE.broken(path, f"{found} (standard deviations)")
     felt = float(np.median(np.linalg.norm(ride.specific_force, axis=1)))
     up = float(turn_to_level(ride.attitude, ride.specific_force)[:, 2].mean())
     if 0.5 < felt < 2.0 or felt > MAX_MEDIAN_FORCE:

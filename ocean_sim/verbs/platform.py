@@ -26,7 +26,7 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 from ocean_sim.verbs.shared.options import Json
 
-WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
+FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
 def platform(
@@ -62,22 +62,22 @@ def platform(
             if name not in known:
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
-        config = configured(geometry, washout, laid)
-        sender = opened(stream, packets, key) if stream is not None else None
+        config = platform_config(geometry, washout, laid)
+        sender = open_log(stream, packets, key) if stream is not None else None
         ride = opened_log(log, frame)
         machine = config.build(ride.every)
-        done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
+        done = join_words([machine.follow(rows) for rows in ride.ride.chunks()])
         found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
-        files = written(out, ride, done, found, config, machine, frame, film)
+        files = write_commands(out, ride, done, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
         if not as_json:
-            show(done, found, files)
+            print_report(done, found, files)
             for sentence in warnings:
                 console.say(f"warning: {sentence}")
         jitter = latency = None
         if sender is not None:
-            jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
-            files += reported(out, sender)
+            jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
+            files += report_ride(out, sender)
         if as_json:
             answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
             answer["metrics"] = [metric._asdict() for metric in found]
@@ -92,12 +92,12 @@ def platform(
                     console.say(f"{stream}: {told}")
 
 
-def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
+def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
     """The platform of a geometry and a washout, each a name or a file, and of what is set over them; raises SceneError
     or Refused."""
-    nodes = {"geometry": chosen("geometry", geometry), "washout": chosen("washout", washout)}
+    nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
-    for key, value in console.settings([*sets]).items():
+    for key, value in console.set_values([*sets]).items():
         for part in reversed(key.split(".")):
             value = node_of({part: value}, value.location)
         whole = merged(whole, value)
@@ -108,7 +108,7 @@ def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
     return config
 
 
-def chosen(what: str, name: str) -> Node:
+def platform_choice(what: str, name: str) -> Node:
     """Content of a name in configs/<what>/, or of a file."""
     if name in named(what):
         return read(library("configs") / what / f"{name}.yaml")
@@ -117,7 +117,7 @@ def chosen(what: str, name: str) -> Node:
     raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
 
 
-def opened(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
+def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
     try:
         secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
@@ -146,20 +146,20 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
         raise console.Refused(str(error)) from None
 
 
-def joined(parts: Sequence[Commands]) -> Commands:
+def join_words(parts: Sequence[Commands]) -> Commands:
     """Commands that follow each other, as one."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
     return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
 
 
-def turned(done: Commands, frame: str) -> Commands:
+def to_log_frame(done: Commands, frame: str) -> Commands:
     """Commands along the axes of another frame."""
     force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
     return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
 
-def written(
+def write_commands(
     out: Path,
     log: MotionLog,
     done: Commands,
@@ -175,17 +175,19 @@ def written(
         head = heading(log.every, frame or "flu") | (
             {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
         )
-        table(folder / "platform.csv", head, PLATFORM_COLUMNS, turned(done, frame or "flu").rows())
+        commands_table(folder / "platform.csv", head, PLATFORM_COLUMNS, to_log_frame(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
-        table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
+        commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame))
-        console.drawn(pictures.draw, folder, done, config, machine, film)
+            commands_table(
+                folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame)
+            )
+        console.draw_if_able(pictures.draw_pictures, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 
-def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
+def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
     """legs.csv: where the legs were, by the platform's own reports, and when they came; nothing where there are
     none."""
     if not sender.readings:
@@ -194,18 +196,18 @@ def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
     head = {"time": "since the first packet went out", "leg": "lengths that the platform reports"}
     names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEG_NUMBERS), "stopped")
     rows = [[came - begin, found.seq, *found.legs, int(found.stopped)] for came, found in sender.readings]
-    table(out / "legs.csv", head, names, rows)
+    commands_table(out / "legs.csv", head, names, rows)
     return [out / "legs.csv"]
 
 
-def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
+def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
     """A CSV file as a run writes it."""
     with whole(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
-def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
+def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
     try:
         for packet in wire.row_packets(done, frame):
@@ -220,12 +222,12 @@ def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: s
     return sender.jitter()
 
 
-def show(done: Commands, found: list[Metric], files: list[Path]) -> None:
+def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None:
     """The summary of a ride, for people."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
-    numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in WITHIN]
-    rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(WITHIN, numbers)]
+    numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
+    rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
     console.table(
         "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform",
         ["", *(kind.replace("_", " ") for kind in kinds)],

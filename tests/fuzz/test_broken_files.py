@@ -281,7 +281,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         Frame(put("frame_00000.npz"))
     if odd != "deep":
         with pytest.raises(input_file.Unreadable):
-            table.read(put("results.csv"))
+            table.read_table(put("results.csv"))
         with pytest.raises(input_file.Unreadable):
             _ = put("events.jsonl") and Result(tmp_path).events
     assert embedded_picture(put("preview.png"), "a picture") == ""

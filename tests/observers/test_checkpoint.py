@@ -12,7 +12,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import file
 from ocean_sim.validation.shared.tables import table_path
-from ocean_sim.verbs.resume import gone_on
+from ocean_sim.verbs.resume import continue_run
 from ocean_sim.verbs.shared.progress import Progress
 
 QUIET = {"seed": 3, "runtime": {"threads": 1}, "timings": None, "render": None, "report": None}
@@ -180,7 +180,7 @@ def resumed(scene, folder: Path) -> list[str]:
     """Runs a scene without and with a stop in its midst; the files that differ."""
     folder.mkdir(exist_ok=True)
     undisturbed(scene, folder / "a", 0.4 * scene.duration, folder / "b")
-    gone_on(scene, file.read(next(file.kept(folder / "b"))), folder / "b", Progress(scene.duration, quiet=True))
+    continue_run(scene, file.read(next(file.kept(folder / "b"))), folder / "b", Progress(scene.duration, quiet=True))
     return differing(folder / "a", folder / "b")
 
 

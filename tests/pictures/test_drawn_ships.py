@@ -29,7 +29,7 @@ def placed(name):
     centre = np.array(hull.centre_of_mass)
     still = hull.in_still_water(8.0, 1000.0, 9.81)
     helm = NOWHERE if HULLS[name] is None else np.array(HULLS[name]) - centre
-    return vertices - centre, triangles, still.wanted / still.voxels.volume, helm
+    return vertices - centre, triangles, still.needed_volume / still.voxels.volume, helm
 
 
 @pytest.fixture(scope="module", params=HULLS)

@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.basin import ROUNDING, Basin, Corners
+from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
@@ -203,7 +203,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
     across = sensor.face_normal(basin)
     if across is None:
         return "no wall is near that the sensor could be flush with; give its normal"
-    reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - ROUNDING, 0.0)
+    reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - BOX_ROUNDING, 0.0)
     ends = [in_space(sensor.at) + way * reach for way in (-1.0, 1.0)]
     if any(outside_reason(tuple(end[: basin.dimension].tolist()), "xyz", basin) for end in ends):
         return f"the face of {sensor.diameter:g} m about {list(sensor.at)} reaches out of the basin"
@@ -230,7 +230,7 @@ def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndar
     """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where its column is dry."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
-        heights = np.where(over & (heights >= low[1] - ROUNDING) & (heights < up[1]), up[1], heights)
+        heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)
     return heights
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.viewer.protocol import FULL_SCALE, PACKET_MAGIC
 
 
-def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Header and arrays of a packet; raises ValueError."""
     if data[:1] == b"\x78":
         data = zlib.decompress(data)

@@ -19,7 +19,7 @@ def test_a_packet_comes_back():
     }
     data = p.packet("frame", arrays, {"speed": {"high": 3.0}}, time=1.5)
     for sent in (data, zlib.compress(data)):
-        head, found = page_packets.unpacked(sent)
+        head, found = page_packets.unpack(sent)
         assert head["kind"] == "frame" and head["time"] == 1.5 and head["arrays"][1]["high"] == 3.0
         assert all(
             np.array_equal(found[name], array) and found[name].dtype == array.dtype for name, array in arrays.items()

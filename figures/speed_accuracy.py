@@ -10,7 +10,7 @@ from typing import Any
 from _options import options, progress
 from _paper import keep, paper
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.pareto import SPEEDS, panel
 from ocean_sim.studies.shared.study import Study, read, write
 from ocean_sim.studies.tradeoff import TRIALS, clock, points
@@ -22,7 +22,7 @@ ACROSS = 3  # panels
 def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
     plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
-    study = Study(plan, folder, cores())
+    study = Study(plan, folder, available_cores())
     for done in study.run():
         progress(done / len(plan), f"{done} of {len(plan)} runs")
     return study.rows

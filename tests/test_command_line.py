@@ -148,10 +148,11 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 
 def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
-    everything = machine.installed
-    monkeypatch.setattr(machine, "installed", lambda name: None if name in ("vtk", "pyvista") else everything(name))
+    everything = machine.installed_version
+    absent = ("vtk", "pyvista")
+    monkeypatch.setattr(machine, "installed_version", lambda name: None if name in absent else everything(name))
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
-    assert machine.extra_missing("pictures") == sentence
+    assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
     assert meaning(missing) == (3, sentence, [])
     monkeypatch.setattr(console, "complained", set())
@@ -267,29 +268,29 @@ def test_doctor_looks_and_never_fails(ask, monkeypatch):
 )
 def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch, room, said, ok, told):
     monkeypatch.setattr(doctor, "probed", lambda script: {"ok": True, "detail": said})
-    monkeypatch.setattr(machine, "vector_room", lambda: room)
-    monkeypatch.setattr(machine, "installed", lambda package: None)
+    monkeypatch.setattr(machine, "max_vector_width", lambda: room)
+    monkeypatch.setattr(machine, "installed_version", lambda package: None)
     found = doctor.vectors()
     assert found["ok"] is ok and found["detail"].endswith(told)
-    monkeypatch.setattr(machine, "installed", lambda package: "1.3")
+    monkeypatch.setattr(machine, "installed_version", lambda package: "1.3")
     assert "pip" not in doctor.vectors()["detail"]
 
 
 def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
     fact = doctor.probed(doctor.WIDTH)
     library, width = fact["detail"].split()
-    assert fact["ok"] and library == kernel_library.NAME and int(width) in (4, 8, 16)
-    if machine.vector_room() in (8, 16):
+    assert fact["ok"] and library == kernel_library.LIBRARY_NAME and int(width) in (4, 8, 16)
+    if machine.max_vector_width() in (8, 16):
         assert (int(width) > 4) == kernel_library.knows_processor()
 
 
 def test_processors_that_the_compiler_is_too_old_for_are_known_by_their_family(monkeypatch):
-    monkeypatch.setattr(kernel_library, "NAME", kernel_library.TAICHI)
+    monkeypatch.setattr(kernel_library, "LIBRARY_NAME", kernel_library.TAICHI)
     for vendor, family, known in (("AuthenticAMD", 25, True), ("AuthenticAMD", 26, False), ("GenuineIntel", 26, True)):
         told = {"vendor_id": vendor, "cpu family": str(family)}
-        monkeypatch.setattr(kernel_library, "processor", lambda told=told: told)
+        monkeypatch.setattr(kernel_library, "processor_facts", lambda told=told: told)
         assert kernel_library.knows_processor() is known
-    monkeypatch.setattr(kernel_library, "processor", dict)
+    monkeypatch.setattr(kernel_library, "processor_facts", dict)
     assert kernel_library.knows_processor()
 
 
@@ -319,7 +320,7 @@ def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):
 
     bound: list[int] = []
     monkeypatch.setattr(runtime.os, "sched_setaffinity", gone)
-    runtime._pin(set(), threads=1, one=True)
+    runtime._pin_threads(set(), threads=1, one=True)
     assert bound
 
 

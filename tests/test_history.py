@@ -48,7 +48,7 @@ def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch
     assert times([1.0e6], library="quadrants") == [None]
     assert times([1.0e6], ORDER | {"scene": "bench/dam_break_50k"}) == [None]
     assert times([1.0e6], ORDER | {"sets": ["fluid.kind=delta_sph"]}) == [None]
-    monkeypatch.setattr(history, "processor", lambda: "another")
+    monkeypatch.setattr(history, "processor_facts", lambda: "another")
     assert times([1.0e6]) == [None]
 
 

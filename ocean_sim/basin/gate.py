@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from ocean_sim.basin.tank_motion import FEWEST_ROWS, splined
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import Checked, FileName, shown
+from ocean_sim.files.input_file import Checked, FileName, display_path
 from ocean_sim.model import Model, Vector3, quantity
 
 MOMENTS = 400  # at which the way of an obstacle is looked at
@@ -69,7 +69,9 @@ class Gate(Model):
         """Rows of its file that a run of `duration` [s] does not reach."""
         if self.file is None:
             return []
-        return csv_file.unreached(shown(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves")
+        return csv_file.unreached_times_warning(
+            display_path(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves"
+        )
 
     @cached_property
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:

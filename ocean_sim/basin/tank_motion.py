@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, Field
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, display_path
 from ocean_sim.model import Model, quantity
 
 Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
@@ -217,7 +217,7 @@ class Recorded(Tank):
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
-        found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
+        found = csv_file.unreached_times_warning(display_path(self.file), times, duration, "the tank never moves")
         found += overturned(axis, float(np.abs(moved).max()))
         most = float(np.degrees(np.abs(moved).max()))
         if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in self.table:

@@ -55,7 +55,7 @@ from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Template, arch, in_kernels
+from ocean_sim.runtime import Array, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 PARTICLE, PAIR = 1.5e-6, 6.0e-9  # [s] of processor time, and a neighbour, with some ten iterations a step
@@ -321,7 +321,7 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), arch(), FORCE_ROW.size, 1)
+        sizes = config.sized(config.lattice(basin), running_arch(), FORCE_ROW.size, 1)
         super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.enclosed(basin)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim.observers.shared.run_report import write
-from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
+from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
 
 
 class Config(ObserverConfig):
@@ -17,7 +17,7 @@ class Config(ObserverConfig):
         return Report(folder)
 
 
-class Report(Concluding):
+class Report(OutcomeObserver):
     """Reads what the other observers wrote. It closes before `render`, whose film takes long, and who writes the page
     anew with its pictures."""
 

@@ -158,7 +158,7 @@ def measured_section(cells: int) -> dict[str, Any]:
 
 def measured(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
     """First harmonics over the amplitude, roll over k times it, by period; mean of repetitions, without lost ones."""
-    table = csv_file.columns(table_path("sundsdal2025_section"))
+    table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREED[scenario]:
         values = table[LOOKED_AT[motion]]

@@ -11,7 +11,7 @@ import typer
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.machine import extra_missing
+from ocean_sim.machine import missing_extra
 from ocean_sim.observers import checkpoint, render
 from ocean_sim.observers.preview import Config, Screen, require, write
 from ocean_sim.parts import named
@@ -191,7 +191,7 @@ class Session:
         self.config, self.playing, panel.message = config, wind, ""
         with runtime.Fields():  # something stays open, for which Taichi goes on, and the window with it
             self.simulation.close()
-            restarted = runtime.restarts(config.runtime)
+            restarted = runtime.must_restart(config.runtime)
             if restarted:
                 self.screen.close()
             self.simulation = self.built()
@@ -237,7 +237,7 @@ class Session:
 
     def join(self, folder: Path, every: float) -> None:
         """A film of the numbered pictures of a folder, one for so much time [s]; they stay."""
-        missing = extra_missing("pictures")
+        missing = missing_extra("pictures")
         if missing:
             self.panel.message = f"no film, but its pictures are there: {missing}"
             console.complain(self.panel.message)

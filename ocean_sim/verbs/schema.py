@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.reading.schema import text
 from ocean_sim.verbs.shared import console
 
@@ -21,5 +21,5 @@ def schema(
             sys.stdout.write(text())
             sys.stdout.flush()
     else:
-        with whole(out) as draft:
+        with atomic_write(out) as draft:
             draft.write_text(text(), encoding="utf-8")

@@ -8,7 +8,7 @@ from statistics import median
 
 import pytest
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.observers.render import ALONE, FIRST, PICTURE
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import load
@@ -59,7 +59,9 @@ def test_the_shares_of_a_step_are_whole_and_each_part_says_its_own():
     assert found["estimated_wall_s"] == parts["start_s"] + parts["steps_s"] and parts["pictures_s"] == 0.0
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}, "runtime.threads": 2}))
     seconds = FIRST[3] + 2 * PICTURE[3]["draft"]  # no more pictures than frames, one each 0.033 s
-    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(seconds * (ALONE + (1.0 - ALONE) / cores()))
+    assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(
+        seconds * (ALONE + (1.0 - ALONE) / available_cores())
+    )
     slots = {row.part: row.a_step(0.004) for row in drawn["ledger"] if row.part in ("fluid", "wind", "surface")}
     saved = parts["steps_s"] - drawn["estimated_by_part"]["steps_s"]
     assert 0.0 < saved and saved == pytest.approx(

@@ -10,7 +10,7 @@ from ocean_sim.fluid import Status
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.thread_tasks import LINE
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Doubles3, Template, alone, in_kernels
+from ocean_sim.runtime import Doubles3, Template, in_kernels, runs_alone
 
 TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
@@ -128,7 +128,7 @@ class Accounts:
     @ti.kernel
     def copy(self, to: Doubles3):
         """Impulse and work of each term, group by group."""
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
 

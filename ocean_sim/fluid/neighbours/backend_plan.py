@@ -13,7 +13,7 @@ from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.parts import LedgerRow
-from ocean_sim.runtime import CARDS, GRAPHICS
+from ocean_sim.runtime import GRAPHICS_BACKENDS, GRAPHICS_CARD_CHOICES
 
 SERIAL = 20_000  # up to so many particles one thread sorts faster than several
 CHUNKS = 8
@@ -114,7 +114,9 @@ class OfParticles(Plan):
 
 
 CELLS, PARTICLES = OfCells(), OfParticles()
-PLANS: dict[str, Plan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys((*CARDS, *GRAPHICS), PARTICLES)
+PLANS: dict[str, Plan] = {"cpu": CELLS, "auto": CELLS} | dict.fromkeys(
+    (*GRAPHICS_CARD_CHOICES, *GRAPHICS_BACKENDS), PARTICLES
+)
 """By backend; before it is started `auto` counts as the processor, and `gpu` as a card."""
 
 

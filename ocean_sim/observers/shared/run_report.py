@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.observers.shared.page import curves, page, picture, plot, table, text
 
 STILLS = 6  # in a page at most
@@ -25,7 +25,7 @@ def write(folder: Path) -> Path:
     """Write report.html of a run folder, however the run ended."""
     run = Run(folder)
     path = folder / "report.html"
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text(page(run.title, run.parts()), encoding="utf-8")
     return path
 
@@ -35,7 +35,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.manifest: dict[str, Any] = input_file.facts(folder / "manifest.json")
+        self.manifest: dict[str, Any] = input_file.read_json_object(folder / "manifest.json")
         self.scene: dict[str, Any] = self.manifest.get("scene") or {}
         self.title = self.scene.get("title") or "Untitled scene"
         self.events = self.lines(folder / "events.jsonl")
@@ -115,9 +115,11 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def motion(self) -> Iterator[str]:
-        yield from self.motion_of("Motions of the ship", csv_file.columns_there(self.folder / "motion.csv"))
+        yield from self.motion_of("Motions of the ship", csv_file.read_columns_if_any(self.folder / "motion.csv"))
         for name in self.scene.get("ships", {}):
-            yield from self.motion_of(f"Motions of {name}", csv_file.columns_there(self.folder / f"motion_{name}.csv"))
+            yield from self.motion_of(
+                f"Motions of {name}", csv_file.read_columns_if_any(self.folder / f"motion_{name}.csv")
+            )
 
     def motion_of(self, title: str, log: Table) -> Iterator[str]:
         """The motions of one ship."""
@@ -143,7 +145,7 @@ class Run:
             yield plot(curves(time, orders, "throttle and rudder"))
 
     def platform(self) -> Iterator[str]:
-        log = csv_file.columns_there(self.folder / "platform.csv")
+        log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         if "leg1_m" not in log:
             return
         time = log["time_s"]
@@ -165,7 +167,7 @@ class Run:
         yield f"<p>A limit was reached in {100.0 * share:.3g} % of the rows.</p>"
 
     def gauges(self) -> Iterator[str]:
-        log = csv_file.columns_there(self.folder / "gauges.csv")
+        log = csv_file.read_columns_if_any(self.folder / "gauges.csv")
         heights = {name.removesuffix("_m"): values for name, values in log.items() if name.endswith("_m")}
         pressures = {name.removesuffix("_Pa"): v / 1000.0 for name, v in log.items() if name.endswith("_Pa")}
         if heights or pressures:
@@ -181,7 +183,7 @@ class Run:
             yield plot(curves(log["time_s"], pressures, "pressure [kPa]"))
 
     def accuracy(self) -> Iterator[str]:
-        log = csv_file.columns_there(self.folder / "accuracy.csv")
+        log = csv_file.read_columns_if_any(self.folder / "accuracy.csv")
         if "compression_mean" not in log:  # water without particles keeps no balances
             return
         time = log["time_s"]
@@ -205,7 +207,7 @@ class Run:
             yield plot(curves(time, {"time step": 1000.0 * log["time_step_s"]}, "time step [ms]"))
 
     def timings(self) -> Iterator[str]:
-        log = csv_file.columns_there(self.folder / "timings.csv")
+        log = csv_file.read_columns_if_any(self.folder / "timings.csv")
         stages = [name for name in log if name.endswith("_ms_per_step")]
         if not stages:
             return
@@ -254,7 +256,7 @@ class Run:
     def lines(path: Path) -> list[dict[str, Any]]:
         """The whole lines of events.jsonl."""
         found = []
-        for line in input_file.text(path).splitlines() if path.is_file() else ():
+        for line in input_file.read_text(path).splitlines() if path.is_file() else ():
             try:
                 found.append(json.loads(line))
             except ValueError:

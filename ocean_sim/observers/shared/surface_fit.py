@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti
-from ocean_sim.runtime import Array2, Integers, alone, in_kernels
+from ocean_sim.runtime import Array2, Integers, in_kernels, runs_alone
 
 if TYPE_CHECKING:  # it is imported only where there is one
     from ocean_sim.surface import Surface
@@ -43,18 +43,18 @@ class Tops:
     @ti.kernel
     def find(self, top: Array2, which: Integers):
         p = self.particles.position
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for c in range(which.shape[0]):
             top[c, 1], which[c] = LOW, -1
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
             ti.atomic_max(top[self.column(i), 1], p.y[i])
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
             c = self.column(i)
             if p.y[i] == top[c, 1]:
                 ti.atomic_max(which[c], i)
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for c in range(which.shape[0]):
             if which[c] >= 0:
                 top[c, 0], top[c, 2] = p.x[which[c]], p.z[which[c]]

@@ -47,7 +47,7 @@ CHECKS = (input_file.Checked("A key, `stream.key`", (KEY,)),)
 
 def key_in(file: str) -> bytes:
     """The key in a file, which sender and receiver share; raises Unreadable, a ValueError."""
-    key = input_file.content(file, MOST_KEY).strip()
+    key = input_file.read_bytes(file, MOST_KEY).strip()
     if len(key) < LEAST_KEY:
         raise KEY.broken(file, f"it has {len(key)} bytes")
     return key

@@ -10,10 +10,10 @@ import numpy as np
 from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import csv_file
-from ocean_sim.files.csv_file import NAMED, Table
+from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
 from ocean_sim.files.input_file import Checked, Rule
 
-TIME = csv_file.TIME
+TIME = csv_file.TIME_COLUMN
 QUATERNION = ("qw", "qx", "qy", "qz")
 ANGLES = ("roll_rad", "pitch_rad", "yaw_rad")
 RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
@@ -119,7 +119,9 @@ def read(path: str | Path) -> MotionLog:
     if missing is not None:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED]
         other = next((name for name in words if name.startswith(UNIT.sub("_", missing))), None)
-        raise NAMED.broken(path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}")
+        raise NAMED_COLUMNS_RULE.broken(
+            path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}"
+        )
     frame = table.head.get("frame", "ship")
     if frame not in FRAMES:
         raise AXES_NAMED.broken(path, f"its head says frame {frame!r}")

@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, Integers, Template, alone, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels, runs_alone
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.ship.water.water_samples import (
@@ -89,12 +89,12 @@ class Cubes:
 
     @ti.kernel
     def hold(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
             self.area[k] = tm.vec3(area[k, 0], area[k, 1], area[k, 2])
             self.volume[k], self.key[k] = volume[k], key[k]
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for b in range(2 * self.blocks):
             self.box[b // 2, b % 2] = tm.vec3(box[b, 0], box[b, 1], box[b, 2])
 
@@ -136,7 +136,7 @@ class Cubes:
 
     @ti.kernel
     def immersed(self, around: Template, table: Array2, found: Array2):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = vector(table, pose.position), turned(table)
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
@@ -156,7 +156,7 @@ class Cubes:
     ):
         around.look(water, table)
         wind.set_clock(ti.cast(table[0, HANDED.since], float), ti.cast(table[0, HANDED.step], float))
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = vector(table, pose.position), turned(table)
             velocity, omega = vector(table, pose.velocity), vector(table, pose.spin)

@@ -15,7 +15,7 @@ BASIS = "coarse: the measured error plus a quarter"
 def tolerances() -> dict[tuple[str, str], dict[str, float]]:
     """By case and quantity: the tolerance of each scheme whose fine one does not hold at coarse resolution."""
     found: dict[tuple[str, str], dict[str, float]] = {}
-    for row in csv_file.records(table_path("coarse").read_text(encoding="utf-8")):
+    for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
         found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
     return found
 
@@ -23,7 +23,7 @@ def tolerances() -> dict[tuple[str, str], dict[str, float]]:
 @cache
 def too_long() -> dict[tuple[str, str], float]:
     """By case and set-up: the processor time [s] of those that a gate has no time for, kernels in the cache."""
-    rows = csv_file.records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
+    rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}
 
 

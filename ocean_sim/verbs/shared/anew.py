@@ -4,7 +4,7 @@ import os
 import sys
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import installed
+from ocean_sim.machine import installed_version
 
 
 class Anew(BaseException):
@@ -20,7 +20,7 @@ class Anew(BaseException):
 
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        environment = os.environ | {kernel_library.VARIABLE: self.library}
+        environment = os.environ | {kernel_library.LIBRARY_VARIABLE: self.library}
         os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
 
 
@@ -31,8 +31,8 @@ def must_compute_with(
     the one that is `asked` for there is not installed. For the command line, before anything is written."""
     from ocean_sim import kernel_library
 
-    if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
+    if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:
         return
-    if installed(library) is None:
+    if installed_version(library) is None:
         raise Lacking(f"{asked}: {library} is not installed here; pip install {library}{cure}")
     raise Anew(library)

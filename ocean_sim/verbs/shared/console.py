@@ -13,17 +13,17 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.run_files import Claim, claimed
-from ocean_sim.files.whole_file import naming
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
-from ocean_sim.machine import extra_missing
+from ocean_sim.files.atomic_file import file_named_in_errors
+from ocean_sim.files.run_files import Claim, claim_folder
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, parse_setting, shorten
+from ocean_sim.machine import missing_extra
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
 complained: set[str] = set()  # what has been said once
 MOST = 2000  # bytes of a message about what went wrong
-OUTPUT = naming("standard output")
+OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
@@ -67,7 +67,7 @@ def say(text: str = "") -> None:
 def complain(text: str) -> None:
     """A line about what went wrong."""
     with suppress(OSError):  # there may be nobody to tell
-        print(cut(visible(text), MOST), file=sys.stderr, flush=True)
+        print(shorten(visible(text), MOST), file=sys.stderr, flush=True)
 
 
 def visible(text: str) -> str:
@@ -122,7 +122,7 @@ def settings(sets: list[str] | None) -> dict[str, Node]:
     problems: list[Problem] = []
     for text in sets or ():
         try:
-            key, node = setting(text)
+            key, node = parse_setting(text)
             if node.data is None:
                 values = {known: value for known, value in values.items() if not known.startswith(f"{key}.")}
             values[key] = node
@@ -135,12 +135,12 @@ def settings(sets: list[str] | None) -> dict[str, Node]:
 
 def claim(out: Path, *ours: str) -> Claim:
     """A claim on the folder that `--out` names, as `claimed`."""
-    return claimed(out, *ours, named=f"--out {out}")
+    return claim_folder(out, *ours, named=f"--out {out}")
 
 
 def drawn(draw: Callable[..., object], *about: Any) -> bool:
     """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
-    missing = extra_missing("pictures")
+    missing = missing_extra("pictures")
     if missing is None:
         draw(*about)
     elif missing not in complained:

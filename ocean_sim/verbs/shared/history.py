@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from ocean_sim import machine
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 
 KEPT = 1000  # lines of the file
 LAST = 10  # measurements that a new one is compared with, at most
@@ -25,8 +25,8 @@ def path() -> Path:
 
 def processor() -> str:
     """The name of the processor, and how many cores this process may use."""
-    named = machine.processor().get("model name") or platform.processor() or platform.machine()
-    return f"{named}, {machine.cores()} cores"
+    named = machine.processor_facts().get("model name") or platform.processor() or platform.machine()
+    return f"{named}, {machine.available_cores()} cores"
 
 
 def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
@@ -67,7 +67,7 @@ def keep(of: dict[str, Any], row: dict[str, Any]) -> None:
             file.write(json.dumps({"way": of, SPEED: row[SPEED], "ms_per_step": row["ms_per_step"]}) + "\n")
         kept = list(lines())
         if len(kept) > KEPT:
-            with whole(there) as draft:
+            with atomic_write(there) as draft:
                 draft.write_text("".join(f"{json.dumps(line)}\n" for line in kept[-KEPT:]), encoding="utf-8")
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.platform import Commands
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared.kinematics import Hexapod
@@ -54,7 +54,7 @@ def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> t
 
 
 def save(picture: Any, path: Path) -> None:
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         picture.savefig(draft, dpi=100)
 
 
@@ -207,7 +207,7 @@ def filmed(path: Path, done: Commands, machine: Moving) -> None:
     picture, axes = figure(1, 1, (5, 5))
     axis, writer = axes[0, 0], PillowWriter(fps=FRAME_RATE)
     reach, height = 1.25 * float(np.abs(machine.hexapod.base).max()), machine.hexapod.neutral_height
-    with whole(path) as draft, writer.saving(picture, str(draft), 80):
+    with atomic_write(path) as draft, writer.saving(picture, str(draft), 80):
         for k in lively(done, machine):
             axis.clear()
             stand(axis, machine.hexapod, done.pose[k])

@@ -5,7 +5,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.conventions import figures
-from ocean_sim.simulation import Concluding
+from ocean_sim.simulation import OutcomeObserver
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
 
-class Progress(Concluding):
+class Progress(OutcomeObserver):
     """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
     def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from ocean_sim.observers.motion import Motion
 from ocean_sim.observers.shared.csv_rows import Multiples, TakesCommands, TakesMotion
 from ocean_sim.simulation import Simulation
-from ocean_sim.state.walk import Restorer, Snapshot
+from ocean_sim.state.snapshot import Restorer, Snapshot
 
 KEPT = 2  # moments: the newest, and the one before for who is there already
 

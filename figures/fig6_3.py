@@ -28,7 +28,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves.orbits import circulation
 from ocean_sim.waves.record import evenly, zero_crossing_waves
-from ocean_sim.wind.shared.drawing import Drawing
+from ocean_sim.wind import Drawing
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
 QUIET = dict.fromkeys(("accuracy", "timings", "health", "frames", "render", "report"))

@@ -1,4 +1,4 @@
-"""Figure 6-6: the sea from the helm: one picture, and a clip of it, of a yacht that steams through waves of 1.5 m; what
+"""Figure 6-6: the sea from the helm: one picture, and a clip of it, of a yacht that sails through waves of 1.5 m; what
 the helmsman feels next to it: CSV, PNG and MP4.
 
 The eye is at the helm and goes with the ship. fig6_6_bare.png is the same view with nothing drawn that the run does not

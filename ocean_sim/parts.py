@@ -88,25 +88,12 @@ def called(ship: str) -> str:
 
 
 class LedgerRow(NamedTuple):
-    """One thing that a scene makes the program allocate or compile, and why, and what it adds to a step."""
+    """One thing that a scene makes the program allocate or compile, and why."""
 
     part: str
     what: str
     bytes: int
     why: str
-    seconds: float = 0.0
-    """Processor time of one update on one thread [s]; measured on x86-64 in f32, for an estimate."""
-    every: float = 0.0
-    """Simulated time between updates [s]; 0: each step has one."""
-    several: bool = False
-    """True if one step may have several updates."""
-    of_step: float = 0.0
-    """Processor time of a step [s] in addition to its updates."""
-
-    def a_step(self, dt: float) -> float:
-        """Processor time [s] of a step of dt [s], on the average."""
-        updates = dt / self.every if self.every else 1.0
-        return self.of_step + self.seconds * (updates if self.several else min(1.0, updates))
 
 
 class PartConfig(Model):
@@ -130,7 +117,7 @@ class PartConfig(Model):
 
     @abstractmethod
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """A row for each thing that it will allocate or compile, with its share of a step."""
+        """Rows of memory, one for each thing that this part will allocate or compile."""
 
 
 class KindConfig(PartConfig):
@@ -331,10 +318,6 @@ class FluidConfig(KindConfig):
         """Distance [m] of the points at which frames keep the height of the water, where a scene gives none."""
         return preflight.spacing or preflight.tank.depth
 
-    def point_time(self, preflight: Preflight) -> float:
-        """Processor time [s] that the height at each of these points takes."""
-        return 0.0
-
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
         """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
         return 0
@@ -354,9 +337,6 @@ class FluidConfig(KindConfig):
 
 class SurfaceConfig(KindConfig):
     """Keys of any surface. It follows particles."""
-
-    when_read: ClassVar[bool] = False
-    """True if it is built only when something reads it, not in each step."""
 
     def completed(self, preflight: Preflight) -> Self:
         """A copy in which what the user left open follows from the water."""

@@ -57,11 +57,8 @@ class ObserverConfig(PartConfig):
     """Observers take turns in this order, those with the same number by name."""
     writes: ClassVar[bool] = True
     """Whether it needs a run folder; those that do not also observe a Simulation without one."""
-    reads_surface: ClassVar[bool] = False
     leaves: ClassVar[str] = ""
     """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
-    takes: ClassVar[tuple[float, float]] = (0.0, 0.0)
-    """Processor time of one observation [s], and more for each particle."""
 
     @classmethod
     def name(cls) -> str:
@@ -78,15 +75,11 @@ class ObserverConfig(PartConfig):
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        base, each = self.takes
-        every = self.interval(preflight) if base else 0.0
-        seconds = base + each * preflight.particles
-        return [LedgerRow(self.name(), self.leaves, 0, f"every {every:g} s" if every else "", seconds, every)]
+        return [LedgerRow(self.name(), self.leaves, 0, "")]
 
-    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
-        """Processor time [s] of the pictures that it draws of a run, as measured without a graphics card, and the wall
-        time [s] that they take where all cores are idle."""
-        return 0.0, 0.0
+    def picture_time(self, preflight: Preflight) -> float:
+        """Wall time [s] of the pictures that it draws of a run, where all cores are idle, without a graphics card."""
+        return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
         """Bytes of each particle in what its ledger states."""
@@ -104,6 +97,10 @@ class PeriodicConfig(ObserverConfig):
 
     def interval(self, preflight: Preflight) -> float:
         return self.every
+
+    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
+        why = f"every {self.every:g} s" if self.every else ""
+        return [row._replace(why=why) for row in super().ledger(preflight)]
 
 
 class Simulation:
@@ -136,7 +133,7 @@ class Simulation:
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ships = {name: ship.build(name, self.basin, self.fluid) for name, ship in scene.ships.items()}
-        self.felt = self.fluid.carry(list(self.ships.values()))  # the water as each ship feels it
+        self.felt = self.fluid.add_ships(list(self.ships.values()))  # the water as each ship feels it
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.fluid import Copied, Fluid, Totals
+from ocean_sim.fluid import Fluid, Totals
+from ocean_sim.fluid.sph.particles import Snapshot
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
-from ocean_sim.wind.shared.drawing import NOTHING
+from ocean_sim.wind import NOTHING
 
 SPACING = 0.5
 
@@ -63,8 +64,8 @@ class Sea(Fluid):
             pressure=Field(np.zeros(n)),
             id=Field(np.arange(n)[::-1].copy()),
         )
-        kept = [getattr(self.particles, name) for name in Copied._fields]
-        self.particles.copied = lambda: Copied(*(field.to_numpy() for field in kept))
+        kept = [getattr(self.particles, name) for name in Snapshot._fields]
+        self.particles.snapshot = lambda: Snapshot(*(field.to_numpy() for field in kept))
         self.status = SimpleNamespace(
             max_speed=0.0, max_acceleration=0.0, min_density=1000.0, max_density=1000.0, clipped=0, finite=True
         )

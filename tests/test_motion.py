@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 import ocean_sim
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.basin.tank_motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
+from ocean_sim.basin.motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.yaml_file import SceneError
 
@@ -207,7 +207,7 @@ def test_what_cannot_be_is_said():
 @pytest.mark.parametrize("begin", [100.0, 1709294400.0, -100.0])
 def test_rows_that_a_run_does_not_reach_are_said(tmp_path, begin):
     """Of every file with times that a scene names; a run that reaches into its rows is told nothing."""
-    from ocean_sim.basin.gate import Gate
+    from ocean_sim.basin.motion import Gate
     from ocean_sim.ship.forces.propulsion import Helm
 
     place = "ends at -9" if begin < 0.0 else f"begins at {begin:.12g} s, when the run of 5 s is over"

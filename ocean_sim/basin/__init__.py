@@ -10,9 +10,8 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ocean_sim import waves
-from ocean_sim.basin.gate import Gate
+from ocean_sim.basin.motion import Gate, Motion, Piston, Wavemaker
 from ocean_sim.basin.open_sea import Absorbing, OpenSea
-from ocean_sim.basin.tank_motion import Motion, Piston, Wavemaker
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.model import Model, Vector3, quantity

@@ -8,7 +8,7 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.budget.momentum_budget import GRAVITY, SHIP, WALLS, WIND
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, of_accounts
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, account_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
@@ -17,7 +17,6 @@ from ocean_sim.parts import LedgerRow, Preflight, Problems
 from ocean_sim.runtime import Array, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
-PARTICLE = 4.7e-8  # [s] of processor time a step
 SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
 
 
@@ -51,9 +50,9 @@ class Config(WaterConfig):
         size, word = self.size(preflight.basin, preflight.arch), preflight.word
         n, what = size.lattice.n, "position, velocity, density, pressure, number"
         return [
-            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what, PARTICLE * n),
+            LedgerRow("fluid", f"{n} particles", (8 * word + 4) * n, what),
             LedgerRow("fluid", f"grid of {size.cell_count} cells", size.bytes(word), "the surface that gauges read"),
-            *of_accounts(size, word, preflight.sums_impulses),
+            *account_ledger(size, word, preflight.sums_impulses),
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:

@@ -25,16 +25,23 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.neighbours.grid_size import ListSize
 from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
-from ocean_sim.fluid.neighbours.list_size import ListSize
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
-from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw
-from ocean_sim.fluid.sph.particles import Components
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Smoothing, positive, smaller
+from ocean_sim.fluid.sph.particles import Components, staggered_field
+from ocean_sim.fluid.sph.smoothing import (
+    NEUTRAL,
+    NEUTRAL_RATIO,
+    Kernel,
+    Smoothing,
+    Stencil,
+    of_rigidity,
+    positive,
+    smaller,
+)
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
@@ -43,7 +50,6 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, FieldCopy, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
-PAIR = 5.5e-9  # [s] of processor time a neighbour
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
 CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
 DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
@@ -115,9 +121,7 @@ class Config(SphConfig):
         if not self.enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
         numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(
-            preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, PAIR, self.told_to_bodies
-        )
+        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, self.told_to_bodies)
 
     def sizes(self, lattice: Lattice, arch: str) -> ListSize:
         """How large grid and lists are on a backend."""
@@ -265,7 +269,7 @@ class Continuity(Law):
         self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
         # Sum of `filled` on a lattice [kg/m3], times the prefactor.
         self.whole = Stencil(fluid.smoothing, fluid.spacing).filled * fluid.smoothing.dimension * rho_0
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -402,7 +406,7 @@ class Shear(Law):
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -462,7 +466,7 @@ class DeltaSph(Sph):
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
         self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
-        self.excess, self.rate = (staggered(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
+        self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = FieldCopy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
@@ -471,7 +475,7 @@ class DeltaSph(Sph):
         else:
             graded = self.carried[CARRIED : CARRIED + GRADED]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(staggered(float, particles.n) for _ in range(GRADED))  # the same at its end
+            self.fresh = tuple(staggered_field(float, particles.n) for _ in range(GRADED))  # the same at its end
             self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = BLOWN if wind.blows else CALM
@@ -494,7 +498,7 @@ class DeltaSph(Sph):
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
             lower = lowered(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
-            self.sunk = float(lower.max())
+            self.surface_drop = float(lower.max())
             x[:, 1] -= lower
             self.particles.position.from_numpy(x)
 

@@ -42,15 +42,13 @@ from ocean_sim.fluid.budget.momentum_budget import (
     absent,
     pushing,
 )
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
-from ocean_sim.fluid.sph.lattice_moments import Stencil, of_rigidity
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import Force
-from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.particles import Components, staggered_field
 from ocean_sim.fluid.sph.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Stencil, of_rigidity
 from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -58,7 +56,6 @@ from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.runtime import Array, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
-PARTICLE, PAIR = 1.5e-6, 6.0e-9  # [s] of processor time, and a neighbour, with some ten iterations a step
 FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
 CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
 BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
@@ -149,9 +146,9 @@ class Config(SphConfig):
         numbers = 27 + self.enclosed(basin)
         if preflight.sums_impulses:
             numbers += 3 * len(pushing(absent(basin)))
-        kept = sizes.grid.plan.pairs(sizes, neighbours, word)
+        kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
-        return [*rows(preflight, sizes, numbers, what, PAIR, particle=PARTICLE), pairs]
+        return [*rows(preflight, sizes, numbers, what), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, accounts, wind)
@@ -172,7 +169,7 @@ class Density(Law):
         self.mass = m * stencil.slope * fluid.smoothing.support**2
         self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
         self.lacking = stencil.lacking
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def begin(self, group):
@@ -336,9 +333,9 @@ class Dfsph(Sph):
         if self.closed:
             self.shift = Components(n)  # [1/m] where to
         else:
-            self.closing = staggered(float, n)  # what a gap may gain in density in a step [kg/m3]
-            self.rate = staggered(float, n)  # what the velocities that are left compress, a sum over pairs
-        self.diagonal = staggered(float, n)  # A_ii / dt^2
+            self.closing = staggered_field(float, n)  # what a gap may gain in density in a step [kg/m3]
+            self.rate = staggered_field(float, n)  # what the velocities that are left compress, a sum over pairs
+        self.diagonal = staggered_field(float, n)  # A_ii / dt^2
         kept = self.accounts.pushing if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
         self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))

@@ -9,11 +9,8 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import (
-    ADVANCE,
-    POINT,
     POINTS_PER_WAVE,
     SMOOTH,
-    WAVE_AT_POINT,
     OpenWater,
     status_of,
 )
@@ -75,9 +72,6 @@ class Config(waves.GrowingTrain, FluidConfig):
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.pull(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
-    def point_time(self, preflight: Preflight) -> float:
-        return POINT + WAVE_AT_POINT * len(self.sea(preflight.tank).amplitude)
-
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, word = len(self.sea(preflight.tank).amplitude), preflight.word
         return [
@@ -86,7 +80,6 @@ class Config(waves.GrowingTrain, FluidConfig):
                 f"{n} plane waves",
                 PlaneWaves.bytes(n, word),
                 "fluid.kind is linear_waves: no particles",
-                ADVANCE,
             )
         ]
 

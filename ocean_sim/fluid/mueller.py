@@ -14,10 +14,10 @@ from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Setting
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.patch.attenuation import Attenuation
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw, PairSph
+from ocean_sim.fluid.sph.particles import staggered_field
 from ocean_sim.fluid.sph.smoothing import positive
 from ocean_sim.fluid.sph.sph import SphConfig, rows
 from ocean_sim.kernel_library import ti, tm
@@ -27,7 +27,6 @@ from ocean_sim.runtime import FieldCopy, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 SQUARED_GAP = 1.0e-12  # [m2] keeps two particles in one position finite
-PAIR = 3.0e-9  # [s] of processor time a neighbour
 STIRRING = (3.6e-3, 1.8e-3)  # of c times the spacing, in 2-D and 3-D: the viscosity that keeps still water from boiling
 SOON = 10.0  # sqrt(depth / g) after which it does: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
 SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
@@ -77,9 +76,7 @@ class Config(SphConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         sizes = self.sized(self.began(preflight), preflight.arch, Momentum.row.size)
-        return rows(
-            preflight, sizes, 9, "position, velocity, density, pressure, volume, number", PAIR, self.told_to_bodies
-        )
+        return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", self.told_to_bodies)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, accounts, wind)
@@ -96,7 +93,7 @@ class Density(Law):
         self.reads = tuple(fluid.particles.position)
         self.constant = fluid.particles.mass * fluid.smoothing.poly6_constant
         self.clamped, self.minimum = fluid.config.minimum_pressure is not None, fluid.config.minimum_pressure or 0.0
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def prefactor(self, own):
@@ -196,7 +193,7 @@ class Mueller(PairSph):
         super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
-        self.specific_volume = staggered(float, self.particles.n)  # 1 / density [m3/kg]
+        self.specific_volume = staggered_field(float, self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self)
         self.densities = FieldCopy(self.particles.density)
         self.stiffness = self.sound_speed**2

@@ -20,14 +20,10 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
-from ocean_sim.fluid.open_sea.breaking import Breaking
-from ocean_sim.fluid.open_sea.high_order import STEEP, STEPS_PER_WAVE, HighOrder, evolving, step_of
+from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, evolving, step_of
 from ocean_sim.fluid.open_sea.open_water import (
-    ADVANCE,
-    POINT,
     POINTS_PER_WAVE,
     SMOOTH,
-    WAVE_AT_POINT,
     Felt,
     OpenWater,
     status_of,
@@ -47,8 +43,6 @@ FEW = 4.0  # cells over a ship's breadth
 FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
 HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
 DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
-CELL, READ = 6.0e-8, 3.0e-7  # [s] of processor time a step and cell of a tile
-STEEP_AT_POINT, MADE_AT_POINT = 6.0e-7, 4.0e-7  # [s] at a point of a frame: of a nonlinear sea, of each tile else
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
@@ -197,31 +191,23 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     def point_spacing(self, preflight: Preflight) -> float:
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
 
-    def point_time(self, preflight: Preflight) -> float:
-        steep = STEEP_AT_POINT if self.order == 3 else 0.0
-        return POINT + WAVE_AT_POINT * self.summed(preflight) + steep + MADE_AT_POINT * self.made(preflight)
-
-    def made(self, preflight: Preflight) -> int:
-        """How many tiles hold what ships and winds make."""
-        return sum(ship.look(preflight) is not None for ship in preflight.ships.values()) + (not preflight.wind.still)
-
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         word, tile = preflight.word, self.tile_of(preflight.tank)
-        cells, every = tile.cells * tile.rows, self.step_of(tile)
+        cells = tile.cells * tile.rows
         why = f"fluid.cells {self.cells}"
         n = self.summed(preflight)
-        rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1", ADVANCE)]
+        rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")]
         if self.order == 3:
             size = cells * (6 * 8 + WORDS * word)
-            rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why, STEEP * cells, every))
+            rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why))
         making = [name for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
         several = len(preflight.ships) > 1  # each feels the others
         for name in making:
-            size, taken = cells * (5 * 8 + several * WORDS * word), (READ if several else CELL) * cells
-            rows.append(LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why, taken, every))
+            size = cells * (5 * 8 + several * WORDS * word)
+            rows.append(LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why))
         if not preflight.wind.still:
             size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
-            rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why, READ * cells, every))
+            rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why))
         return rows
 
     def summed(self, preflight: Preflight) -> int:
@@ -345,7 +331,7 @@ class SpectralSea(OpenWater):
         broken = self.breaking
         return {"breaking": -self.rest_density * broken.lost} if self.accounts and broken is not None else {}
 
-    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
@@ -359,7 +345,7 @@ class SpectralSea(OpenWater):
         return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
-    def answers(self) -> bool:
+    def can_be_disturbed(self) -> bool:
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
@@ -370,7 +356,7 @@ class SpectralSea(OpenWater):
         self.afar = self.config.growing(sea)
         self.waves.begin(self.afar)
 
-    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+    def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         wakes = [Made(self.tile, ship) for ship in ships if len(ship.displaced()[1])]
         self.made += wakes
         self.tiles = [*self.tiles, *wakes]

@@ -11,7 +11,7 @@ from ocean_sim.observers.shared.checks import beyond, kept
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.observers.shared.energy import Balance, kinetic, potential
 from ocean_sim.observers.shared.surface_fit import SurfaceFit
-from ocean_sim.parts import LedgerRow, Preflight, Problems
+from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 TERMS = (
@@ -47,14 +47,10 @@ COLUMNS = (
     *(f"angular_momentum_{axis}_kg_m2_s" for axis in "xyz"),
 )
 
-WORKS = 3.5e-5  # [s] of processor time a row of water without particles
-
 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -2
     leaves: ClassVar[str] = "accuracy.csv; sums over all particles"
-    reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.0e-3, 4.0e-8)
     every: float = quantity("s", 0.1, gt=0.0)
     """Simulated time between rows."""
 
@@ -62,10 +58,6 @@ class Config(PeriodicConfig):
         if preflight.sums_impulses:
             return []
         return [((), "reads impulses, and the water sums none; set fluid.impulses: true, or accuracy: null")]
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        rows = super().ledger(preflight)
-        return rows if preflight.particles else [row._replace(seconds=WORKS) for row in rows]
 
     def build(self, folder: Path, simulation: Simulation) -> "Accuracy":
         return Accuracy(self, folder, simulation)

@@ -24,7 +24,6 @@ STOPS = (signal.SIGINT, signal.SIGTERM)
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 5
     leaves: ClassVar[str] = "checkpoint_*.h5; a copy of all fields"
-    takes: ClassVar[tuple[float, float]] = (3.6e-2, 2.3e-6)
     every: float = quantity("s", 1.0, gt=0.0)
     """Simulated time between checkpoints."""
     wall_every: float | None = quantity("s", None, gt=0.0)

@@ -13,16 +13,17 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.atomic_file import atomic_write
-from ocean_sim.fluid import Copied, Fluid
+from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
-from ocean_sim.parts import LedgerRow, Preflight, Problems, key_of
+from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import raised_by
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
+    from ocean_sim.fluid import Snapshot
     from ocean_sim.surface import Mesh
 
 
@@ -30,9 +31,6 @@ SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, how far foam was carr
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
 FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # for which foam is made before a run begins
 FOAM_LEAD_STEP = 0.25  # [s] of it
-WHITE = 1.0e-7  # [s] of processor time of the foam at a point
-TICKED = (2.0e-3, 3.0e-7)  # [s] of the foam where its own clock ticks, and at each point more
-HEIGHTS = 4.0  # at a point in closed form: its own, and a velocity, as dear as three
 TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
 MANY = 20_000_000  # points of a frame: more are a slip
 LARGE = 2.0e9  # bytes that are worth a warning
@@ -41,8 +39,6 @@ LARGE = 2.0e9  # bytes that are worth a warning
 class Config(PeriodicConfig):
     turn: ClassVar[int] = 1
     leaves: ClassVar[str] = "frames/grid.npz, frames/frame_*.npz"
-    reads_surface: ClassVar[bool] = True
-    takes: ClassVar[tuple[float, float]] = (1.0e-3, 5.0e-8)
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between frames; a frame is the first state at or after it."""
     spacing: float | None = quantity("m", None, gt=0.0)
@@ -70,15 +66,6 @@ class Config(PeriodicConfig):
             return []
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        points, fluid, [row] = self.points(preflight), preflight.fluid, super().ledger(preflight)
-        each = fluid.point_time(preflight)
-        white = 0.0
-        if preflight.tank.dimension == 3:
-            each = (1.0 if fluid.made_of_particles else HEIGHTS) * each + WHITE
-            white = min(1.0, self.every / foam.BREAKING_INTERVAL) * (TICKED[0] + TICKED[1] * points)
-        return [row._replace(seconds=row.seconds + white + points * each)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Frames":
         return Frames(self, folder, simulation)
@@ -132,9 +119,9 @@ class Frames(Observer):
             return
         particles = simulation.fluid.particles
         seen = self.config.particles or self.white is not None
-        copied = particles.copied() if particles is not None and seen else None
+        snapshot = particles.snapshot() if particles is not None and seen else None
         shown = simulation.surface or simulation.fluid
-        sea = simulation.fluid.plane_waves if simulation.fluid.answers else None
+        sea = simulation.fluid.plane_waves if simulation.fluid.can_be_disturbed else None
         origin = np.zeros(2) if sea is None else self.origin()
         points = self.points + origin
         frame: dict[str, np.ndarray] = {"elevation": shown.elevations(points).reshape(self.shape)}
@@ -142,7 +129,7 @@ class Frames(Observer):
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
-            frame |= self.whitened(simulation, points, frame["elevation"], origin, copied)
+            frame |= self.whitened(simulation, points, frame["elevation"], origin, snapshot)
         elif (made := simulation.fluid.foam(points)) is not None:
             frame["foam"] = made.reshape(self.shape)
         if simulation.surface is not None:
@@ -159,9 +146,9 @@ class Frames(Observer):
         for ship in self.ships:
             key = key_of(ship.name)
             frame |= {f"{key}_position": ship.body.position, f"{key}_turn": ship.body.matrix}  # body to world
-        if self.config.particles and copied is not None:
-            x = copied.position
-            frame |= copied._asdict()
+        if self.config.particles and snapshot is not None:
+            x = snapshot.position
+            frame |= snapshot._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
         self.write(
             f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
@@ -174,7 +161,7 @@ class Frames(Observer):
         points: np.ndarray,
         elevation: np.ndarray,
         origin: np.ndarray,
-        copied: Copied | None,
+        snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
         """The white water at the points, how far its grain has been carried, and the velocity of the surface; and the
         cover that is called for, where the water does not know of crests that break."""
@@ -184,11 +171,11 @@ class Frames(Observer):
         made = simulation.fluid.foam(points)
         if made is None and not self.white.started:
             self.whiten_before(simulation, points)
-        if copied is None:
+        if snapshot is None:
             velocity = simulation.fluid.surface_velocities(points).reshape(*self.shape, 3)
         else:
             top = elevation - TOPMOST * simulation.fluid.spacing
-            velocity = topmost_velocity(copied, points, top, simulation.basin.periods)
+            velocity = topmost_velocity(snapshot, points, top, simulation.basin.periods)
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
@@ -207,7 +194,7 @@ class Frames(Observer):
         their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
         if not self.ships:
             return elevation
-        undisturbed = simulation.fluid.undisturbed(points, elevation.ravel())
+        undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
         if undisturbed is not None:
             return undisturbed.reshape(self.shape)
         inside = np.zeros(len(points), bool)
@@ -285,11 +272,11 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
     return replace(mesh, vertices=vertices, triangles=triangles, normals=mesh.normals[number])
 
 
-def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
+def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
     """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
     where there is none in the cells around it."""
-    high = np.flatnonzero(copied.position[:, 1] > top.min())  # the others lie under all of them
-    x = copied.position.take(high, axis=0).astype(float)
+    high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # the others lie under all of them
+    x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
         x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
     low, (nx, nz) = points[0], top.shape
@@ -297,7 +284,7 @@ def topmost_velocity(copied: Copied, points: np.ndarray, top: np.ndarray, period
     i, k = (np.round((x[:, axis] - low[n]) / cell[n]).astype(int) for n, axis in enumerate((0, 2)))
     at = np.clip(i, 0, nx - 1) * nz + np.clip(k, 0, nz - 1)
     above = np.flatnonzero(x[:, 1] > top.take(at))
-    at, v = at.take(above), copied.velocity.take(high.take(above), axis=0)
+    at, v = at.take(above), snapshot.velocity.take(high.take(above), axis=0)
     count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
     parts = [np.bincount(at, weights=v[:, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
     return filled(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
@@ -326,7 +313,7 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
         "sea_phase": sea.phase,
         "sea_ramp": np.array(sea.ramp),
     }
-    return exact | ({"sea_answers": np.array(True)} if fluid.answers else {})
+    return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})
 
 
 def single(array: np.ndarray) -> np.ndarray:

@@ -104,7 +104,6 @@ def nearest(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequen
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -1
     leaves: ClassVar[str] = "gauges.csv"
-    takes: ClassVar[tuple[float, float]] = (3.4e-4, 4.3e-9)
     elevation: dict[Name, Column | Wave] = {}
     """Height of the water at points [x, z] in metres; in 2-D [x]. One that rides is {at: [x, z], rides: true}."""
     pressure: dict[Name, Point | Sensor] = {}
@@ -224,9 +223,9 @@ def read_at(sensor: Sensor, points: int) -> str:
 def lowered(simulation: Simulation) -> dict[str, object]:
     """How far the water's own weight lowers its surface, for the heading of the table; nothing where it does
     not."""
-    if not simulation.fluid.sunk:
+    if not simulation.fluid.surface_drop:
         return {}
-    by = f"{simulation.fluid.sunk:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
+    by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
     return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
 
 

@@ -42,7 +42,6 @@ STIFF = 10.0  # times the stiffness that holds the water within 1 %: from there 
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -3
     leaves: ClassVar[str] = "events.jsonl; checks every particle"
-    takes: ClassVar[tuple[float, float]] = (2.0e-5, 5.0e-10)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.0, ge=0.0)
     """Simulated time between checks; 0 checks after every step."""
@@ -136,7 +135,7 @@ class Health(OutcomeObserver):
                 self.unaccounted(self.balance, with_particles(simulation.fluid).totals())
         if self.levelled and isnan(self.first_level):
             particles = with_particles(simulation.fluid).particles
-            self.first_level = level_ratio(particles.copied().position, particles.spacing, simulation.basin)
+            self.first_level = level_ratio(particles.snapshot().position, particles.spacing, simulation.basin)
         if self.n > 0 and simulation.steps > 0:
             if self.suspicious() or simulation.steps % POSITIONS_EVERY == 0:
                 sentence = next(self.violations(), None)
@@ -178,13 +177,13 @@ class Health(OutcomeObserver):
             yield from self.violations_of_particles()
         if not totals.finite:
             return
-        copied = particles.copied()
-        self.note_particles(copied.id)
+        snapshot = particles.snapshot()
+        self.note_particles(snapshot.id)
         self.note_symmetry()
         self.note_momentum(totals)
         self.note_work(totals)
         if self.levelled:
-            level = level_ratio(copied.position, particles.spacing, basin)
+            level = level_ratio(snapshot.position, particles.spacing, basin)
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
             if not level <= bound:
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"

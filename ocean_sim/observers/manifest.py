@@ -102,9 +102,9 @@ def state_sha256(simulation: Simulation) -> str:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]
         state = [simulation.fluid.elevations(points)]
     else:
-        copied = particles.copied()
-        order = np.argsort(copied.id, kind="stable")
-        state = [copied.position[order], copied.velocity[order]]
+        snapshot = particles.snapshot()
+        order = np.argsort(snapshot.id, kind="stable")
+        state = [snapshot.position[order], snapshot.velocity[order]]
     for ship in simulation.ships.values():
         state += [ship.body.position, ship.body.orientation, ship.body.velocity, ship.body.angular_momentum]
     return sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state))

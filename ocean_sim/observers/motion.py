@@ -39,7 +39,6 @@ MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, s
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
 SPIN = slice(MOMENT.spin, MOMENT.orders)
-BETWEEN_ROWS = 3.5e-5  # [s] of processor time of a step and ship, rows or not
 
 
 def file_of(ship: str) -> str:
@@ -72,7 +71,6 @@ def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
-    takes: ClassVar[tuple[float, float]] = (2.5e-5, 0.0)
     every: float = quantity("s", 0.01, gt=0.0)
     """Simulated time between rows. Those within the last step of a run take what acted on the ship a step before; a run
     that goes on has others there."""
@@ -96,9 +94,7 @@ class Config(PeriodicConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         logs, [row] = self.files_of(preflight), super().ledger(preflight)
-        n = max(len(logs), 1)
-        what, seconds = ", ".join(logs) or row.what, n * row.seconds
-        return [row._replace(what=what, seconds=seconds, several=True, of_step=n * BETWEEN_ROWS)]
+        return [row._replace(what=", ".join(logs) or row.what)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Motion":
         return Motion(self, folder, simulation)

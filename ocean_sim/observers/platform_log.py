@@ -6,7 +6,6 @@ from typing import ClassVar
 import numpy as np
 
 from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, takers
-from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.platform import COLUMNS, LIMITS, Platform
 from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, as_logged, ride_of
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
@@ -19,11 +18,7 @@ class Config(ObserverConfig):
     """No keys: its rate is that of `motion`."""
 
     leaves: ClassVar[str] = "platform.csv; washout and hexapod"
-    takes: ClassVar[tuple[float, float]] = (5.5e-5, 0.0)
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion")
-
-    def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        return [row._replace(several=True) for row in super().ledger(preflight)]
 
     def build(self, folder: Path, simulation: Simulation) -> "PlatformLog":
         scene = simulation.scene

@@ -1,9 +1,7 @@
 """A picture while the simulation goes on, drawn by GGUI in a window or without one.
 
-The only file with ti.ui.
-
-Where there is no window, `show` would end the process, events are refused, and the panel settles in its first
-pictures (corners come with the third); so those are drawn and thrown away.
+The only file with ti.ui. Without a window, `show` would end the process, events are refused, and the panel settles in
+its first pictures (corners come with the third), which are therefore thrown away.
 """
 
 import sys
@@ -19,10 +17,12 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.pictures.live.panel import HELM, Panel, after
-from ocean_sim.pictures.live.preview_eye import Eye, Frame, Orbit, seen
-from ocean_sim.pictures.live.preview_scene import Balls, Patch, PreviewScene, backdrop
+from ocean_sim.pictures.live.panel import HELM_KEYS, Panel
+from ocean_sim.pictures.live.preview_eye import preview_camera
+from ocean_sim.pictures.live.preview_scene import Balls, Patch, PreviewScene
+from ocean_sim.pictures.live.scene_lines import scene_lines
 from ocean_sim.pictures.live.vulkan import VulkanMissing, require
+from ocean_sim.pictures.stage.camera import Camera
 from ocean_sim.simulation import Observer, PeriodicConfig
 
 if TYPE_CHECKING:
@@ -31,11 +31,12 @@ if TYPE_CHECKING:
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_EDGE = 292, 500, 10  # [pixels] of the panel at the left, and around it
 SETTLING_PICTURES = 3  # thrown away
 LINE_WIDTH = 2.0  # [pixels]
+SKY_TOP, SKY_BOTTOM = (0.25, 0.45, 0.70), (0.80, 0.87, 0.92)  # display RGB of the backdrop
+FAR_OVER_NEAR = 20_000.0  # greatest over least distance that is drawn
 
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "preview/*.png; pictures while it runs"
-    reads_surface: ClassVar[bool] = True
     every: float = quantity("s", 1.0 / 30.0, gt=0.0)
     """Simulated time between pictures."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
@@ -51,7 +52,7 @@ class Config(PeriodicConfig):
 
     @field_validator("size")
     @classmethod
-    def _room(cls, size: tuple[int, int]) -> tuple[int, int]:
+    def _has_room(cls, size: tuple[int, int]) -> tuple[int, int]:
         if not (960 <= size[0] <= 7680 and 640 <= size[1] <= 4320):
             raise ValueError(f"the panel needs a picture of 960 x 640 pixels, at most 7680 x 4320, not {list(size)}")
         return size
@@ -64,7 +65,7 @@ class Config(PeriodicConfig):
 
 
 class Preview(Observer):
-    """Numbered pictures in the folder preview/ of a run, from the same drawing as the window's."""
+    """Numbered pictures in the folder preview/ of a run, drawn as in the window."""
 
     left_out = ("screen",)  # of its checkpoints
 
@@ -85,7 +86,7 @@ class Preview(Observer):
     def observe(self, simulation: "Simulation") -> None:
         if self.screen is not None and self.multiples.reached(simulation.time):
             self.screen.draw(self.panel)
-            write(self.folder / f"{self.drawn:05d}.png", self.screen.image())
+            write_png(self.folder / f"{self.drawn:05d}.png", self.screen.image())
             self.drawn += 1
 
     def close(self) -> None:
@@ -103,8 +104,8 @@ class Buffer:
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Take (n, length) or (n,) values; gives n. The last repeats up to the end: the window draws some of what lies
-        beyond, whatever count it is given."""
+        """Take (n, length) or (n,) values; returns n. The last repeats up to the end: the window draws some of what
+        lies beyond, whatever count it is given."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -128,8 +129,10 @@ class Mesh:
         self.transform[0] = np.eye(4).tolist()
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
-    def show(self, scene: Any, patch: Patch, wires: bool = False) -> None:
-        """Add a patch to a scene of GGUI."""
+    def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
+        """Add a patch, if there is one, to a scene of GGUI."""
+        if patch is None:
+            return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does
         self.colours.put(patch.colours)
         scene.mesh_instance(
@@ -148,7 +151,7 @@ class Mesh:
 class Screen:
     """A GGUI window, on a screen or hidden, and everything that is drawn in it.
 
-    Raises VulkanMissing where GGUI has no Vulkan.
+    Raises VulkanMissing if GGUI has no Vulkan.
     """
 
     def __init__(self, config: Config, show: bool) -> None:
@@ -164,7 +167,10 @@ class Screen:
             warnings.simplefilter("ignore", DeprecationWarning)  # two scenes: plain colours, and lit balls
             self.plain, self.lit = ti.ui.Scene(), ti.ui.Scene()
         self.water, self.hull = Mesh(), Mesh()
-        self.behind, self.behind_colours = Buffer(2), Buffer()
+        self.backdrop, self.backdrop_colours = Buffer(2), Buffer()
+        corners = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]])
+        self.backdrop.put(corners)
+        self.backdrop_colours.put(np.where(corners[:, 1:] > 0, SKY_TOP, SKY_BOTTOM))
         self.positions, self.tints, self.ends, self.hues = Buffer(), Buffer(), Buffer(), Buffer()
         self.settling = 0 if show else SETTLING_PICTURES
         self.cursor: tuple[float, float] | None = None
@@ -179,7 +185,7 @@ class Screen:
             panel.hidden = not config.panel
         panel.ship = panel.ship if panel.ship in panel.ships else next(iter(panel.ships), "")
         panel.camera = panel.camera if panel.camera in panel.cameras else panel.cameras[0]
-        panel.content = panel.content if panel.content in panel.contents else after("", panel.contents or ("surface",))
+        panel.content = panel.content if panel.content in panel.contents else (*panel.contents, "surface")[0]
 
     def draw(self, panel: Panel, pace: float | None = None) -> None:
         """Make a picture of the simulation as it is, which runs `pace` times real time."""
@@ -191,56 +197,49 @@ class Screen:
 
     def compose(self, panel: Panel, pace: float | None) -> None:
         """Hand the window everything that is in the picture."""
-        eye = self.eye(panel)
+        eye = self.point_camera(panel)
+        self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
         self.plain.ambient_light((1.0, 1.0, 1.0))
-        corners, colours = backdrop(eye, self.size[0] / self.size[1])
-        self.behind.put(corners)
-        self.behind_colours.put(colours)
-        self.canvas.triangles(self.behind.field, per_vertex_color=self.behind_colours.field)
         solid = panel.content == "surface"
         if panel.content != "particles":
-            water = self.scene.water(self.scene.heights(), eye.position, solid)
-            if water is not None:
-                self.water.show(self.plain, water, wires=not solid)
-        hull = self.scene.afloat()
-        if hull is not None:
-            self.hull.show(self.plain, hull)
-        ends, hues = self.scene.lines()
-        if len(ends):
-            count = self.ends.put(ends.reshape(-1, 3))
-            self.hues.put(np.repeat(hues, 2, axis=0))
-            self.plain.lines(self.ends.field, LINE_WIDTH, per_vertex_color=self.hues.field, vertex_count=count)
+            self.water.show(self.plain, self.scene.water_patch(self.scene.surface_heights(), eye, solid), not solid)
+        self.hull.show(self.plain, self.scene.ship_patch())
+        ends, hues = scene_lines(self.simulation, self.scene.box[1][1])
+        count = self.ends.put(ends.reshape(-1, 3))
+        self.hues.put(np.repeat(hues, 2, axis=0))
+        self.plain.lines(self.ends.field, LINE_WIDTH, per_vertex_color=self.hues.field, vertex_count=count)
         self.canvas.scene(self.plain)
-        balls = None if solid else self.scene.particles(small=panel.content == "both")
+        balls = None if solid else self.scene.particle_balls(small=panel.content == "both")
         if balls is not None and len(balls.positions):
             self.show_balls(balls, eye)
         if not panel.hidden:
             width, height = self.size
             place = (PANEL_EDGE / width, PANEL_EDGE / height, PANEL_WIDTH / width, PANEL_HEIGHT / height)
             with self.window.get_gui().sub_window("Ocean Sim", *place) as box:
-                box.text(panel.words(self.simulation, balls, pace))
+                box.text(panel.text(self.simulation, None if balls is None else balls.fastest, pace))
 
-    def eye(self, panel: Panel) -> Eye:
-        """Eye of the panel's camera, which the window takes over."""
+    def point_camera(self, panel: Panel) -> np.ndarray:
+        """Point the window's camera as the panel says; returns the eye (3,) [m]."""
         width, height = self.size
-        frame = Frame(width / height, 0.0 if panel.hidden else (PANEL_WIDTH + 2 * PANEL_EDGE) / width)
-        orbit = Orbit(panel.azimuth, panel.height, panel.distance)
-        ship = self.simulation.ships.get(panel.ship)
-        eye = seen(panel.camera, orbit, self.scene.box, frame, ship, self.scene.lengths.get(panel.ship, 0.0))
-        self.camera.position(*eye.position)
-        self.camera.lookat(*eye.target)
-        self.camera.up(*eye.up)
-        self.camera.fov(eye.angle)
-        self.camera.z_near(eye.near)
-        self.camera.z_far(eye.far)
-        return eye
+        covered = 0.0 if panel.hidden else (PANEL_WIDTH + 2 * PANEL_EDGE) / width
+        ship, length = self.simulation.ships.get(panel.ship), self.scene.lengths.get(panel.ship, 0.0)
+        orbit = panel.azimuth, panel.height, panel.distance
+        camera: Camera = preview_camera(panel.camera, *orbit, self.scene.box, width / height, covered, ship, length)
+        assert camera.near is not None
+        self.camera.position(*camera.eye)
+        self.camera.lookat(*(camera.eye + camera.forward))
+        self.camera.up(*camera.up)
+        self.camera.fov(camera.angle)
+        self.camera.z_near(camera.near)
+        self.camera.z_far(FAR_OVER_NEAR * camera.near)
+        return camera.eye
 
-    def show_balls(self, balls: Balls, eye: Eye) -> None:
+    def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
         """Add the particles; their lights are set after the plain scene was handed over, which would take them, too."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
-        self.lit.point_light(pos=tuple(eye.position + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
+        self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
         count = self.positions.put(balls.positions)
         self.tints.put(balls.colours)
         self.lit.particles(
@@ -249,7 +248,7 @@ class Screen:
         self.canvas.scene(self.lit)
 
     def image(self) -> np.ndarray:
-        """(width, height, 3) the picture as it is in the window, 8-bit, from its left lower corner."""
+        """Picture (width, height, 3) as it is in the window, 8-bit, from its left lower corner."""
         buffer = self.window.get_image_buffer_as_numpy()
         buffer *= 255.0
         buffer += 0.5
@@ -260,7 +259,7 @@ class Screen:
         panel.closed = panel.closed or not self.window.running
         for event in self.window.get_events(ti.ui.PRESS):
             panel.press(event.key)
-        panel.hold({key for key in HELM if self.window.is_pressed(key)}, seconds)
+        panel.hold({key for key in HELM_KEYS if self.window.is_pressed(key)}, seconds)
         for key, factor in (("q", 0.5), ("e", 2.0)):
             if self.window.is_pressed(key):
                 panel.zoom(factor**seconds)
@@ -270,7 +269,7 @@ class Screen:
         self.cursor = cursor
 
     def show(self) -> None:
-        """Put the picture on the screen; without one this must not be called, so it does nothing."""
+        """Put the picture on the screen; a hidden window has none."""
         if self.shown:
             self.window.show()
 
@@ -283,7 +282,7 @@ class Screen:
             self.litter.unlink(missing_ok=True)
 
 
-def write(path: Path, image: np.ndarray) -> None:
+def write_png(path: Path, image: np.ndarray) -> None:
     """Write a picture as a PNG file, atomically."""
     with atomic_write(path) as draft:
         ti.tools.imwrite(np.ascontiguousarray(image), str(draft))

@@ -27,7 +27,7 @@ from pydantic import Field, field_validator, model_validator
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
 from ocean_sim.model import Vector3, quantity
-from ocean_sim.observers.shared import run_report
+from ocean_sim.observers import report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import (
     Frame,
@@ -53,7 +53,6 @@ PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics 
     3: {"draft": 0.7, "final": 1.9},
 }
 FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
-ANOTHER = 3.0  # of starting another process that draws [s]
 ALONE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
 DRAWS = {  # bytes of a process that draws, and of each of its pixels, by what it draws; without a graphics card
     "particles": (330e6, 50.0),
@@ -162,15 +161,15 @@ class Config(PeriodicConfig):
         frames = preflight.parts.get("frames")
         return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
 
-    def picture_time(self, preflight: Preflight) -> tuple[float, float]:
+    def picture_time(self, preflight: Preflight) -> float:
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
         each, pictures = PICTURE[dimension][self.quality] * pixels, self.pictures(preflight)
         if pictures is None:
-            return 0.0, 0.0
+            return 0.0
         by_turns, of = pictures * each, painters(pictures)
         alone = FIRST[dimension] + (len(self.stills) + self.strip) * each
         wall, wall_by_turns = (ALONE / n + (1.0 - ALONE) / available_cores() for n in (1, of))
-        return alone + by_turns + (of - 1) * ANOTHER, alone * wall + by_turns * wall_by_turns
+        return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
         """What of DRAWS is drawn, as far as that is known without a frame."""
@@ -258,7 +257,7 @@ class Render(OutcomeObserver):
             print(f"no pictures: {problem}", file=sys.stderr)
         else:
             if (self.folder / "report.html").exists():
-                run_report.write(self.folder)
+                report.write_report(self.folder)
 
     def stop(self) -> None:
         if self.drawer is not None:
@@ -639,7 +638,7 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     picture.close()
 
 
-def join(pictures: list[Path], path: Path, every: float) -> None:
+def join_film(pictures: list[Path], path: Path, every: float) -> None:
     """The same film of pictures that lie there as files, one for each `every` [s]."""
     import imageio.v2 as imageio
 

@@ -15,7 +15,6 @@ from ocean_sim.simulation import NO_FOLDER, Observer, PeriodicConfig, Simulation
 class Config(PeriodicConfig):
     turn: ClassVar[int] = -4
     leaves: ClassVar[str] = "timings.csv"
-    takes: ClassVar[tuple[float, float]] = (3.0e-5, 0.0)
     writes: ClassVar[bool] = False
     every: float = quantity("s", 0.5, gt=0.0)
     """Simulated time between rows."""

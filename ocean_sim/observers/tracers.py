@@ -20,7 +20,6 @@ UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "tracers.csv"
-    takes: ClassVar[tuple[float, float]] = (7.3e-4, 3.2e-8)
     ids: list[Number] = []
     """Particles to follow, by their numbers."""
     boxes: list[Box] = []

@@ -62,7 +62,7 @@ class Frame:
             self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
-            self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.shared.drawing`
+            self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
                 file[f"wind_{name}"] if f"wind_{name}" in file else np.zeros(shape) for name, shape in empty
             )
             self.wind_strongest = float(file["wind_strongest"]) if "wind_strongest" in file else 0.0

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.basin.tank_motion import Harmonic
+from ocean_sim.basin.motion import Harmonic
 from ocean_sim.conventions import Motions
 from ocean_sim.model import Model
 from ocean_sim.parts import FluidConfig, Preflight, slot_of

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping
 from importlib import import_module
 from itertools import combinations
-from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -106,17 +105,7 @@ class SceneConfig(Heading):
     def ledger(self) -> list[LedgerRow]:
         """A row for each thing that the scene will allocate or compile, and why; nothing is allocated to find out."""
         preflight = self.preflight
-        rows = [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
-        if self.surface is not None and self.surface.when_read:
-            rows = [row._replace(every=self.reading()) if row.part == "surface" else row for row in rows]
-        return rows
-
-    def reading(self) -> float:
-        """Simulated time between readings of the surface [s]; 0: each step is one."""
-        if any(ship.needs_surface for ship in self.ships.values()):
-            return 0.0
-        readers = [part for part in self.observers.values() if part.reads_surface]
-        return min((part.interval(self.preflight) for part in readers), default=inf)
+        return [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
 
     def inputs(self) -> dict[str, str]:
         """SHA-256 of each file that the scene names and its numbers depend on, by name; raises Refused where one has

@@ -1,1 +1,36 @@
 """The sea around a patch of particles: every module of this folder is a kind that a scene may name."""
+
+from ocean_sim import waves
+from ocean_sim.basin.open_sea import Rim
+from ocean_sim.model import quantity
+from ocean_sim.parts import Preflight, Problems, SeaConfig
+from ocean_sim.waves.seas import Seas
+
+
+class Written(Seas, SeaConfig):
+    """Calm water, regular waves (`height`, `period`, `heading_deg`) or a `spectrum`, and more `spectra` on top. Of
+    random waves those of fewer than ten particles are left out with their part of the height; `check` says how much."""
+
+    rim: Rim = Rim()
+    feed: float | None = quantity("1/s", None, ge=0.0)
+    """Rate at which the velocity of the sea is added to that of all water, which holds the waves up between the rims;
+    null: what the scheme takes from waves of each length, and by how much it delays them, as far as that has been
+    measured; 0: none, but for what lets the sea grow over its `ramp`."""
+
+    @property
+    def significant_height(self) -> float:
+        return 0.0 if self.highest is None else self.highest[0]
+
+    ramp: float | None = quantity("s", None, ge=0.0)
+    """Time over which the sea grows on the whole patch, from calm water; null: two periods of the highest waves
+    where a ship is in the water, since waves that are there at once would run through her; else 0, at once."""
+
+    def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
+        sea = self.sea_of(basin)
+        return sea if sea.amplitude.any() else None
+
+    def problems(self, preflight: Preflight) -> Problems:
+        return self.impossible(preflight.tank) or super().problems(preflight)
+
+    def warnings(self, preflight: Preflight) -> list[str]:
+        return self.like_radians() + super().warnings(preflight)

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ocean_sim.sea.shared.written import Written
+from ocean_sim.sea import Written
 
 
 class Config(Written):

@@ -4,7 +4,7 @@ from typing import Literal
 
 from ocean_sim.basin.open_sea import MOST_PARTS, Nonlinear, width_over_length
 from ocean_sim.parts import Preflight, Problems
-from ocean_sim.sea.shared.written import Written
+from ocean_sim.sea import Written
 from ocean_sim.waves.seas import Steepening
 
 

@@ -35,10 +35,10 @@ class Load:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NOTHING) for name in names]).reshape(-1, 2, 3))
 
-    def plus(self, name: str, more: np.ndarray, names: tuple[str, ...]) -> "Load":
-        """With more of one part, (2, 3)."""
+    def plus(self, name: str, more: np.ndarray) -> "Load":
+        """The load with (2, 3) more of one of PARTS."""
         parts = self.parts.copy()
-        parts[names.index(name)] += more
+        parts[PARTS.index(name)] += more
         return Load(parts)
 
     @property

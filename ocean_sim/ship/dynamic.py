@@ -167,11 +167,11 @@ class SeakeepingConfig(FloatingConfig):
 class SeakeepingShip(FloatingShip):
     """A hull of cubes, and the water that it moves."""
 
-    below: ClassVar[bool] = True
+    samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: SeakeepingConfig, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        self.added, self.between = config.moved_at_once(self.hull.still), config.moved_together()
+        self.added, self.between = config.moved_at_once(self.hydrostatics), config.moved_together()
         self.memory: Memory | None = None
         self.scattering: Scattering | None = None  # where a table has it
         self.sea: ClosedForm | None = None  # whose waves the hull scatters
@@ -184,10 +184,10 @@ class SeakeepingShip(FloatingShip):
             self.sea, self.through[self.scattering.numbers] = fluid.in_closed_form, 0.0
         if self.sea is not None:
             self.stream[[0, 2]] = self.sea.current
-        self.resistance = config.resistance(self.hull.still)
+        self.resistance = config.resistance(self.hydrostatics)
         if self.contact is None:
-            self.slamming = Slamming(self.hull.still, float(self.added[1]))
-        self.longest = self.hull.limits(Motions(*self.added)._asdict())
+            self.slamming = Slamming(self.hydrostatics, float(self.added[1]))
+        self.motion_limits = self.limits_of_motion(Motions(*self.added)._asdict())
 
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)

@@ -40,13 +40,13 @@ class Config(FloatingConfig):
 class Hydrostatic(FloatingShip):
     """A hull of cubes that is damped."""
 
-    below: ClassVar[bool] = True
+    samples_depth: ClassVar[bool] = True
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
-        self.resistance = config.resistance(self.hull.still)
+        self.resistance = config.resistance(self.hydrostatics)
         if self.contact is None:
-            self.slamming = Slamming(self.hull.still, float(by_rule(self.hull.still)[1]))
+            self.slamming = Slamming(self.hydrostatics, float(by_rule(self.hydrostatics)[1]))
 
     def damping(self, now: Immersion) -> np.ndarray:
         return now.share * to_world(self.resistance.load(now.motion), now.body)

@@ -29,7 +29,6 @@ AHEAD, ASTERN = 0.02216 / 2.0, 0.01289 / 2.0  # thrust of a propeller over revol
 FASTEST = sqrt(0.5 * 24.4 * G / AHEAD)  # [rad/s]
 SLOWEST = sqrt(0.5 * 13.6 * G / ASTERN)  # [rad/s] astern
 DELAY = 0.1  # [s] of the propellers
-STEP = 3.8e-4  # [s] of processor time
 FULL = pi * 35.0 / 180.0  # [rad] rudder order at which one propeller stops at half throttle on both
 HOERNER = (
     (0.0109, 0.1766, 0.3530, 0.4519, 0.4728, 0.4929, 0.4933, 0.5585, 0.6464, 0.8336)
@@ -54,7 +53,7 @@ class Config(VesselConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """It has no fields."""
-        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring", STEP)]
+        return [LedgerRow("ship", "the matrices of the Otter's model", 0, "ship.kind is manoeuvring")]
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
         return Manoeuvring(name, self, basin)

@@ -19,7 +19,6 @@ from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.body.rigid_body import RigidBody, held, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import by_rule
-from ocean_sim.ship.forces.moorings import Moorings
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.surface import Surface
@@ -99,11 +98,7 @@ class Pressure(Vessel):
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(name, config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
-        self.moorings: Moorings | None = None
-        if config.moorings:
-            self.moorings = Moorings(config.moorings, config.points, solid.centre, self.body)
-            self.parts = (*self.parts, "mooring")
-            self.last = Load.of({}, self.parts)
+        self.moor(config.moorings, config.points)
         if solid.flat:
             self.free &= IN_A_SLICE
         self.density = float(water.particles.rest_density)

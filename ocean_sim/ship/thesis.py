@@ -45,10 +45,10 @@ class Thesis(FloatingShip):
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
         self.lost = np.array([config.linear_damping, config.angular_damping])  # [1/s]
-        self.columns = Columns(self.hull.still, basin)
+        self.columns = Columns(self.hydrostatics, basin)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        surface = now.surface if self.contact is None else self.hull.water
+        surface = now.surface if self.contact is None else self.water
         return super().forces(now) | {"buoyancy": self.columns.push(surface, self.body), "wave": np.zeros((2, 3))}
 
     def damping(self, now: Immersion) -> np.ndarray:

@@ -3,11 +3,12 @@ their common parts."""
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from ocean_sim.fluid import Particles
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 AREA_AND_VOLUME = {
     "surface_area_m2": "of what faces the air",
@@ -69,7 +70,7 @@ class Surface(Protocol):
 
     measured: dict[str, str]  # further columns of accuracy.csv, and what they hold
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]."""
 
     def elevation(self, x, z):

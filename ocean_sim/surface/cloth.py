@@ -11,12 +11,12 @@ above that of a flat surface. A lone drop does not reach that share, so spray do
 
 from functools import cached_property
 from math import ceil, pi
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
 from ocean_sim.basin import Basin
-from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
@@ -24,9 +24,11 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights, columns
 
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
+
 CONTACTS = 8  # the most moves of a node towards the surface in one update
 NEAR = 0.01  # [thicknesses] a smaller move is the last
-NODE = 3.3e-7  # [s] of processor time an update
 MOST_NODES = 2**24
 FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
 OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
@@ -96,7 +98,7 @@ class Config(SurfaceConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         nx, nz = self.completed(preflight).nodes(preflight.tank)
         size, why = 3 * preflight.word * nx * nz, "surface.kind is cloth"
-        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why, NODE * nx * nz, self.every)]
+        return [LedgerRow("surface", f"{nx} x {nz} nodes", size, why)]
 
     def build(self, basin: Basin, fluid: Fluid) -> Surface:
         return Cloth(self, basin, fluid)
@@ -128,15 +130,15 @@ class Cloth:
         self.measured = {} if self.flat else AREA_AND_VOLUME
         self.lay(particles)
 
-    def lay(self, particles: Particles) -> None:
+    def lay(self, particles: "Particles") -> None:
         """Let the sheet down on the water from above."""
-        top = float(particles.copied().position[:, 1].max()) + self.thickness
+        top = float(particles.snapshot().position[:, 1].max()) + self.thickness
         self.height.fill(top)
         moves = 4.0 * (top - self.bed) / self.thickness + CONTACTS
         for _ in range(int(moves / CONTACTS) + 1):
             self.update(0.0)
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:

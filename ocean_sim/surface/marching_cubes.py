@@ -4,13 +4,13 @@ Follows the water wherever it goes: crests that break, drops, the bed where it f
 is read: the field when a mesh or a height is asked for, the heights from the first kernel on that calls `elevation`.
 """
 
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Fluid, Particles, with_particles
+from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
@@ -21,7 +21,9 @@ from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
 from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
 
-NODE, WET = 2.0e-8, 1.5e-7  # [s] of processor time a reading, for each node and each of those in the water
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
+
 FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
 MEASURED = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
@@ -33,7 +35,6 @@ WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
 class Config(SurfaceConfig):
     """Triangles around the water, from the rows near water of a grid over the whole basin."""
 
-    when_read: ClassVar[bool] = True  # it is made where something reads it, not in each step
     compared: ClassVar[bool] = True
     fineness: ClassVar[int] = 1
     kind: Literal["marching_cubes"] = "marching_cubes"
@@ -103,13 +104,11 @@ class Config(SurfaceConfig):
         completed, word, particles = self.completed(preflight), preflight.word, preflight.particles
         assert completed.radius is not None and preflight.spacing is not None
         nodes = completed.nodes(preflight.tank)
-        wet = particles * preflight.spacing**3  # [m3]
         grid = Isosurface.bytes(nodes, self.most_nodes, word) + word * nodes.inner[0] * nodes.inner[2]
         bins = DensityMap.bytes(particles, nodes, completed.radius, word)
         why, most = f"surface.spacing {nodes.cell:g} m", min(nodes.count, self.most_nodes)
-        seconds = NODE * nodes.count + WET * wet / nodes.cell**3
         return [
-            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why, seconds),
+            LedgerRow("surface", f"at most {most} of {nodes.count} nodes", grid, why),
             LedgerRow("surface", f"{particles} particles in bins", bins, f"surface.radius {completed.radius:g} m"),
         ]
 
@@ -123,7 +122,7 @@ class MarchingCubes:
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
-    def __init__(self, config: Config, basin: Basin, particles: Particles) -> None:
+    def __init__(self, config: Config, basin: Basin, particles: "Particles") -> None:
         assert config.radius is not None
         self.config, self.basin, self.nodes = config, basin, config.nodes(basin)
         self.map = DensityMap(particles, basin, self.nodes, config.radius)
@@ -146,7 +145,7 @@ class MarchingCubes:
             if self.periodic[axis] or any((s.axis, s.upper) == (axis, bool(side)) for s in basin.sides)
         )
 
-    def follow(self, particles: Particles, dt: float) -> None:
+    def follow(self, particles: "Particles", dt: float) -> None:
         """Take in that the particles have moved on by dt [s]; heights are computed at once if a kernel reads
         them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1

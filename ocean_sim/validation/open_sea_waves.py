@@ -25,7 +25,7 @@ from ocean_sim import waves
 from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.patch.relaxation_zone import band
 from ocean_sim.fluid.patch.sea_patch import nodes
-from ocean_sim.fluid.patch.sea_source import Depths
+from ocean_sim.fluid.patch.sources import Depths
 from ocean_sim.fluid.sph.initial_state import carried, of_patch
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
@@ -131,7 +131,7 @@ def aimed(simulation: Simulation, time: np.ndarray) -> np.ndarray:
     around_it = band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
-    from ocean_sim.fluid.patch.steep_source import SteepSource
+    from ocean_sim.fluid.patch.sources import SteepSource
 
     depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
     source, crests = SteepSource(around_it, around_it.sea, depths, nodes(around_it, around_it.sea)), round(PATCH)

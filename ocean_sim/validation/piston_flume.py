@@ -25,7 +25,7 @@ from math import pi
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.basin.tank_motion import Piston
+from ocean_sim.basin.motion import Piston
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared import flume
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative

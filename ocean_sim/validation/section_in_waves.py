@@ -172,7 +172,7 @@ def answers(simulation: Simulation, period: float) -> dict[str, float]:
     """Motions over the amplitude, and roll over k times it, in a regular wave of a period [s]."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
-    rest = np.array([0.0, KG - floating(simulation).hull.still.draught, 0.0])
+    rest = np.array([0.0, KG - floating(simulation).hydrostatics.draught, 0.0])
     pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     fluid.begin(waves.regular(2.0 * AMPLITUDE, period, waves.direction(90.0, 3), DEPTH, G))
     simulation.time, simulation.next_dt = 0.0, period / STEPS

@@ -65,7 +65,7 @@ def measured(simulation: Simulation, promise: Promise, exact: float) -> Finding:
     """Where weight and buoyancy balance, upright."""
     ship = floating(simulation)
     balanced(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
-    found = float(ship.hull.still.matter.centre[1] - ship.body.position[1])
+    found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
     return Finding(
         {promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)]
     )

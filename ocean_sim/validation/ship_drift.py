@@ -43,7 +43,7 @@ def problems(coarse: bool) -> list[Problem]:
 def drifting(simulation: Simulation, spread: Promise, mean: Promise, phases: int) -> Finding:
     """Mean speed along the ship from each phase."""
     fluid: Any = simulation.fluid  # of kind linear_waves
-    rest = np.array([0.0, floating(simulation).hull.body.position[1], 0.0])
+    rest = np.array([0.0, floating(simulation).first_body.position[1], 0.0])
     train = waves.regular(HEIGHT, PERIOD, waves.direction(180.0, 3), simulation.basin.depth, G)
     at, speeds = 2.0 * np.pi * np.arange(phases) / phases, []
     for phase in at:

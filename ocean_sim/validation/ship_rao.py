@@ -107,7 +107,7 @@ def answers(simulation: Simulation, omega: float, length: float, heading: float)
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
     ship, period = floating(simulation), 2.0 * np.pi / omega
-    rest = np.array([0.0, ship.hull.body.position[1], 0.0])
+    rest = np.array([0.0, ship.first_body.position[1], 0.0])
     pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     depth = simulation.basin.depth
     amplitude = STEEPNESS * length

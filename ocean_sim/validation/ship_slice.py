@@ -101,8 +101,8 @@ def cylinder(coarse: bool) -> Problem:
 
 def bobbing(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
     """Extrema one after the other, over the water's own level."""
-    sunk = simulation.fluid.sunk
-    t, y = np.array([(0.0, 1.0), *((t, (b.position[1] + sunk) / RISE) for t, b in track(simulation, 1.0))]).T
+    surface_drop = simulation.fluid.surface_drop
+    t, y = np.array([(0.0, 1.0), *((t, (b.position[1] + surface_drop) / RISE) for t, b in track(simulation, 1.0))]).T
     numbers, begin = {}, 0
     for k, (when, height) in enumerate(EXTREMA):
         until = np.searchsorted(t, when + 0.15)

@@ -70,7 +70,7 @@ class Patch(Displacing):
 def passed(simulation: Simulation) -> tuple:
     """The water as another ship feels it, and as the one does that has passed; and where that is along x [m]."""
     patch, other = Patch(), Patch()
-    by_itself, by_another = sea_of(simulation).carry([patch, other])
+    by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END - 0.5 * STEP:
         patch.share = risen(simulation.time / RISE)
         patch.body.position = np.array([U * simulation.time, 0.0, 0.0])

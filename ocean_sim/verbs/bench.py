@@ -67,9 +67,9 @@ def bench(
     for scene in scenes or (() if others else DEFAULT):
         order = {"scene": scene, "profile": profile, "sets": sets or [], "threads": threads, "repeats": repeats}
         row = measured(order, cold)
-        times = history.compared(order, row)
+        times = history.slowdown(order, row)
         rows.append(row | {"times_before": times})
-        slower = history.sentence(scene, times) if times is not None else None
+        slower = history.slowdown_warning(scene, times) if times is not None else None
         if not as_json:
             console.say(sentence(row))
         if slower is not None:

@@ -1,7 +1,7 @@
 """`ocean-sim check`: what a scene would take, before anything is allocated."""
 
 from math import isinf
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -13,23 +13,30 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.history import keep_step_time, step_time
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
+from ocean_sim.verbs.shared.progress import kernel_notice
 
-NOTHING = dict.fromkeys(
+UNKNOWN_FACTS = dict.fromkeys(
     (
         *("particles", "memory_mb", "pictures_mb", "bytes_a_particle", "most_particles", "time_step", "limited_by"),
-        *("estimated_wall_s", "estimated_processor_s"),
+        "estimated_wall_s",
     )
 )
-CARD = 16e9  # [bytes] of a graphics card, which cannot be asked for its own before it is started
-FEW = 20_000  # particles, below which most memory of the water does not go with their number
-LONGEST = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
-ON_ALL_THREADS = ("wind", "fluid", "surface")  # whose work among particles all threads share; one does the rest
-START, START_OF_PARTICLES = 2.2, 0.8  # [s] imports and kernels out of their cache, and what particles add; measured
+CARD_BYTES = 16e9  # memory of a graphics card, which cannot be asked for its own before it is started
+FEW_PARTICLES = 20_000  # below which most memory of the water does not go with their number
+STABLE_COURANT = 0.8  # the courant number of the profiles `ci` and `interactive`, up to which steps were found stable
 
 
-def check(scene: Scene, profile: Profile = None, sets: Sets = None, as_json: Json = False) -> None:
-    """Report what a scene would take, and what is wrong with it."""
+def check(
+    scene: Scene,
+    profile: Profile = None,
+    sets: Sets = None,
+    time: Annotated[bool, typer.Option("--time", help="Take some steps first, to estimate the wall time.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Report the needs of a scene, and its problems."""
     try:
         config = load(scene, console.settings(sets), profile)
     except SceneError as error:
@@ -42,11 +49,16 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, as_json: Jso
                 "error": console.counted(problems),
                 "problems": problems,
                 "warnings": [],
-                **NOTHING,
+                **UNKNOWN_FACTS,
                 "ledger": [],
             }
         )
         raise typer.Exit(2) from None
+    if time:
+        must_compute_with(config.runtime.library)
+        if not as_json:
+            console.say(kernel_notice())
+        measure_step_time(config)
     found = preflight(config)
     if as_json:
         console.answer(found | {"ledger": ledger(found, config)})
@@ -54,9 +66,21 @@ def check(scene: Scene, profile: Profile = None, sets: Sets = None, as_json: Jso
         long(found, config)
 
 
+def measure_step_time(config: SceneConfig) -> None:
+    """Take steps of a scene for half a second, and keep their mean wall time for estimates; nothing is written."""
+    from ocean_sim.observers.timings import waiting
+    from ocean_sim.simulation import Simulation
+    from ocean_sim.verbs.bench import block
+
+    with Simulation(config) as simulation:
+        simulation.step()  # it compiles kernels
+        steps, wall, _, _ = block(simulation, waiting(simulation.backend.arch))
+    keep_step_time(config, wall / steps)
+
+
 def preflight(config: SceneConfig) -> dict[str, Any]:
     """Answer of `check`."""
-    from ocean_sim.runtime import GRAPHICS_CARD_CHOICES, base_memory
+    from ocean_sim.runtime import base_memory
 
     known, rows, warnings = config.preflight, config.ledger(), config.warnings()
     particles = known.particles
@@ -65,24 +89,16 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     still = config.fluid.still_limits(known)
     dt = time_step.next(Known(still))
     stable, limit = Courant().shortest(still)
-    longest, ruling = Courant(courant_number=LONGEST).shortest(still)
+    longest, ruling = Courant(courant_number=STABLE_COURANT).shortest(still)
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
-    threads, card = config.runtime.threads or machine.available_cores(), config.runtime.arch in GRAPHICS_CARD_CHOICES
     if memory > 0.9 * machine.memory_limit():
         warnings.append(
             f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB"
         )
-    steps = config.duration / dt
-    shared = sum(row.a_step(dt) for row in rows if particles and row.part in ON_ALL_THREADS)
-    alone = sum(row.a_step(dt) for row in rows) - shared
-    start, (pictures, drawn) = START + (START_OF_PARTICLES if particles else 0.0), picture_time(config)
-    parts = {
-        "start_s": start,
-        "steps_s": None if card else steps * (shared / threads + alone),  # that of cards was not measured
-        "pictures_s": drawn,
-    }
+    each, pictures = step_time(config), picture_time(config)
+    steps = None if each is None else each * config.duration / dt
     return {
         "ok": True,
         "problems": [],
@@ -97,25 +113,23 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": None if parts["steps_s"] is None else sum(filter(None, parts.values())),
-        "estimated_by_part": parts,
-        "estimated_processor_s": None if card else start + steps * (shared + alone) + pictures,
+        "estimated_wall_s": None if steps is None else steps + pictures,
+        "estimated_by_part": {"steps_s": steps, "pictures_s": pictures},
         "ships": ships(config),
         "ledger": rows,
     }
 
 
-def picture_time(config: SceneConfig) -> tuple[float, float]:
-    """Processor time [s] of all pictures of a run, and the wall time [s] that they take where all cores are idle."""
-    times = [part.picture_time(config.preflight) for part in config.observers.values()]
-    return sum(processor for processor, _ in times), sum(wall for _, wall in times)
+def picture_time(config: SceneConfig) -> float:
+    """Wall time [s] of all pictures of a run, where all cores are idle."""
+    return sum(part.picture_time(config.preflight) for part in config.observers.values())
 
 
 def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
     into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
-    nothing, into CARD."""
-    from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
+    nothing, into CARD_BYTES."""
+    from ocean_sim.runtime import BASE_MEMORY, COPIES, GRAPHICS_CARD_CHOICES
 
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
@@ -123,11 +137,11 @@ def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str
     watched = sum(row.bytes for row in rows if row.part in config.observers)
     others = sum(row.bytes for row in rows) - water - watched
     each = -(-water // particles)
-    free, taken = CARD - others, each
+    free, taken = CARD_BYTES - others, each
     if config.runtime.arch not in GRAPHICS_CARD_CHOICES:
         seen = sum(part.bytes_a_particle(config.preflight) for part in config.observers.values())
         free = 0.9 * machine.memory_limit() - others - (watched - seen * particles) - BASE_MEMORY
-        taken = each + COPY_BYTES_PER_PARTICLE + seen
+        taken = each + COPIES + seen
     most = min(int(free / taken), config.fluid.most_particles(config.preflight))
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
@@ -150,35 +164,28 @@ def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """The ledger by rows; kernels, and the share of a step's processor time, belong to a whole part and stand in its
-    first row. A part that takes no time of a step has no share."""
+    """The ledger by rows; the kernels of a whole part stand in its first row."""
     from ocean_sim.runtime import kernels_in
 
-    parts, dt = {"basin": config.basin} | config.parts(), found["time_step"]
-    total = sum(row.a_step(dt) for row in found["ledger"])
-    listed, rows = set(), []
+    parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
     for row in found["ledger"]:
-        cells: dict[str, Any] = {key: getattr(row, key) for key in ("part", "what", "bytes", "why")}
-        first, own = row.part not in listed, [other for other in found["ledger"] if other.part == row.part]
-        cells["kernels"] = kernels_in(type(parts[row.part]).__module__) if first else None
-        cells["share"] = (sum(other.a_step(dt) for other in own) / total or None) if first and total else None
+        kernels = None if row.part in listed else kernels_in(type(parts[row.part]).__module__)
         listed.add(row.part)
-        rows.append(cells)
+        rows.append(row._asdict() | {"kernels": kernels})
     return rows
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """An estimate from what each part was measured to take on an idle machine, with all kernels in the cache."""
+    """Estimated wall time in a sentence, by the last run of such water on this machine."""
     parts, whole = found["estimated_by_part"], found["estimated_wall_s"]
-    shown = {"start": parts["start_s"], "steps": parts["steps_s"], "pictures": parts["pictures_s"]}
+    shown = {"steps": parts["steps_s"], "pictures": parts["pictures_s"]}
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
+    water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     if whole is None:
-        return f"no estimate of the wall time of the steps ({terms}) for {config.duration:g} s"
-    busy = console.duration(found["estimated_processor_s"])
-    return (
-        f"about {console.duration(whole)} for {config.duration:g} s on an idle machine ({terms}); "
-        f"{busy} of processor time"
-    )
+        drawn = f" ({terms})" if terms else ""
+        return f"unknown{drawn} until a run of {water} has ended on this machine, or `check --time` takes some steps"
+    about = f"about {console.duration(whole)} for {config.duration:g} s ({terms})"
+    return f"{about}, by the last run of {water} on this machine"
 
 
 def memory_taken(found: dict[str, Any]) -> str:
@@ -195,9 +202,9 @@ def fitting(found: dict[str, Any], config: SceneConfig) -> str:
         return "no particles"
     where = f"the {machine.memory_limit() / 1e9:.1f} GB of this machine"
     if config.runtime.arch in GRAPHICS_CARD_CHOICES:
-        where = f"{CARD / 1e9:.0f} GB of a graphics card"
+        where = f"{CARD_BYTES / 1e9:.0f} GB of a graphics card"
     fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
-    if found["particles"] < FEW:
+    if found["particles"] < FEW_PARTICLES:
         return f"at least {fit}"
     return f"{found['bytes_a_particle']} bytes a particle: {fit}"
 
@@ -207,7 +214,7 @@ def short(found: dict[str, Any], config: SceneConfig) -> str:
     lines = [
         f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
-        f"{wall_time(found, config)}"
+        f"wall time {wall_time(found, config)}"
     ]
     return "\n".join(
         [*lines, *(f"note: {note}" for note in found["notes"]), *(f"warning: {w}" for w in found["warnings"])]
@@ -238,12 +245,11 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             row["what"],
             f"{row['bytes'] / 1e6:.2f}",
             "" if row["kernels"] is None else f"{len(row['kernels'])}",
-            "" if row["share"] is None else f"{row['share']:.0%}",
             row["why"],
         ]
         for row in ledger(found, config)
     ]
-    heads = ["part", "fields", "MB", "kernels", "of a step", "why"]
+    heads = ["part", "fields", "MB", "kernels", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)
     console.say()
     for name, ship in found["ships"].items():

@@ -82,9 +82,9 @@ def render(
         finally:
             progress.close()
         if out is None and (run / "report.html").exists():
-            from ocean_sim.observers.shared import run_report
+            from ocean_sim.observers import report
 
-            files = [*files, run_report.write(run)]  # with the new pictures
+            files = [*files, report.write_report(run)]  # with the new pictures
         run_files.add_to_manifest(run, files)
     list_files(files, as_json)
     replaced = [file.name for file in files if file in before]

@@ -16,12 +16,11 @@ from ocean_sim.kernel_library import LIBRARY_NAME, LIBRARY_VARIABLE, QUADRANTS, 
 from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST_FILE, Result, simulate
-from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.run import kernels, report, until_node
+from ocean_sim.verbs.run import report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Quiet
-from ocean_sim.verbs.shared.progress import Progress
+from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -63,7 +62,7 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     if not (as_json or quiet):
         nothing = "it ended before its first checkpoint: it starts at t = 0"
         start = nothing if kept is None else f"going on from t = {kept.time:.3f} s"
-        console.say(f"{folder}: {start}\n{kernels()}")
+        console.say(f"{folder}: {start}\n{kernel_notice()}")
 
     def made() -> Result:
         if kept is None:
@@ -80,7 +79,8 @@ def gone_on(
     stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state.snapshot import FileShortened, Mismatch
+    from ocean_sim.state import checkpoint_file
+from ocean_sim.state.snapshot import FileShortened, Mismatch
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:

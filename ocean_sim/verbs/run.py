@@ -16,8 +16,9 @@ from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.check import picture_time, preflight, short
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
+from ocean_sim.verbs.shared.history import keep_step_time
 from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
-from ocean_sim.verbs.shared.progress import Progress
+from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
 RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
@@ -48,14 +49,14 @@ def run(
         if not silent:
             console.say(short(preflight(config), config))
             console.say(f"writing {folder}")
-            console.say(kernels())
+            console.say(kernel_notice())
             pictures(config)
         report(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
 def pictures(config: SceneConfig) -> None:
     """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
-    _, seconds = picture_time(config)
+    seconds = picture_time(config)
     if seconds:
         time = f"about {console.duration(seconds)} on an idle machine"
         console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
@@ -74,6 +75,8 @@ def report(
         result = made()
     except KeyboardInterrupt:
         raise stopped(progress, folder) from None
+    if progress.step_time is not None:
+        keep_step_time(config, progress.step_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
     facts |= written(result, config)
     if as_json:
@@ -123,16 +126,6 @@ def unused(folder: Path) -> Claim | None:
         claim.close()
         return None
     return claim
-
-
-def kernels() -> str:
-    """Sentence on the work before the first step."""
-    from ocean_sim.machine import cache_directory
-
-    cache = cache_directory() / "kernels"
-    if cache.is_dir() and any(cache.rglob("*.tic")):
-        return "loading kernels"
-    return f"compiling kernels (a first run; they are kept in {cache})"
 
 
 def written(result: Any, config: SceneConfig) -> dict[str, Any]:

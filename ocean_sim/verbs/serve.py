@@ -140,7 +140,7 @@ def report(
     as_json: Json = False,
 ) -> None:
     """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
-    from ocean_sim.observers.shared import run_report
+    from ocean_sim.observers import report
     from ocean_sim.viewer.replay import replay_file
 
     if len(runs) > 2:
@@ -154,7 +154,7 @@ def report(
         replay_file(runs, path)
         files = [path]
         if len(runs) == 1 and out is None:
-            files.append(run_report.write(runs[0]))
+            files.append(report.write_report(runs[0]))
         run_files.add_to_manifest(runs[0], files)
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})

@@ -66,7 +66,7 @@ def answer(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
     if any(len(point) != length for point in asked.points):
         raise Refused(f"{asked.verb} is asked at points of {'x, y, z' if length == 3 else 'x, z'} [m]")
     points = np.array(asked.points, dtype=float).reshape(-1, length)
-    if sea is not None and fluid.in_closed_form is not None and not fluid.answers:
+    if sea is not None and fluid.in_closed_form is not None and not fluid.can_be_disturbed:
         whole = WaveField(sea)
         verbs = {"elevation": whole.elevation, "normal": whole.normal, "velocity": whole.velocity}
         return {"time": time, "values": plain(verbs[asked.verb](points, time))}

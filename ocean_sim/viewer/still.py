@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.live.preview_scene import SPEEDS
+from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_hull import Hull
-from ocean_sim.pictures.ships.ship_model import modelled
+from ocean_sim.pictures.ships.ship_model import build_model
 from ocean_sim.pictures.stage import light, sky
 from ocean_sim.pictures.water import foam, water_glsl, water_shading
 from ocean_sim.pictures.water.sea_state import wind_of
@@ -111,7 +111,7 @@ class Setting(NamedTuple):
             "wind": (self.scene.get("wind") or {}).get("kind", "still"),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
-            "speeds": plain(SPEEDS),
+            "speeds": plain(SPEED_COLOURS),
             "light": {
                 name: plain(getattr(light, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
             },
@@ -122,7 +122,7 @@ class Setting(NamedTuple):
 
     def ship(self, k: int, vessel: Vessel, arrays: dict[str, np.ndarray], boxes: dict[str, Any]) -> dict[str, Any]:
         """A ship's model and the map of distances to her waterline at rest, both in body axes."""
-        model = modelled(vessel.vertices, vessel.triangles, vessel.submerged, vessel.look, vessel.helm)
+        model = build_model(vessel.vertices, vessel.triangles, vessel.submerged, vessel.look, vessel.helm)
         corners = model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = boxed(corners, low, high)

@@ -5,19 +5,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import sqrt
 from time import perf_counter
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
-from ocean_sim.fluid import Particles
 from ocean_sim.observers.shared.csv_rows import TakesMotion
-from ocean_sim.pictures.live.preview_scene import PreviewScene
+from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL, packet, scaled
 from ocean_sim.viewer.still import Setting, Vessel
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 RATE = 20.0  # frames a second of wall time, at most
 CELLS = 128  # heights along a side, at most
@@ -54,8 +56,9 @@ class Watch(Observer, TakesMotion):
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, FAST
-        self.scene = PreviewScene(simulation)
         self.setting = setting_of(simulation)
+        lengths = [float(np.ptp(vessel.vertices, axis=0).max()) for vessel in self.setting.vessels]
+        self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
@@ -145,7 +148,7 @@ class Watch(Observer, TakesMotion):
         if self.platform is not None:
             arrays["platform"] = self.commands
         if self.seldom or self.setting.flat:
-            ends, hues = self.scene.lines()
+            ends, hues = scene_lines(simulation, self.top)
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
         arrays["scalars"] = np.nan_to_num(np.array(self.scalars(heights), np.float32), posinf=0.0, neginf=0.0)
@@ -173,7 +176,7 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self, particles: Particles) -> dict[str, np.ndarray]:
+    def particles(self, particles: "Particles") -> dict[str, np.ndarray]:
         """Positions in the box and speeds, by identity: in storage order none would stay itself."""
         rows = particles.in_box(self.middle, self.scale, FULL, every_shown(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]

@@ -2,16 +2,65 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
 
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind.shared.clock import Clock
-from ocean_sim.wind.shared.drawing import NOTHING, Drawing
 
 Target = Literal["fluid", "ship"]
+
+RESTART = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
+
+
+class Clock:
+    """Time of a wind at the end of its step; one that needs no clock leaves it at 0."""
+
+    def __init__(self) -> None:
+        self.time = 0.0  # [s] since the beginning
+        self.since = 0.0  # [s] since the last restart
+        self.step = 0.0  # [s] length of the step
+
+    def advance(self, dt: float) -> None:
+        """Add a step of dt [s]."""
+        self.time, self.since, self.step = self.time + dt, self.since + dt, dt
+
+    def is_due(self) -> bool:
+        """True if it has to be restarted."""
+        return self.since > RESTART
+
+    def restart(self) -> None:
+        """Count from now on."""
+        self.since = 0.0
+
+
+class DeviceRow:
+    """A row of numbers that kernels read, 0 at first; a column is written only where its number changes."""
+
+    def __init__(self, size: int) -> None:
+        self.field, self.values = ti.field(float, shape=size), [0.0] * size
+
+    def set(self, column: int, number: float) -> None:
+        """Write a number into a column, for kernels that are launched from now on."""
+        if number != self.values[column]:
+            self.values[column] = number
+            self.field[column] = float(number)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Lines and arrows of a wind."""
+
+    lines: np.ndarray  # (n, 2, 3) ends of the lines that show where it blows [m]
+    tails: np.ndarray  # (m, 3) where arrows begin [m]
+    arrows: np.ndarray  # (m, 3) along what the wind does there; length 1 is the strongest that the scene has
+    strongest: float = 0.0  # that, in its unit; 0 where arrows show nothing, or not all the same
+    unit: str = ""  # of what arrows show
+
+
+NOTHING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 class WindKeys(Protocol):
@@ -65,7 +114,7 @@ class Wind(ABC):
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
         """Note that the patch of open sea under it now lies around x, z (2,) [m] in the world. A wind that has a place
-        hands this to its `shared.over_patch.Patch`; one that is the same everywhere does nothing."""
+        hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Move on to the step of dt [s] that comes next."""

@@ -18,13 +18,10 @@ from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import StillAir, Target, Wind
+from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
-from ocean_sim.wind.shared.clock import DeviceRow
-from ocean_sim.wind.shared.drawing import Drawing, joined
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
-from ocean_sim.wind.shared.over_patch import Patch, Placed
-from ocean_sim.wind.shared.passages import Passages
+from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.shapes import Shape, turned, turned_back, within
 from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
@@ -55,8 +52,6 @@ SHAPE = Columns(
     sign=1,  # 1: included, -1: cut out; 0: none
 )
 """A volume's row: its own columns, and then those of its shapes, one after the other."""
-
-STEP_SECONDS = 2.0e-5  # [s] of processor time a step; what it blows on is in the particles' and the ship's
 
 
 class Volume(Scheduled):
@@ -209,9 +204,7 @@ class Config(Placed, WindConfig):
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         n, numbers = len(self.volumes), len(self.volumes) * row_size(self.volumes) + DRAWS.size
-        return [
-            LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes", STEP_SECONDS)
-        ]
+        return [LedgerRow("wind", "moving volumes of air", preflight.word * numbers, f"{n} in wind.volumes")]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         sentences = []
@@ -227,6 +220,18 @@ class Config(Placed, WindConfig):
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
             sentences += on_ships(preflight)
         return sentences
+
+
+def joined(drawings: list[Drawing]) -> Drawing:
+    """Join drawings into one."""
+    alike = len({drawing.unit for drawing in drawings}) == 1
+    return Drawing(
+        lines=np.concatenate([drawing.lines for drawing in drawings]),
+        tails=np.concatenate([drawing.tails for drawing in drawings]),
+        arrows=np.concatenate([drawing.arrows for drawing in drawings]),
+        strongest=drawings[0].strongest if alike else 0.0,
+        unit=drawings[0].unit if alike else "",
+    )
 
 
 def row_size(volumes: list[Volume]) -> int:

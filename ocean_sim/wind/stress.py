@@ -21,10 +21,8 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Target, Wind
+from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, LAW, RANGES, DragLaw, drag, stated_speed, stress
-from ocean_sim.wind.shared.clock import DeviceRow
-from ocean_sim.wind.shared.drawing import Drawing
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.warnings import on_ships
 

@@ -15,12 +15,9 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind import Target, Wind
-from ocean_sim.wind.shared.clock import DeviceRow
-from ocean_sim.wind.shared.drawing import Drawing
+from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
 from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
-from ocean_sim.wind.shared.over_patch import Patch, Placed
-from ocean_sim.wind.shared.passages import Passages
+from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
 

@@ -319,7 +319,7 @@ def test_a_scene_without_a_ship_imports_no_ship(without_a_ship):
 def test_no_source_is_read_but_that_of_kernels(without_a_ship):
     """What a key means is read where that is asked for, not for every model that is made."""
     assert "fluid/mueller.py" in without_a_ship["read"]
-    assert not {"observers/accuracy.py", "basin/tank_motion.py"} & set(without_a_ship["read"])
+    assert not {"observers/accuracy.py", "basin/motion.py"} & set(without_a_ship["read"])
 
 
 def test_it_allocates_what_the_ledger_says_and_nothing_else(without_a_ship):

@@ -13,6 +13,8 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
+pytestmark = pytest.mark.optimised  # these bytes are those of users' runs
+
 TANK = {"length": 4.0, "width": 3.0, "depth": 1.2}
 SEA = {"length": 40.0, "width": 40.0, "depth": 7.5, "walls": "none"}
 PLAIN = {

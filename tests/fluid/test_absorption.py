@@ -7,7 +7,7 @@ from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.bodies.absorption import Zone, zones
+from ocean_sim.fluid.bodies.walls import Zone, zones
 from ocean_sim.fluid.delta_sph import Config
 from ocean_sim.fluid.sph.initial_state import fitted
 from ocean_sim.reading.scene import load

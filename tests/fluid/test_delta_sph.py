@@ -8,9 +8,8 @@ import pytest
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid import delta_sph
 from ocean_sim.fluid.delta_sph import DAMPER, IMPACT
-from ocean_sim.fluid.sph.lattice_moments import Stencil
 from ocean_sim.fluid.sph.law import NO_COLUMN
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Stencil
 from ocean_sim.reading.scene import load
 from tests.fluid.conftest import box, by_id, put
 

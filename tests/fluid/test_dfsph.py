@@ -8,9 +8,8 @@ import pytest
 from ocean_sim.conventions import GRAVITY, Diverged
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.dfsph import LEAST
-from ocean_sim.fluid.neighbours.list_size import ListSize
-from ocean_sim.fluid.sph.lattice_moments import Stencil
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, Smoothing
+from ocean_sim.fluid.neighbours.grid_size import ListSize
+from ocean_sim.fluid.sph.smoothing import NEUTRAL, Smoothing, Stencil
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
 from ocean_sim.simulation import Simulation

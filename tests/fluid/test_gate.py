@@ -8,7 +8,7 @@ import pytest
 
 from ocean_sim import load
 from ocean_sim.__main__ import answered
-from ocean_sim.basin.gate import Gate
+from ocean_sim.basin.motion import Gate
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.fluid.bodies.boundary import MOTION
 from ocean_sim.observers.shared.checks import beyond

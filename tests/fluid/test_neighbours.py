@@ -8,9 +8,9 @@ import pytest
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
-from ocean_sim.fluid.neighbours.cache_layout import PAGE
 from ocean_sim.fluid.neighbours.grid import STATE
 from ocean_sim.fluid.sph.law import Law, WalkOptions
+from ocean_sim.fluid.sph.particles import PAGE_BYTES
 from ocean_sim.kernel_library import ti
 from tests.fluid.conftest import by_id, kept, put
 
@@ -168,7 +168,7 @@ def test_what_fields_have_of_a_particle_lies_in_lines_of_the_cache_that_do_not_c
     )
     assert fluid.particles.n == n
     for together in (fluid.grid.state[: STATE.id], fluid.grid.moved[: STATE.id], fluid.neighbours.scratch):
-        lines = {address(field) % PAGE // 64 for field in together}
+        lines = {address(field) % PAGE_BYTES // 64 for field in together}
         assert len(lines) == len(together)
 
 

@@ -14,8 +14,7 @@ from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.patch.relaxation_zone import Band, band, stokes
 from ocean_sim.fluid.patch.sea_patch import nodes
-from ocean_sim.fluid.patch.sea_source import Depths, PlaneWaveSource
-from ocean_sim.fluid.patch.steep_source import SteepSource
+from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import of_patch
 from ocean_sim.kernel_library import ti
@@ -142,7 +141,7 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
         with Simulation(scene) as simulation:
             water = simulation.fluid
             water.particles.velocity.from_numpy(np.tile([0.1, 0.0, 0.0], (water.count, 1)).astype(np.float32))
-            water.carry([ship])
+            water.add_ships([ship])
             simulation.run(0.3)
             now = state(simulation)
             far = np.abs((now.position[:, 0] - x + 3.0) % 6.0 - 3.0)

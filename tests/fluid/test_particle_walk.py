@@ -5,8 +5,8 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import Lacking
-from ocean_sim.fluid.neighbours.backend_plan import PARTICLES, PLANS
-from ocean_sim.fluid.neighbours.particle_walk import BLOCK, levels
+from ocean_sim.fluid.neighbours.backend_plan import PARTICLE_PLAN, PLANS
+from ocean_sim.fluid.neighbours.particle_walk import SUM_BLOCK_CELLS, level_sizes
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import allocated_bytes
 from tests.fluid.conftest import by_id, put
@@ -32,7 +32,7 @@ CASES = [
 @pytest.fixture
 def by_particles(monkeypatch):
     """From now on what is built on the processor walks as on a card."""
-    return lambda: monkeypatch.setitem(PLANS, "cpu", PARTICLES)
+    return lambda: monkeypatch.setitem(PLANS, "cpu", PARTICLE_PLAN)
 
 
 def moved(fluid, seed: int = 1) -> dict[str, np.ndarray]:
@@ -102,7 +102,7 @@ def test_sorts_in_the_order_of_storage(water, by_particles):
     """Stable: as NumPy sorts, whatever the order in which threads put particles down, in three levels of sums."""
     by_particles()
     fluid = water(basin={"length": 26.0, "width": 26.0, "depth": 0.5}, spacing=0.1, **DAM)
-    assert len(levels(fluid.grid.cell_count)) == 4 and fluid.grid.cell_count > BLOCK**2
+    assert len(level_sizes(fluid.grid.cell_count)) == 4 and fluid.grid.cell_count > SUM_BLOCK_CELLS**2
     rng, n = np.random.default_rng(2), fluid.particles.n
     cell, name = rng.integers(0, fluid.grid.cell_count, n) // 500 * 500, rng.permutation(n).astype(np.int32)
     fluid.grid.part.from_numpy(cell.astype(np.int32))

@@ -206,8 +206,8 @@ def test_a_window_holds_the_waves_within_a_few_thousandths(sea, far):
 def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
     alone, pair = sea(tile=60.0), sea(tile=60.0)
     ship, other = Float(), Float(12.0)
-    (hers,) = alone.carry([ship])
-    mine, yours = pair.carry([ship, other])
+    (hers,) = alone.add_ships([ship])
+    mine, yours = pair.add_ships([ship, other])
     for n in range(30):
         ship.body.position[0] = 0.1 * n
         alone.advance(0.1)
@@ -221,7 +221,7 @@ def test_a_ship_alone_does_not_feel_what_she_makes_and_others_do(sea):
     np.testing.assert_allclose(felt[:, 0], alone.elevations(flat), atol=2e-3)
     np.testing.assert_allclose(mine.elevations(flat) + yours.elevations(flat), pair.elevations(flat), atol=1e-12)
     assert np.abs(alone.elevations(flat)).max() > 0.01
-    assert not alone.undisturbed(flat, alone.elevations(flat)).any()
+    assert not alone.undisturbed_elevations(flat, alone.elevations(flat)).any()
 
 
 def test_a_sea_undisturbed_by_ships_is_what_comes_from_afar_and_what_winds_make(sea):
@@ -230,14 +230,14 @@ def test_a_sea_undisturbed_by_ships_is_what_comes_from_afar_and_what_winds_make(
     )
     keys = {"tile": 60.0, "height": 0.4, "period": 3.0, "current": (0.5, 0.0), "wind": gust}
     fluid, empty = sea(**keys), sea(**keys)
-    fluid.carry([Float(3.0)])
+    fluid.add_ships([Float(3.0)])
     for water in (fluid, empty):
         for _ in range(10):
             water.blowing.advance(0.1)
             water.advance(0.1)
     points = np.array([[3.0, 1.0], [-4.0, 2.0], [0.0, -6.0]])
     assert np.abs(fluid.elevations(points) - empty.elevations(points)).max() > 0.01
-    found = fluid.undisturbed(points, fluid.elevations(points))
+    found = fluid.undisturbed_elevations(points, fluid.elevations(points))
     np.testing.assert_allclose(found, empty.elevations(points), atol=1e-3)  # the rim is hers
     for water in (fluid, empty):
         there = np.insert(points, 1, water.elevations(points), axis=1)
@@ -270,7 +270,7 @@ def test_a_tile_travels_with_her_and_no_number_grows(sea):
     near, far = sea(tile=60.0, cells=64), sea(tile=60.0, cells=64)
     ships = [Float(), Float(9000.0)]
     for fluid, ship in zip((near, far), ships):
-        fluid.carry([ship])
+        fluid.add_ships([ship])
         for _ in range(40):
             ship.body.position[0] += 0.5
             fluid.advance(0.1)

@@ -249,8 +249,8 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     import os
 
     from ocean_sim.conventions import Refused
-    from ocean_sim.observers.shared.page import picture
-    from ocean_sim.observers.shared.run_report import Run
+    from ocean_sim.observers.report import Run
+    from ocean_sim.observers.shared.page import embedded_picture
     from ocean_sim.pictures.frame_files import Frame
     from ocean_sim.pictures.water.sea_state import scene_of
     from ocean_sim.result import Result
@@ -284,4 +284,4 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
             table.read(put("results.csv"))
         with pytest.raises(input_file.Unreadable):
             _ = put("events.jsonl") and Result(tmp_path).events
-    assert picture(put("preview.png"), "a picture") == ""
+    assert embedded_picture(put("preview.png"), "a picture") == ""

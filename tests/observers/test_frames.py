@@ -63,7 +63,7 @@ def test_frames_of_a_sea_that_answers_lie_around_the_ship(tmp_path, watched, mon
     simulation = with_a_ship(watched(), 300.0, -2.0)
     sea = waves.regular(0.5, 4.0, np.array([0.0, 1.0]), 5.0)
     monkeypatch.setattr(type(simulation.fluid), "plane_waves", sea, raising=False)
-    monkeypatch.setattr(type(simulation.fluid), "answers", True, raising=False)
+    monkeypatch.setattr(type(simulation.fluid), "can_be_disturbed", True, raising=False)
     frames.Config().build(tmp_path, simulation).observe(simulation)
     grid, frame = np.load(tmp_path / "frames/grid.npz"), np.load(tmp_path / "frames/frame_00000.npz")
     cell = [grid["x"][1] - grid["x"][0], grid["z"][1] - grid["z"][0]]
@@ -232,17 +232,17 @@ def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, w
         simulation = with_a_ship(watched(), 0.0, 0.0)
         water = type(simulation.fluid)
 
-        def undisturbed(self, points, elevation=None):
+        def undisturbed_elevations(self, points, elevation=None):
             return waves.elevation(sea, 12.0 * np.asarray(points), self.time)
 
         def elevations(self, points, deep=deep):
             astern = 3.0 - 2.0 * self.time - np.asarray(points)[:, 1]
             wake = np.where(astern > 0.0, 0.3 * np.cos(3.0 * astern), 0.0) - np.exp(-(astern**2))
-            return self.undisturbed(points) + deep * wake * np.exp(-(np.asarray(points)[:, 0] ** 2))
+            return self.undisturbed_elevations(points) + deep * wake * np.exp(-(np.asarray(points)[:, 0] ** 2))
 
-        for name, value in {"plane_waves": sea, "answers": True, "elevations": elevations}.items():
+        for name, value in {"plane_waves": sea, "can_be_disturbed": True, "elevations": elevations}.items():
             monkeypatch.setattr(water, name, value, raising=False)
-        monkeypatch.setattr(water, "undisturbed", undisturbed, raising=False)
+        monkeypatch.setattr(water, "undisturbed_elevations", undisturbed_elevations, raising=False)
         monkeypatch.setattr(water, "velocities", lambda self, places: 0.0 * places, raising=False)
         monkeypatch.setattr(water, "foam", lambda self, points: None, raising=False)
         simulation.fluid.particles = None

@@ -70,11 +70,10 @@ def test_its_surface_can_be_exported_and_its_particles_cannot(run, tmp_path):
         export_run(folder, "vtkhdf", None, tmp_path)
 
 
-def test_a_check_counts_no_particles_and_estimates_the_wall_time():
+def test_a_check_counts_no_particles_and_sees_frames_that_fill_a_disk():
     config = load("linear_sea", OVER)
     found = preflight(config)
-    assert found["ok"] and found["particles"] == 0 and found["estimated_by_part"]["steps_s"] > 0.0
-    assert "0 particles" in short(found, config) and "idle machine (start 2.2 s, steps " in short(found, config)
+    assert found["ok"] and found["particles"] == 0 and "0 particles" in short(found, config)
     wide = load("linear_sea", {**OVER, "frames.spacing": 0.01, "frames.every": 0.01})
     assert "frames: about" in " ".join(wide.observers["frames"].warnings(wide.preflight))
 

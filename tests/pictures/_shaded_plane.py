@@ -22,7 +22,7 @@ CASES = {
     "body": w.Terms(reflection=False, glint=None, fog=False),
     "mirror": w.Terms(body=False, glint=None, foam=False, fog=False),
 }
-SUN = sky_module.unit(np.array([-0.7, 0.5, 0.4]))
+SUN = sky_module.unit_vector(np.array([-0.7, 0.5, 0.4]))
 EYES = {"above": (40.0, 30.0, -30.0), "aslant": (-14.0, 6.0, 9.0), "grazing": (-300.0, 1.0, 200.0)}
 VARIANCE, PIXEL = 0.004, 0.0004  # of slopes; angle of a pixel [rad]
 FACES = {"+x": (1, 0, 0), "-x": (0, 1, 1), "+y": (0, 1, 0), "-y": (1, 0, 1), "+z": (0, 0, 1), "-z": (1, 1, 0)}
@@ -64,7 +64,7 @@ def water(eye: np.ndarray, foam: float = 0.0) -> reference.Water:
     n = len(points)
     height, variance, white = np.full(n, 0.4), np.full(n, VARIANCE), np.full(n, foam)
     return reference.Water(
-        sky_module.unit(normals(points)), -away / distance[:, None], distance, height, variance, white
+        sky_module.unit_vector(normals(points)), -away / distance[:, None], distance, height, variance, white
     )
 
 

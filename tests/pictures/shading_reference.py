@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.pictures.stage.sky import Sky, unit
+from ocean_sim.pictures.stage.sky import Sky, unit_vector
 from ocean_sim.pictures.water.foam import (
     EDGE_SOFTNESS,
     GRAIN_BEND,
@@ -109,7 +109,7 @@ def specular(
     strength: float, light: np.ndarray, normal: np.ndarray, to_eye: np.ndarray, to_light: np.ndarray, shininess: float
 ) -> np.ndarray:
     """A highlight (3.15), with the half vector normalised, which the listing leaves out."""
-    half = unit(to_light + to_eye)
+    half = unit_vector(to_light + to_eye)
     facing = (normal @ to_light > 0.0).astype(float)
     shine = facing * np.maximum((normal * half).sum(axis=1), 0.0) ** shininess
     return strength * light * shine[:, None]
@@ -124,7 +124,7 @@ def sun_glint(
     normal: np.ndarray, to_eye: np.ndarray, variance: np.ndarray, sun: np.ndarray, sunlight: np.ndarray
 ) -> np.ndarray:
     """The sun mirrored by facets finer than a pixel (Cook & Torrance 1982, without shadowing)."""
-    half = unit(sun + to_eye)
+    half = unit_vector(sun + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), variance)
     seen = share * facets / (4.0 * np.maximum((normal * to_eye).sum(axis=1), 0.12))
@@ -246,7 +246,7 @@ def algorithm_6(water: Water, sky: Sky, terms: Terms = Terms(glint="thesis")) ->
 def facing(normal: np.ndarray, to_eye: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Normals that do not look away from the eye: a rippled one may, where the surface itself does not."""
     away = 0.03 - cosine(to_eye, normal)
-    turned = unit(normal + to_eye * away[:, None])
+    turned = unit_vector(normal + to_eye * away[:, None])
     return np.where((away > 0.01)[:, None], turned, normal), to_eye
 
 
@@ -258,7 +258,7 @@ def sky_reflection(
     ray = reflected(to_eye, normal)
     ray[:, 1] = np.where(ray[:, 1] < 0.0, 0.01 - 0.6 * ray[:, 1], ray[:, 1])
     ray[:, 1] += 0.35 * blur * (1.0 - cos_eye)
-    return np.minimum(sky.sample(unit(ray), np.minimum(BLURS * blur, MOST_BLURRED)), BRIGHTEST)
+    return np.minimum(sky.sample(unit_vector(ray), np.minimum(BLURS * blur, MOST_BLURRED)), BRIGHTEST)
 
 
 def slopes(

@@ -9,8 +9,9 @@ from ocean_sim.observers import frames, render
 from ocean_sim.pictures.stage import obstacles, opengl, wind_marks
 from ocean_sim.pictures.stage.camera import Track, Vessel
 from ocean_sim.pictures.water import wake, water_shading
+from ocean_sim.wind import Drawing
+from ocean_sim.wind.gusts import joined
 from ocean_sim.wind.shared import shapes
-from ocean_sim.wind.shared.drawing import Drawing, joined
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 NODES = np.arange(-60.0, 60.1, 0.5)

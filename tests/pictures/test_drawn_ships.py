@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from ocean_sim.pictures.ships import ship_glsl, ship_hull, ship_parts
-from ocean_sim.pictures.ships.ship_model import BLACK, OXIDE, WHITE, modelled
+from ocean_sim.pictures.ships.ship_model import BLACK, OXIDE, WHITE, build_model
 from ocean_sim.pictures.stage import light
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.hull.shapes import drawn
@@ -34,7 +34,7 @@ def placed(name):
 @pytest.fixture(scope="module", params=HULLS)
 def ship(request):
     vertices, triangles, share, helm = placed(request.param)
-    made = modelled(vertices, triangles, share, request.param, helm)
+    made = build_model(vertices, triangles, share, request.param, helm)
     return request.param, made, ship_hull.Hull(vertices, triangles, share)
 
 
@@ -118,7 +118,7 @@ def hits(corners, eye, ray):
 
 @pytest.mark.parametrize("name", ["yacht", "tug"])
 def test_the_helmsman_sees_the_sea_ahead_and_the_bow_below(name):
-    made = modelled(*placed(name)[:3], name, placed(name)[3])
+    made = build_model(*placed(name)[:3], name, placed(name)[3])
 
     def looks(eye, down, aside):
         ray = np.array([np.sin(aside), -np.sin(down), np.cos(aside)])
@@ -146,8 +146,8 @@ def test_smooth_shading_stops_at_a_crease():
 
 def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
     vertices, triangles, share, _ = placed("sphere")
-    round_yacht = modelled(vertices, triangles, share, "yacht", NOWHERE)
-    plain = modelled(vertices, triangles, share, "sphere", NOWHERE)
+    round_yacht = build_model(vertices, triangles, share, "yacht", NOWHERE)
+    plain = build_model(vertices, triangles, share, "sphere", NOWHERE)
     assert len(round_yacht.mesh.corners) == len(plain.mesh.corners)
 
 
@@ -155,7 +155,7 @@ def test_light_is_finite_and_brighter_towards_the_sun():
     from ocean_sim.pictures.stage import sky
 
     normals = np.stack([sky.SUN, -sky.SUN])
-    colours = light.lit(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
+    colours = light.painted_light(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
     assert (colours[0] > 2.0 * colours[1]).all() and (colours > 0.0).all()
 
 

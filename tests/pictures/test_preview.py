@@ -9,7 +9,6 @@ import subprocess
 import sys
 from math import radians
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -20,7 +19,8 @@ from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures.live import panel as panel_module
 from ocean_sim.pictures.live import preview_eye, vulkan
 from ocean_sim.pictures.live.panel import Panel
-from ocean_sim.pictures.live.preview_scene import PreviewScene, backdrop, speed_colours
+from ocean_sim.pictures.live.preview_scene import PreviewScene, speed_colours
+from ocean_sim.pictures.live.scene_lines import scene_lines
 from ocean_sim.platform.shared.packets import unpacked
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import preview as verb
@@ -54,19 +54,13 @@ def test_keys_of_the_panel():
         assert panel.content == wanted
     panel.press("m")
     assert panel.wind == "gale" and panel.take("wind")
-    panel.press("b")
+    panel.press("m")
     assert panel.wind == "calm"
-    panel.press("o")
-    assert panel.recording
-    panel.press("u")
-    assert panel.hidden
-    panel.press("u")
-    panel.orbit(0.2, 0.1)
+    panel.press("r")
+    assert panel.take("reset")
+    panel.orbit(0.2, 9.0)
     panel.zoom(0.5)
-    panel.press("w")
-    assert panel.take("rewind")
-    panel.press("z")
-    assert (panel.azimuth, panel.height, panel.distance) == (radians(38.0), radians(20.0), 1.0)
+    assert (panel.height, panel.distance) == (panel_module.MIN_EYE_HEIGHT, 0.5)
     before = repr(panel)
     panel.press("?")
     assert repr(panel) == before
@@ -94,8 +88,7 @@ def test_throttle_and_brake_pedal_and_wheel():
 def test_the_panel_says_how_things_stand_in_lines_that_fit(coarse):
     panel = Panel(["calm", "wide"], "wide", ships=("ship",), ship="ship", message="long " * 40)
     panel.press(" ")
-    balls = PreviewScene(coarse).particles(small=False)
-    lines = panel.words(coarse, balls, 0.5).splitlines()
+    lines = panel.text(coarse, 2.0, 0.5).splitlines()
     assert any("paused" in line for line in lines) and "wind: wide" in lines
     assert any("throttle" in line and "rudder" in line for line in lines)
     assert max(len(line) for line in lines) <= 38  # fits the panel
@@ -105,17 +98,14 @@ def test_the_panel_says_how_things_stand_in_lines_that_fit(coarse):
 @pytest.mark.parametrize("aspect", [16 / 9, 4 / 3])
 def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(camera, aspect):
     lower, upper = np.array([-30.0, -7.5, -10.0]), np.array([30.0, 2.0, 10.0])
-    orbit, frame = preview_eye.Orbit(0.7, 0.4, 1.0), preview_eye.Frame(aspect, 0.25)
-    eye = preview_eye.seen(camera, orbit, (lower, upper), frame, None, 0.0)
-    forward = (eye.target - eye.position) / np.linalg.norm(eye.target - eye.position)
-    right = np.cross(forward, eye.up)
-    right /= np.linalg.norm(right)
-    corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - eye.position
-    depth, half = corners @ forward, np.tan(radians(eye.angle / 2))
+    shown = preview_eye.preview_camera(camera, 0.7, 0.4, 1.0, (lower, upper), aspect, 0.25, None, 0.0)
+    right = np.cross(shown.forward, shown.up)
+    corners = np.array(list(np.ndindex(2, 2, 2))) * (upper - lower) + lower - shown.eye
+    depth, half = corners @ shown.forward, np.tan(radians(shown.angle / 2))
     x = 0.5 + 0.5 * (corners @ right) / depth / half / aspect
-    y = 0.5 + 0.5 * (corners @ np.cross(right, forward)) / depth / half
-    assert (depth > eye.near).all() and (depth < eye.far).all()
-    edge = 0.5 * (1.0 - preview_eye.FILLED)  # left free above and below, and aside
+    y = 0.5 + 0.5 * (corners @ shown.up) / depth / half
+    assert (depth > shown.near).all() and (depth < preview.FAR_OVER_NEAR * shown.near).all()
+    edge = 0.5 * (1.0 - preview_eye.FILLED_SHARE)  # left free above and below, and aside
     assert x.min() >= 0.25 + 0.75 * edge - 1e-9 and x.max() <= 1.0 - 0.75 * edge + 1e-9
     assert y.min() >= edge - 1e-9 and y.max() <= 1.0 - edge + 1e-9
     # ... and fills it along one side
@@ -124,28 +114,27 @@ def test_the_whole_basin_is_in_the_part_of_the_picture_that_no_panel_covers(came
 
 def test_the_eye_at_the_helm_moves_with_the_ship_and_looks_over_the_bow(coarse):
     ship = coarse.ships["ship"]
-    orbit, frame = preview_eye.Orbit(0.0, 0.4, 1.0), preview_eye.Frame(1.5, 0.0)
-    eye = preview_eye.seen("helm", orbit, PreviewScene(coarse).box, frame, ship, 15.0)
-    np.testing.assert_allclose(eye.position, ship.body.position + ship.body.matrix @ ship.points["helm"])
-    assert (eye.target - eye.position) @ ship.body.matrix[:, 2] == pytest.approx(1.0)
+    shown = preview_eye.preview_camera("helm", 0.0, 0.4, 1.0, PreviewScene(coarse).box, 1.5, 0.0, ship, 15.0)
+    np.testing.assert_allclose(shown.eye, ship.body.position + ship.body.matrix @ ship.points["helm"])
+    assert shown.forward @ ship.body.matrix[:, 2] > 0.99
 
 
 def test_what_is_seen_lies_where_the_simulation_has_it(coarse):
     scene = PreviewScene(coarse)
-    heights = scene.heights()
-    water = scene.water(heights, np.array([40.0, 20.0, 40.0]), solid=True)
+    heights = scene.surface_heights()
+    water = scene.water_patch(heights, np.array([40.0, 20.0, 40.0]), solid=True)
     assert np.isfinite(water.colours).all() and water.colours.min() >= 0.0 and water.colours.max() <= 1.0
     assert water.triangles.max() < len(water.vertices)
     # the drawn surface goes through the surface of the simulation
-    net = scene.water(heights, np.array([40.0, 20.0, 40.0]), solid=False)
+    net = scene.water_patch(heights, np.array([40.0, 20.0, 40.0]), solid=False)
     assert net.vertices[:, 1].mean() == pytest.approx(heights.mean(), abs=0.02)
-    balls = scene.particles(small=False)
-    assert len(balls.positions) == coarse.fluid.particles.n and balls.every == 1
-    hull = scene.afloat()
+    balls = scene.particle_balls(small=False)
+    assert len(balls.positions) == coarse.fluid.particles.n and len(balls.colours) == len(balls.positions)
+    hull = scene.ship_patch()
     low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
     assert len(hull.triangles) > 2000 and len(np.unique(hull.colours, axis=0)) > 100  # a model, painted and lit
     assert (low < coarse.ships["ship"].body.position).all() and (coarse.ships["ship"].body.position < high).all()
-    ends, colours = scene.lines()
+    ends, colours = scene_lines(coarse, scene.box[1][1])
     assert len(ends) == len(colours) and np.isfinite(ends).all()
     assert ends[..., 1].min() >= scene.lower[1] - 1e-9  # no volume is drawn below the bed
     assert scene.contents == ("surface", "particles", "both") and "helm" in scene.cameras
@@ -155,16 +144,6 @@ def test_colours_of_speed_brighten_evenly():
     """Told apart in grey, too."""
     grey = speed_colours(np.linspace(0.0, 1.0, 50)) @ [0.2126, 0.7152, 0.0722]
     assert (np.diff(grey) > 0.0).all()
-
-
-def test_the_backdrop_covers_the_picture_and_is_bright_at_the_horizon():
-    eye = preview_eye.Eye(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 35.0, 0.1, 100.0)
-    corners, colours = backdrop(eye, 1.5)
-    a, b, c = corners[0::3], corners[1::3], corners[2::3]
-    area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]).sum()
-    assert area == pytest.approx(1.0)
-    middle = np.abs(corners[:, 1] - 0.5) < 0.01
-    assert colours[middle].sum(axis=1).min() > colours[corners[:, 1] > 0.99].sum(axis=1).max()
 
 
 def test_a_person_steers_through_the_same_rate_limits_as_any_crew(coarse):
@@ -226,7 +205,7 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
     """Keys through the whole loop, on a sea in closed form."""
     scene, sets = "ship_linear_sea", {"runtime.threads": 1, "runtime.precision": "f64", "time_step.kind": "fixed"}
     sets["time_step.dt"] = 0.02
-    window = Window([[" "], [], ["n"], [" "], ["Up", "p"], ["Up", "o"], [], ["o"], ["m"], ["r"]])
+    window = Window([[" "], [], ["n"], [" "], ["Up", "p"], ["Up"], [], ["m"], ["r"]])
     monkeypatch.setattr(
         verb.Session,
         "open",
@@ -240,57 +219,7 @@ def test_a_window_is_played_with(tmp_path, monkeypatch):
     assert times[3] == pytest.approx(0.04) or times[3] > times[2]  # it goes on
     assert session.panel.wind != "still" and session.simulation.scene.wind.kind == "gusts"  # built anew
     assert session.simulation.time < max(times)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["recording_000", "snapshot_000.png"]
-    assert sorted(path.name for path in (tmp_path / "recording_000").iterdir()) == [
-        "00000.png",
-        "00001.png",
-        "film.mp4",
-    ]
-    session.close()
-
-
-def played(monkeypatch, tmp_path, script, **more):
-    """A session on a sea in closed form, with fixed steps and a moment kept each 0.1 s, after these keys."""
-    sets = {"runtime.threads": 1, "runtime.precision": "f64", "time_step.kind": "fixed", "time_step.dt": 0.02}
-    window = Window(script)
-    monkeypatch.setattr(
-        verb.Session,
-        "open",
-        lambda self, show: self.__dict__.update(screen=window) or window.watch(self.simulation, self.panel),
-    )
-    config = load("ship_linear_sea", {**sets, "checkpoint.every": 0.1, **more})
-    session = verb.Session(config, tmp_path, lambda wind: config, True)
-    session.play()
-    return session, window
-
-
-def test_a_window_goes_back_to_the_moment_that_was_kept_last_and_on_as_before(tmp_path, monkeypatch):
-    """Step by step; pressed where it is already, it goes to the moment before."""
-    session, window = played(monkeypatch, tmp_path, [["n"]] * 12 + [["w"], ["w"]] + [["n"]] * 7)
-    times = [round(time, 6) for time in window.times]
-    assert times[11:15] == [0.24, 0.2, 0.1, 0.12] and times[-2] == pytest.approx(0.24)
-    np.testing.assert_array_equal(window.places[-2], window.places[11])
-    session.close()
-
-
-def test_the_helm_stays_with_the_person_where_a_window_goes_back(tmp_path, monkeypatch):
-    session, _ = played(monkeypatch, tmp_path, [["n"]] * 6 + [["Left"]] * 3, wind="narrow")
-    session.obey()
-    assert session.panel.person is not None
-    session.go_back()
-    assert session.simulation.time == pytest.approx(0.1)
-    assert session.panel.person is not None and session.panel.message == ""
-    session.rewind.forget()
-    session.go_back()
-    assert session.panel.message == "nothing is kept yet to go back to"
-    session.close()
-
-
-def test_a_recording_without_what_makes_films_keeps_its_pictures(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(verb, "extra_missing", lambda extra: "vtk is not installed")
-    session, _ = played(monkeypatch, tmp_path, [["o"], ["n"], ["o"]])
-    assert len(list((tmp_path / "recording_000").glob("*.png"))) == 2
-    assert "its pictures are there: vtk" in session.panel.message and "vtk" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["snapshot_000.png"]
     session.close()
 
 
@@ -314,14 +243,10 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
         for _ in range(4):
             session.panel.hold({"Up", "Left"}, 0.1)
             session.obey()
-            session.go_on(0.05)
+            session.advance(0.05)
         assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
         assert unpacked(listening.recv(4096)).seq == 0
-        late, session.screen = session.simulation.time, Mock()
-        session.go_back()
-        assert session.simulation.time < late
-        session.go_on(0.05)
-        away = session.away.name
+        away = session.scratch.name
         session.close()
         assert not (tmp_path / "out").exists() and not Path(away).exists()
         film = verb.Session(load(scene), tmp_path / "out", None, False)
@@ -399,15 +324,15 @@ def test_pictures_without_a_window(coarse, screen):
     seen = list(pictures.values())
     assert all(np.abs(a.astype(int) - b).mean() > 1.0 for k, a in enumerate(seen) for b in seen[:k])
     assert all(picture.std() > 15.0 for picture in seen)
-    panel.camera, hulls = "third_person", screen.scene.hulls
-    screen.scene.hulls = {}
+    panel.camera, models = "third_person", screen.scene.models
+    screen.scene.models = {}
     for content in panel.contents:
         panel.content = content
         screen.draw(panel)
         without = screen.image()[preview.PANEL_WIDTH + 20 :].astype(int)
         changed = np.abs(pictures["third_person", content] - without).max(axis=2) > 30
         assert changed.sum() > 1000  # the ship
-    screen.scene.hulls, panel.hidden = hulls, True
+    screen.scene.models, panel.hidden = models, True
     screen.draw(panel)
     bare = screen.image()
     assert np.abs(bare[left].astype(int) - second[left]).mean() > 10.0 and bare[left].std() > 10.0

@@ -57,7 +57,7 @@ def test_flat_water_mirrors_the_sky_at_grazing_angles_and_shows_itself_from_abov
 
 
 def test_the_sky_is_finite_and_not_negative_in_every_direction():
-    directions = sky_module.unit(np.random.default_rng(0).normal(size=(1000, 3)))
+    directions = sky_module.unit_vector(np.random.default_rng(0).normal(size=(1000, 3)))
     for colour in (sky_module.colour(directions), sky_module.around(directions)):
         assert np.isfinite(colour).all() and (colour >= 0.0).all()
 
@@ -467,10 +467,9 @@ def test_of_a_film_that_processes_draw_by_turns_no_core_idles_but_while_they_sta
     sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
     scene = load(sea | {"duration": 100.0, "frames": {"every": 0.1}, "render": {"every": 0.1, "size": [1280, 720]}})
     film, first = 1001 * render.PICTURE[3]["draft"], render.FIRST[3]
-    for of, processor, wall in ((1, first + film, first + film), (2, first + film + render.ANOTHER, 0.5 * film)):
+    for of, wall in ((1, first + film), (2, 0.5 * film)):
         monkeypatch.setattr(render, "available_cores", lambda: of)
-        taken = scene.observers["render"].picture_time(scene.preflight)
-        assert taken[0] == pytest.approx(processor) and wall <= taken[1] <= wall + first
+        assert wall <= scene.observers["render"].picture_time(scene.preflight) <= wall + first
 
 
 def test_check_warns_of_stills_after_the_end_and_of_pictures_without_frames():

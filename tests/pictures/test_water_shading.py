@@ -53,7 +53,7 @@ def test_the_widest_refracted_angle_is_that_of_snell():
 
 def test_the_mirrored_ray_makes_the_angle_of_the_eye_with_the_normal():
     rng = np.random.default_rng(0)
-    eye, normal = (sky_module.unit(rng.normal(size=(200, 3))) for _ in range(2))
+    eye, normal = (sky_module.unit_vector(rng.normal(size=(200, 3))) for _ in range(2))
     ray = reference.reflected(eye, normal)
     np.testing.assert_allclose(reference.cosine(ray, normal), reference.cosine(eye, normal), atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ray, axis=1), 1.0, atol=1e-12)
@@ -87,7 +87,7 @@ def test_facets_of_every_slope_make_up_the_whole_surface(variance):
 
 def test_no_colour_is_not_a_number_straight_down_or_along_the_water():
     sky = plane.smooth_sky()
-    for eye in (UP, sky_module.unit(np.array([[1.0, 1e-9, 0.0]])), np.array([[1.0, 0.0, 0.0]])):
+    for eye in (UP, sky_module.unit_vector(np.array([[1.0, 1e-9, 0.0]])), np.array([[1.0, 0.0, 0.0]])):
         for terms in plane.CASES.values():
             seen = reference.Water(UP, eye, np.array([10.0]), np.zeros(1), np.full(1, 0.004), np.ones(1))
             assert np.isfinite(reference.final_colour(seen, sky, terms)).all()
@@ -142,7 +142,7 @@ def test_each_direction_of_a_six_coloured_sky_is_mirrored_from_where_it_is(drawn
 
 
 def test_no_direction_below_the_horizon_shows_the_nadir():
-    below = sky_module.unit(np.array([[1.0, -0.5, 0.0], [0.0, -0.9, -0.4], [0.01, -1.0, 0.0]]))
+    below = sky_module.unit_vector(np.array([[1.0, -0.5, 0.0], [0.0, -0.9, -0.4], [0.01, -1.0, 0.0]]))
     np.testing.assert_allclose(plane.six_colours().sample(below), [(1, 0, 0), (1, 1, 0), (1, 0, 0)], atol=1e-6)
 
 
@@ -243,7 +243,7 @@ def test_calm_water_has_no_foam_by_either_rule():
 def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():
     sky = sky_module.Sky(**{k: v for k, v in sky_module.made(sky_module.SUN, 128, 0.5, 3).items() if k == "image"})
     assert np.isfinite(sky.image).all() and (sky.image >= 0.0).all()
-    away = sky_module.unit(np.array([[-sky_module.SUN[0], 1.0, -sky_module.SUN[2]]]))
+    away = sky_module.unit_vector(np.array([[-sky_module.SUN[0], 1.0, -sky_module.SUN[2]]]))
     clear = sky_module.scattered(away, sky_module.SUN)[0][0]
     assert clear[2] > 1.5 * clear[0]
     d = sky_module.directions(128).reshape(-1, 3)

@@ -64,9 +64,7 @@ def test_a_barge_between_two_lines_surges_with_the_period_of_its_springs():
         while simulation.time < 40.0:
             simulation.step()
             v = ship.body.velocity[2]
-            rows.append(
-                (simulation.time, ship.body.position[2], 0.5 * whole * v * v + ship.hull.moorings.energy(ship.body))
-            )
+            rows.append((simulation.time, ship.body.position[2], 0.5 * whole * v * v + ship.moorings.energy(ship.body)))
     t, z, energy = np.array(rows).T
     k = np.flatnonzero(z[1:] * z[:-1] < 0.0)
     crossings = t[k] - z[k] * (t[k + 1] - t[k]) / (z[k + 1] - z[k])

@@ -183,7 +183,7 @@ def test_light_and_heavy_bodies_are_stable(density):
             simulation.step()
         body = simulation.ships["ship"].body
         assert np.linalg.norm(body.velocity) < 0.1
-        assert simulation.fluid.sunk == pytest.approx(0.012, rel=0.05)
+        assert simulation.fluid.surface_drop == pytest.approx(0.012, rel=0.05)
         assert draught(simulation) == pytest.approx(0.8 * density / 1000.0, rel=0.02)
 
 
@@ -205,7 +205,7 @@ def test_a_half_immersed_cylinder_bobs_as_potential_flow_says():
         rows = []
         while simulation.time < 0.7:
             simulation.step()
-            y = simulation.ships["ship"].body.position[1] + simulation.fluid.sunk  # over the water's own level
+            y = simulation.ships["ship"].body.position[1] + simulation.fluid.surface_drop  # over the water's own level
             rows.append((simulation.time, y / rise))
     t, y = np.array(rows).T
     low = int(np.argmin(y))
@@ -223,7 +223,7 @@ def test_a_hull_at_a_given_height_lies_in_water_that_has_settled_around_it():
             start = float(simulation.ships["ship"].body.position[1])
             places.append((start, simulation.fluid.particles.position.to_numpy()))
     (afloat, water), (given, same) = places
-    assert simulation.fluid.sunk > 0.01 and given == pytest.approx(afloat, abs=1e-9)
+    assert simulation.fluid.surface_drop > 0.01 and given == pytest.approx(afloat, abs=1e-9)
     np.testing.assert_allclose(same, water, atol=1e-6)
 
 

@@ -321,7 +321,7 @@ def test_a_preview_shows_every_hull_and_keys_steer_the_ship_that_the_panel_names
 
     calm = {"kind": "linear_waves", "height": 0.0, "period": 9.0}
     with Simulation(load(at_sea({"a": BARGE, "b": BARGE | {"position": [APART, 0.0]}}, calm))) as simulation:
-        hulls = PreviewScene(simulation).afloat()
+        hulls = PreviewScene(simulation).ship_patch()
         assert hulls is not None and np.ptp(hulls.vertices[:, 0]) > APART
         assert hulls.triangles.max() == len(hulls.vertices) - 1
         panel = Panel([], "still", ships=tuple(simulation.ships), ship="a")
@@ -353,8 +353,8 @@ def test_a_hull_over_particles_does_not_read_the_hole_that_another_one_makes():
         for beside in (True, False):
             if not beside:
                 for one in simulation.ships.values():
-                    one.hull.water.others = ()
-                    one.hull.cubes = type(one.hull.cubes)(one.hull.still)  # its kernels anew
+                    one.water.others = ()
+                    one.cubes = type(one.cubes)(one.hydrostatics)  # its kernels anew
             for name, one in simulation.ships.items():
                 load_on = one.load(simulation.wind_on_ship, simulation.fluid, simulation.surface)
                 torques[name, beside] = float(load_on.torque[2])

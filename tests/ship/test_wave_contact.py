@@ -217,7 +217,7 @@ def afloat():
     with Simulation(load(floating(), QUIET | {"health": {}, "accuracy": {}})) as simulation:
         particles, ship = simulation.fluid.particles, simulation.ships["ship"]
         start = [field.to_numpy().copy() for field in (particles.position, particles.velocity, particles.pressure)]
-        yield simulation, start, ship.body, ship.hull.weight.copy()
+        yield simulation, start, ship.body, ship.weight.copy()
 
 
 def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
@@ -229,7 +229,7 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     simulation.fluid.begin()
     simulation.surface.lay(particles)
     ship.body = replace(body, mass=weight * body.mass, inertia_body=weight * body.inertia_body, **changes)
-    ship.hull.weight = weight * own
+    ship.weight = weight * own
     return simulation
 
 
@@ -264,7 +264,7 @@ def test_it_floats_as_deep_as_without_contact_and_nothing_is_inside(afloat):
     assert draught.mean() == pytest.approx(0.3, rel=0.02)
     assert buoyancy.mean() == pytest.approx(weight, rel=0.02)
     assert abs(collisions.mean()) < 0.02 * weight
-    under = ship.hull.water
+    under = ship.water
     middle = under.level.to_numpy()[12, 6]
     assert simulation.surface.elevations(np.zeros((1, 2)))[0] < -0.15  # the sheet lies under the hull,
     assert abs(middle - level) < 0.05  # the ship fills it
@@ -330,7 +330,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     if "spin" in changes:
         ship.body = spinning(ship.body, changes["spin"])
     if "thrust" in changes:  # of a tenth of its weight
-        ship.hull.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
+        ship.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
     longer, next_step = changes.get("steps", 1.0), simulation.time_step.next
     simulation.time_step.next = lambda of: longer * next_step(of)
     try:

@@ -54,7 +54,7 @@ def test_free_in_sway_and_roll_the_section_moves_as_coupled_potential_flow_says(
     scene["basin"]["depth"] = DEPTH
     period = 0.897
     with Simulation(load(scene)) as simulation:
-        found, still = section_in_waves.answers(simulation, period), floating(simulation).hull.still
+        found, still = section_in_waves.answers(simulation, period), floating(simulation).hydrostatics
     omega = 2.0 * np.pi / period
     added, damping, scattered, undisturbed = answers(omega)
     mass = np.diag([still.matter.mass, still.matter.mass, still.inertia["roll"]])

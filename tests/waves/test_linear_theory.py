@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.basin import tank_motion
+from ocean_sim.basin import motion
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import load
@@ -177,7 +177,7 @@ def test_a_spectrum_that_is_cut_off_keeps_its_height():
 
 def test_the_waves_do_not_name_the_basin_that_holds_them():
     """Not even for type checkers: the tank's motion knows the waves, and the basin both."""
-    for module in (*(Path(waves.__file__).parent).glob("*.py"), Path(tank_motion.__file__)):
+    for module in (*(Path(waves.__file__).parent).glob("*.py"), Path(motion.__file__)):
         assert "import Basin" not in module.read_text(encoding="utf-8"), module
 
 

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ocean_sim.basin.gate import Gate
+from ocean_sim.basin.motion import Gate
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.images import SIGN, flipped, turned

@@ -12,10 +12,10 @@ from typing import Any
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.neighbours.backend_plan import Walk
 from ocean_sim.fluid.neighbours.images import SIGN, mirrored
-from ocean_sim.fluid.sph.lattice_moments import Stencil
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.particles import Components
+from ocean_sim.fluid.sph.smoothing import Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
@@ -62,7 +62,7 @@ class Exposure(Law):
         if bends:
             self.surface = Components(particles.n)  # in storage order: slopes along x and z, and plan area [m2]
             self.bending = Bend(self)
-        self.meet(boundary)
+        self.add_bodies(boundary)
 
     def renew(self, dt: float, speed: float) -> None:
         """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed

@@ -9,15 +9,13 @@ threads.
 from ocean_sim.columns import vec3
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.momentum_budget import Accounts
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.grid import Grid
+from ocean_sim.fluid.neighbours.grid_size import FILLER_X, ListSize, whole
 from ocean_sim.fluid.neighbours.images import mirrored
-from ocean_sim.fluid.neighbours.list_size import AWAY, ListSize, whole
-from ocean_sim.fluid.neighbours.pair_blocks import Blocks
-from ocean_sim.fluid.neighbours.pair_slots import flips
+from ocean_sim.fluid.neighbours.kept_pairs import Blocks, KeptPairs, flips
 from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
 from ocean_sim.fluid.sph.law import NO_COLUMN
-from ocean_sim.fluid.sph.particles import Particles
+from ocean_sim.fluid.sph.particles import Particles, staggered_field
 from ocean_sim.fluid.sph.smoothing import Smoothing, positive
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
@@ -26,7 +24,7 @@ HERE = 13  # code of what is seen where it is, through no periodic side
 
 
 @in_kernels
-class Neighbours:
+class CellWalk:
     """The candidates of every occupied part of a cell, in segments of one list, one a group of parts."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
@@ -37,10 +35,10 @@ class Neighbours:
         self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
         self.candidates = ti.field(int, shape=size.grid.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
-        self.scratch = tuple(staggered(float, self.groups * self.width) for _ in range(size.reads))
+        self.scratch = tuple(staggered_field(float, self.groups * self.width) for _ in range(size.reads))
         self.size, self.keeps = size, False  # whether pairs are kept
 
-    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> Blocks:
+    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
         self.keeps, self.blocks = True, Blocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
@@ -277,7 +275,7 @@ class Neighbours:
         """Put candidates that are out of reach, and add nothing, from `begin` to `end` in the scratch."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
-                self.scratch[t][a] = AWAY if ti.static(t == law.row.position) else self.scratch[t][scratch]
+                self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def negative(self, column: Template, begin, end):

@@ -14,11 +14,10 @@ step.
 import numpy as np
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import Images
 from ocean_sim.fluid.neighbours.thread_tasks import TASK
-from ocean_sim.fluid.sph.particles import Components, Particles
+from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
@@ -41,14 +40,14 @@ class Grid:
         self.halves, self.parts = size.halves, size.parts
         self.quantum = size.quantum(float(np.finfo(particles.position.precision).eps))  # [m]
         self.axes = range(self.basin.dimension)
-        self.left = tuple(staggered(float, self.n) for _ in self.axes)  # [m] of a particle's way, not yet gone
+        self.left = tuple(staggered_field(float, self.n) for _ in self.axes)  # [m] of a particle's way, not yet gone
         self.state = (*particles.position, *particles.velocity, particles.id, *carried, *self.left)
         self.moved = (
-            *(*Components(self.n), *Components(self.n), staggered(int, self.n)),
-            *(staggered(float, self.n) for _ in (*carried, *self.left)),
+            *(*Components(self.n), *Components(self.n), staggered_field(int, self.n)),
+            *(staggered_field(float, self.n) for _ in (*carried, *self.left)),
         )
         self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
-        self.part = staggered(int, self.n)  # of which cell: its number times `parts`, and more
+        self.part = staggered_field(int, self.n)  # of which cell: its number times `parts`, and more
         self.count = ti.field(int, shape=size.counts)
         self.start = ti.field(int, shape=self.cell_count + 1)
         self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles

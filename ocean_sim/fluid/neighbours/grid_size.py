@@ -1,69 +1,80 @@
 """How large the grid of cells is, known before anything is allocated."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import floor, log2
+from math import floor, log2, pi
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.neighbours.thread_tasks import Tasks
+from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.fluid.sph.particles import Count, Particles
+from ocean_sim.fluid.sph.particles import Count
+from ocean_sim.kernel_library import knows_processor, ti
+
+VECTOR = 32 if knows_processor() else 8  # candidates summed at once: eight lanes of f32 four times, or four lanes twice
+MAX_KEPT_SHAPES = 2**30  # counted in 32 bits
+FILLER_X = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
+MAX_SERIAL_PARTICLES = 20_000  # up to so many particles one thread sorts faster than several
+SORT_CHUNKS = 8
+MIN_PART_PARTICLES = 7.0  # in a part of a cell; a list of candidates would serve too few
+FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; each costs microseconds
 
 
-class Plan(ABC):
-    """How particles are shared out to tasks, sorted, and walk (`walk_plan.PLANS`)."""
+@ti.func
+def whole(count):
+    """So many candidates or more, in whole vectors."""
+    return (count + VECTOR - 1) // VECTOR * VECTOR
 
-    stride: ClassVar[int]
+
+@dataclass(frozen=True)
+class Plan:
+    """Division of particles among tasks, their sort and their walk (`backend_plan.PLANS`).
+
+    This plan suits the threads of a processor: few long tasks, each with a list of candidates for its cells.
+    """
+
+    grid: Any
+    """Constructor of the cells."""
+    accounts: Any
+    """Constructor of the accounts of a step."""
+    walk: Any
+    """Constructor of the walk over neighbours."""
+    stride: ClassVar[int] = TASK
     """Iterations of a parallel loop for a task."""
-    samples: ClassVar[int]
+    samples: ClassVar[int] = 32
     """Samples of solid bodies of a task."""
 
-    @abstractmethod
-    def groups(self, n: int) -> int:
+    def task_count(self, n: int) -> int:
         """Tasks of n particles, and rows of their accounts."""
+        return FEW_TASKS if n <= MAX_SERIAL_PARTICLES else MANY_TASKS
 
-    @abstractmethod
-    def chunks(self, n: int) -> int:
+    def chunk_count(self, n: int) -> int:
         """Chunks in which n particles are counted and sorted."""
+        return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
-    @abstractmethod
-    def halves(self, full: float, dimension: int) -> int:
+    def parts_per_axis(self, full: float, dimension: int) -> int:
         """Parts of a cell along each axis, where a cell of water at rest holds `full` particles."""
+        return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
-    @abstractmethod
-    def sorting(self, n: int, cells: int) -> int:
-        """Whole numbers that sorting n particles needs besides a count for each cell and chunk."""
+    def sorting_integers(self, n: int, cells: int) -> int:
+        """Integers that sorting n particles needs besides a count for each cell and chunk."""
+        return 0
 
-    @abstractmethod
-    def lists(self, size: Any, word: int) -> int:
-        """Bytes of the lists of a `list_size.ListSize`, where `word` is the size of a `float` [bytes]."""
+    def list_bytes(self, size: "ListSize", word: int) -> int:
+        """Bytes of the lists of candidates, where `word` is the size of a `float` [bytes]."""
+        return size.bytes(word)
 
-    @abstractmethod
-    def pairs(self, size: Any, neighbours: int, word: int) -> int:
-        """Bytes of the pairs that are kept of particles with so many neighbours on the lattice."""
+    def pair_bytes(self, size: "ListSize", neighbours: int, word: int) -> int:
+        """Bytes of the kept pairs of particles with so many neighbours on the lattice."""
+        return size.bytes_kept(word)
 
-    @abstractmethod
-    def counted(self, size: Any, neighbours: int) -> int:
-        """The highest number by which walks count, with the pairs that are kept of particles with so many neighbours on
-        the lattice, if any."""
+    def highest_index(self, size: "ListSize", neighbours: int) -> int:
+        """Highest number by which walks count, kept pairs of particles with so many `neighbours` included."""
+        return size.grid.groups * max(size.grid.lattice.n, size.kept if neighbours else size.segment)
 
-    @abstractmethod
-    def rows(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the accounts of n particles that are worth telling."""
-
-    @abstractmethod
-    def grid(self, particles: Particles, size: "GridSize", carried: tuple) -> Any:
-        """The cells: a `grid.Grid`."""
-
-    @abstractmethod
-    def accounts(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> Any:
-        """What a step did: `accounts.Accounts`."""
-
-    @abstractmethod
-    def walk(self, particles: Particles, grid: Any, accounts: Any, size: Any) -> Any:
-        """What walks: a `walk_plan.Walk`."""
+    def account_bytes(self, n: int, word: int, impulses: bool) -> int:
+        """Bytes of the accounts of n particles; 0 where they are too few to list."""
+        return 0
 
     def tasks(self, particles: Count, groups: int) -> Tasks:
         """The particles in as many groups as there are rows of accounts."""
@@ -115,7 +126,7 @@ class GridSize:
     @property
     def halves(self) -> int:
         """Parts of a cell along each axis."""
-        return self.plan.halves(self.full, self.lattice.basin.dimension)
+        return self.plan.parts_per_axis(self.full, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
@@ -131,12 +142,12 @@ class GridSize:
     @property
     def chunks(self) -> int:
         """Chunks in which the particles are counted and sorted."""
-        return self.plan.chunks(self.lattice.n)
+        return self.plan.chunk_count(self.lattice.n)
 
     @property
     def groups(self) -> int:
         """Groups of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
-        return self.plan.groups(self.lattice.n)
+        return self.plan.task_count(self.lattice.n)
 
     @property
     def occupied(self) -> int:
@@ -148,5 +159,68 @@ class GridSize:
         return (
             4 * (2 * self.lattice.n + self.counts + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
-            + 4 * self.plan.sorting(self.lattice.n, self.cell_count)
+            + 4 * self.plan.sorting_integers(self.lattice.n, self.cell_count)
+        )
+
+
+@dataclass(frozen=True)
+class ListSize:
+    """How long the candidate lists are, known before anything is allocated."""
+
+    grid: GridSize
+    reads: int  # the most fields that a pair law of this fluid reads of a neighbour
+
+    @property
+    def at_rest(self) -> float:
+        """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
+        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.full
+
+    @property
+    def capacity(self) -> int:
+        """Candidates that one part of a cell may have: water compressed four times, and a good deal for splashes."""
+        return int(4.0 * self.at_rest) + 256
+
+    @property
+    def segment(self) -> int:
+        """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
+        parts = self.grid.lattice.n / (self.grid.full / self.grid.parts)
+        return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
+
+    @property
+    def width(self) -> int:
+        """Numbers of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
+        return self.capacity + 2 * VECTOR
+
+    @property
+    def each(self) -> int:
+        """Shapes of pairs that are kept a particle: a quarter more than in water that has lost its lattice, where parts
+        are full and candidates fill a support around them. What finds no room is found again when it is read."""
+        lattice, side = self.grid.lattice, 1.0 / self.grid.halves
+        around = side**2 + 4.0 * side + pi
+        if lattice.basin.dimension == 3:
+            around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
+        return min(int(1.25 * around * self.grid.full) + VECTOR, MAX_KEPT_SHAPES // lattice.n)
+
+    @property
+    def spare(self) -> int:
+        """Shapes of a group beyond those, the last `width` of them those of a particle that found no room."""
+        return 4 * self.capacity + self.width
+
+    @property
+    def kept(self) -> int:
+        """Candidates that one group of parts may keep: those that it lists, filled up where half of its particles are
+        alone."""
+        return self.segment + VECTOR * (self.grid.lattice.n // self.grid.groups)
+
+    def bytes_kept(self, word: int) -> int:
+        """Of pairs that are kept, and of their candidates."""
+        groups = self.grid.groups
+        names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept))
+        return names + word * (self.grid.lattice.n * self.each + groups * (self.spare + 3 * self.kept))
+
+    def bytes(self, word: int) -> int:
+        """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
+        return (
+            4 * (self.grid.occupied + self.grid.groups * self.segment)
+            + word * self.grid.groups * self.width * self.reads
         )

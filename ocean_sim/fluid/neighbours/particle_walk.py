@@ -13,8 +13,8 @@ import numpy as np
 
 from ocean_sim.fluid.budget.momentum_budget import WORK, Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import GridSize
-from ocean_sim.fluid.neighbours.pair_slots import Pairs, flips
+from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
+from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, Pairs, flips
 from ocean_sim.fluid.neighbours.point_sum import Around
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
 from ocean_sim.fluid.sph.law import Law
@@ -23,14 +23,14 @@ from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
-BLOCK = 128  # cells that a thread adds up
+SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
-def levels(cells: int) -> list[int]:
+def level_sizes(cells: int) -> list[int]:
     """How many sums there are of each level, of so many cells: sums of BLOCK sums of the last, down to one."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
-        sizes.append(-(-sizes[-1] // BLOCK))
+        sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
     return sizes
 
 
@@ -46,7 +46,7 @@ class WideGrid(Grid):
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
         super().__init__(particles, size, carried)
         self.slot = ti.field(int, shape=self.n)  # the particles of each cell, before they are in order
-        self.sums = (self.start, *(ti.field(int, shape=n) for n in levels(self.cell_count)[1:]))
+        self.sums = (self.start, *(ti.field(int, shape=n) for n in level_sizes(self.cell_count)[1:]))
 
     @ti.func
     def sort(self):
@@ -71,14 +71,14 @@ class WideGrid(Grid):
         for level in ti.static(range(1, len(self.sums))):
             for b in self.sums[level]:
                 total, here = 0, self.sums[level - 1].shape[0]
-                for k in range(b * BLOCK, ti.min((b + 1) * BLOCK, here)):
+                for k in range(b * SUM_BLOCK_CELLS, ti.min((b + 1) * SUM_BLOCK_CELLS, here)):
                     one = self.sums[level - 1][k]
                     self.sums[level - 1][k] = total
                     total += one
                 self.sums[level][b] = total
         for above in ti.static(range(len(self.sums) - 2, 0, -1)):
             for k in self.sums[above - 1]:
-                self.sums[above - 1][k] = self.sums[above - 1][k] + self.sums[above][k // BLOCK]
+                self.sums[above - 1][k] = self.sums[above - 1][k] + self.sums[above][k // SUM_BLOCK_CELLS]
 
     @ti.func
     def place(self, i):
@@ -191,12 +191,13 @@ class ParticleWalk:
 
     left_out: ClassVar[tuple[str, ...]] = ("shown",)
 
-    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts) -> None:
-        self.particles, self.most, self.grid, self.accounts = particles.count, particles.n, grid, accounts
+    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
+        self.particles, self.most = particles.count, size.grid.lattice.n
+        self.grid, self.accounts = grid, accounts
         self.shown: dict[Law, tuple[Around, Seen, Seen]] = {}  # what a law is shown, made when it first walks
         self.keeps = False
 
-    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> Pairs:
+    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
         self.keeps, self.pairs = True, Pairs(self.most, self.grid.images, tasks, neighbours)
         self.kept = Kept(self.pairs, smoothing)
         return self.pairs

@@ -16,12 +16,11 @@ would be thrown off that no sea has.
 from dataclasses import replace
 from functools import cached_property
 from math import exp, pi
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.fluid.open_sea.breaking import Breaking, Surface
 from ocean_sim.fluid.open_sea.wave_tile import Tile
 
 ROUNDED = 1.0 + 1e-9
@@ -29,7 +28,92 @@ KEPT = 0.5  # of the wavenumbers along each axis: 2 / (M + 1) with M = 3
 STEPS_PER_WAVE = 40  # of the highest wave
 PART = 0.8  # [rad] by which a wave of SHORT cells turns in a step
 SHORT = 4.0  # cells
-STEEP = 9.0e-7  # [s] of processor time a step and cell
+
+ONSET = 0.85  # u/C on a crest that begins to break
+EDDY = 0.02  # viscosity over C / k: of the size that Tian et al. find
+LASTS = 0.25  # [periods] for which it stays after the onset
+AROUND = 0.25  # [local wavelengths] as far as it reaches
+FADES = 3.85  # [s] in which white water falls to a third: the mean in salt water
+CREST = 0.3  # of the highest elevation, above which a crest counts as one
+
+
+class Surface(NamedTuple):
+    """What the surface does, by values (cells, rows)."""
+
+    slope_x: np.ndarray
+    slope_z: np.ndarray
+    phi_x: np.ndarray  # slopes of the potential on the surface [m/s]
+    phi_z: np.ndarray
+    w: tuple[np.ndarray, np.ndarray, np.ndarray]  # vertical velocity on it, by order [m/s]
+
+
+class Breaking:
+    """Where crests break, since when, and what it has cost."""
+
+    left_out: ClassVar[tuple[str, ...]] = ("forward",)
+
+    def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
+        """`ahead`: unit vector along x and z where the waves go to; `period` of the highest of them [s]."""
+        self.tile, self.ahead, self.period = tile, ahead, period
+        self.left = np.zeros(tile.shape)  # for how long it lasts yet, in each cell [s]
+        self.lost = 0.0  # energy over the density [m5/s2], since the start
+        self.white = np.zeros(tile.shape)  # share of each cell that foam covers
+
+    @cached_property
+    def forward(self) -> np.ndarray:
+        """1 for each mode that goes along with the waves, -1 for one that goes against them, 0 where that is not
+        known."""
+        along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
+        return np.sign(along) * self.tile.directed
+
+    def calm(self, sea: "HighOrder", dt: float) -> None:
+        """Take from the sea what breaks in a step of dt [s]."""
+        k, speed, ratio = self.crests(sea)
+        onset = ratio > ONSET
+        reach = np.pi * 2.0 * AROUND / k
+        self.left = np.maximum(self.left - dt, 0.0)
+        for i, j in np.argwhere(onset):
+            self.spread(i, j, float(reach[i, j]))
+        breaks = self.left > 0.0
+        self.white = np.where(breaks, 1.0, self.white * np.exp(-dt / FADES))
+        if breaks.any():
+            before = sea.energy()
+            nu = np.where(breaks, np.minimum(EDDY * speed / k, 0.2 * self.tile.cell**2 / dt), 0.0)
+            sea.eta, sea.phi = (field + dt * self.diffused(sea, nu, field) for field in (sea.eta, sea.phi))
+            self.lost += before - sea.energy()
+
+    def crests(self, sea: "HighOrder") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(cells, rows) local wavenumber along the waves [rad/m], speed of the crests [m/s], and u/C where there is a
+        crest, 0 elsewhere."""
+        tile, (c, s) = self.tile, self.ahead
+        e, p = tile.waves(sea.eta), tile.waves(sea.phi)
+        now, (ex, ez) = sea.surface(e, p), tile.slopes(e)
+        quarter = -1j * self.forward  # a quarter wave later
+        other, slope, other_slope = tile.values(np.array([quarter * e, c * ex + s * ez, quarter * (c * ex + s * ez)]))
+        envelope = np.maximum(sea.eta**2 + other**2, 1e-300)
+        least, most = 4.0 * np.pi / max(tile.side, tile.width), np.pi / (2.0 * tile.cell)
+        k = np.clip((sea.eta * other_slope - other * slope) / envelope, least, most)
+        speed = np.sqrt(tile.gravity / k * np.tanh(k * tile.depth))
+        u = c * now.phi_x + s * now.phi_z - sum(now.w) * (c * now.slope_x + s * now.slope_z)
+        step_x, step_z = (int(np.round(part)) for part in self.ahead)
+        behind = np.roll(sea.eta, (step_x, step_z), axis=(0, 1))
+        before = np.roll(sea.eta, (-step_x, -step_z), axis=(0, 1))
+        crest = (sea.eta >= behind) & (sea.eta > before) & (sea.eta > CREST * float(sea.eta.max()))
+        return k, speed, np.where(crest, u / speed, 0.0)
+
+    def spread(self, i: int, j: int, reach: float) -> None:
+        """The cells within a reach [m] of a crest that begins to break."""
+        n = max(1, round(reach / self.tile.cell))
+        rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
+        at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
+        self.left[at] = np.maximum(self.left[at], LASTS * self.period)
+
+    def diffused(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
+        """div (2 nu grad field), which changes no mean; in the modes that the sea keeps."""
+        tile = self.tile
+        fluxes = [2.0 * nu * tile.values(slope) for slope in tile.slopes(tile.waves(field))]
+        (xx, _), (_, zz) = (tile.slopes(tile.waves(flux)) for flux in fluxes)
+        return tile.values(sea.clear * (xx + zz))
 
 
 class HighOrder:

@@ -16,9 +16,6 @@ if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.open_sea.wave_sheet import Sheet
     from ocean_sim.fluid.open_sea.wave_tile import OnTile
 
-ADVANCE = 1.0e-4  # [s] of processor time a step
-# [s] of processor time: the height at a point of a frame, and of each plane wave there; a velocity takes three such
-POINT, WAVE_AT_POINT = 5.0e-8, 6.0e-10
 POINTS_PER_WAVE = 16  # at which a wave is drawn
 SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
@@ -110,7 +107,7 @@ class OpenWater(Fluid):
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         return self.heights(np.asarray(points, dtype=float) - self.drift)
 
-    def undisturbed(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         return elevation
 
     def heights(self, points: np.ndarray) -> np.ndarray:

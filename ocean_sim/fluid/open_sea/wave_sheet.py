@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.open_sea.cubic import cubic
 from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, Tile
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
@@ -18,6 +17,17 @@ from ocean_sim.waves import profiles
 LEVELS = 6
 WORDS = 2 * (1 + 6 * LEVELS)  # numbers a cell
 CLOCK = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
+
+
+@ti.func
+def cubic(s):
+    """Weights of four values for a share s of the way from the second to the third (Keys 1981, IEEE Trans. ASSP 29)."""
+    return tm.vec4(
+        0.5 * s * (-1.0 + s * (2.0 - s)),
+        0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
+        0.5 * s * (1.0 + s * (4.0 - 3.0 * s)),
+        0.5 * s * s * (s - 1.0),
+    )
 
 
 @in_kernels

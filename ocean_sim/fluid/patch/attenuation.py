@@ -7,7 +7,7 @@ from math import exp, pi, sqrt, tanh
 import numpy as np
 
 from ocean_sim import waves
-from ocean_sim.fluid.bodies.absorption import zones
+from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.sph.initial_state import StandingWave, of_patch
 from ocean_sim.fluid.sph.lattice import Lattice
 

@@ -14,9 +14,9 @@ import numpy as np
 from ocean_sim.basin import whole_sides
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
-from ocean_sim.fluid.open_sea.cubic import cubic
+from ocean_sim.fluid.open_sea.wave_sheet import cubic
 from ocean_sim.fluid.patch.relaxation_zone import Band, cells_of, into_rim
-from ocean_sim.fluid.patch.sea_source import LEVELS, VALUES, Depths, PlaneWaveSource, Source, numbers
+from ocean_sim.fluid.patch.sources import LEVELS, VALUES, Depths, PlaneWaveSource, Source, SteepSource, numbers
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
@@ -57,8 +57,6 @@ class SeaTable:
         depths = Depths(self.depth, self.above, sea.depth)
         self.source: Source = PlaneWaveSource(band, sea, depths, self.count)
         if band.nonlinear is not None:
-            from ocean_sim.fluid.patch.steep_source import SteepSource
-
             self.source = SteepSource(band, sea, depths, self.count)
         shape = (*self.count, LEVELS + 1, VALUES)
         self.slots, self.now = ti.field(float, shape=(2, *shape)), ti.field(float, shape=shape)

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from ocean_sim.basin import Basin
+from ocean_sim.basin import KARMAN, LOWEST, Basin, RoughBed
+from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 PUSH, RATE, TURN, PIVOT = range(4)
+ALL, NONE = 0.75, 1.25  # [rows] heights up to which a particle bears its whole share, and from which it bears none
 
 
 @in_kernels
@@ -50,3 +52,32 @@ class Pull:
     def at_rest(self, x):
         """What pressure holds in water at rest: along a periodic axis it can hold nothing."""
         return self.held * self.at(x, tm.vec3(0.0))
+
+
+@in_kernels
+class Bed:
+    """A bed that rubs."""
+
+    def __init__(self, bed: RoughBed, lattice: Lattice) -> None:
+        self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
+        self.logarithmic, self.in_row = bed.roughness is not None, bed.drag(0.5 * self.row)
+
+    @ti.func
+    def drag(self, z):
+        """tau / (rho |u| u) at a height z [m]."""
+        coefficient = float(self.in_row)
+        if ti.static(self.logarithmic):
+            share = KARMAN / ti.log(tm.max(z, LOWEST * self.row) / self.z0)
+            coefficient = share * share
+        return coefficient
+
+    @ti.func
+    def push(self, x, v, dt):
+        """Acceleration [m/s2] over dt of a particle at x [m] that would leave the step with v [m/s] but for the bed.
+
+        Of du/dt = -k |u| u, k = drag share / row, the solution u / (1 + k |u| dt): no step turns the water round.
+        """
+        z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
+        share = tm.clamp((NONE - z / self.row) / (NONE - ALL), 0.0, 1.0)
+        rate = self.drag(z) * share / self.row * along.norm()
+        return -rate / (1.0 + rate * dt) * along

@@ -48,7 +48,7 @@ class Law(ABC):
     boundary: Any
     solid: Any  # SampleSum of the boundary
 
-    def meet(self, boundary: Any) -> None:
+    def add_bodies(self, boundary: Any) -> None:
         """Sum over the samples of a Boundary's bodies, too; None: there are none. Call it once `terms` are known."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.summed(self)

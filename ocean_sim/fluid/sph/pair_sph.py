@@ -30,7 +30,7 @@ class Force(Law):
         self.fluid = fluid
         self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
         self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
         if fluid.boundary is not None:
             from ocean_sim.fluid.bodies.boundary import Reaction
 

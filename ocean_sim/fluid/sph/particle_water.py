@@ -11,18 +11,15 @@ import numpy as np
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.bodies.walls import Walls
-from ocean_sim.fluid.budget.field import Field
-from ocean_sim.fluid.budget.free_surface import FreeSurface
-from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY, WIND, Accounts, absent
-from ocean_sim.fluid.budget.totals import Summing
-from ocean_sim.fluid.neighbours.cache_layout import staggered
+from ocean_sim.fluid.budget.field import Field, FreeSurface
+from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY, WIND, Accounts, Summing, absent
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.point_sum import Around
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
 from ocean_sim.fluid.patch.relaxation_zone import band
-from ocean_sim.fluid.sph.body_force import Pull
-from ocean_sim.fluid.sph.particles import Particles, seeded
+from ocean_sim.fluid.sph.body_force import Bed, Pull
+from ocean_sim.fluid.sph.particles import Particles, seeded, staggered_field
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.fluid.sph.water_keys import WaterConfig
 from ocean_sim.kernel_library import ti, tm
@@ -30,9 +27,8 @@ from ocean_sim.runtime import Array2, in_kernels, runs_alone
 from ocean_sim.waves import Components
 from ocean_sim.wind import Wind
 
-if TYPE_CHECKING:  # they are imported only where a bed rubs, or a sea is around
+if TYPE_CHECKING:  # it is imported only where a sea is around
     from ocean_sim.fluid.patch.sea_patch import SeaRim
-    from ocean_sim.fluid.sph.bed_friction import Bed
 
 
 @in_kernels
@@ -48,7 +44,7 @@ class ParticleWater(ParticleFluid):
     walls: Walls
     field: Field
     contacts: list[Contact]
-    bed: "Bed"
+    bed: Bed
     rim: "SeaRim"
 
     def __init__(self, config: WaterConfig, basin: Basin, size: GridSize, accounts: bool, wind: Wind) -> None:
@@ -57,7 +53,7 @@ class ParticleWater(ParticleFluid):
         self.particles = seeded(lattice)
         self.rest_density, self.spacing = self.particles.rest_density, self.particles.spacing
         self.smoothing = Smoothing(basin.dimension, size.support, config.kernel)
-        self.carried = tuple(staggered(float, self.particles.n) for _ in range(size.carried))
+        self.carried = tuple(staggered_field(float, self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
         self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))
@@ -68,8 +64,6 @@ class ParticleWater(ParticleFluid):
         self.walls = Walls(lattice, self.grid.images)
         self.pull = Pull(basin, config.body_force)
         if basin.rough_bed is not None:
-            from ocean_sim.fluid.sph.bed_friction import Bed
-
             self.bed = Bed(basin.rough_bed, lattice)
         around = band(lattice)
         self.sea = around.sea if around is not None else None
@@ -93,7 +87,7 @@ class ParticleWater(ParticleFluid):
         return self.sea
 
     @property
-    def answers(self) -> bool:
+    def can_be_disturbed(self) -> bool:
         return self.joined
 
     @property
@@ -103,15 +97,15 @@ class ParticleWater(ParticleFluid):
     def in_rim(self, points: np.ndarray) -> np.ndarray:
         return self.rim.holds(points, self.time) if self.joined else super().in_rim(points)
 
-    def meet(self, contact: Contact) -> None:
+    def add_contact(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
-    def carry(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
+    def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
         if self.joined and ships:
             self.rim.follow(ships)
-        return super().carry(ships)
+        return super().add_ships(ships)
 
     @ti.func
     def area(self, i):

@@ -2,15 +2,40 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.fluid import Copied
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.sph.initial_state import started
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, in_kernels, runs_alone
+
+PAGE_BYTES, CACHE_LINE_BYTES = 4096, 64
+GAP_TYPE = ti.i32
+
+
+def staggered_field(dtype: Any, n: int) -> Any:
+    """A field of n numbers, placed so that fields read together do not compete for lines of the processor's cache.
+
+    A cache holds only a few lines that lie equally far from the beginning of their pages. All that belongs to one
+    particle would lie equally far in fields of whole pages. So a gap follows each field of a page or more: the next
+    field begins an odd number of lines further, and all 64 lines of a page are passed before one comes again.
+    """
+    field = ti.field(dtype, shape=n)
+    size = n * np.dtype(to_numpy_type(field.dtype)).itemsize
+    if size >= PAGE_BYTES and (gap := (CACHE_LINE_BYTES - size) % (2 * CACHE_LINE_BYTES)):
+        ti.field(GAP_TYPE, shape=gap // np.dtype(to_numpy_type(GAP_TYPE)).itemsize)
+    return field
+
+
+class Snapshot(NamedTuple):
+    """State of n particles at one time, in storage order."""
+
+    position: np.ndarray  # (n, 3) [m]
+    velocity: np.ndarray  # (n, 3) [m/s]
+    id: np.ndarray  # (n,)
+    pressure: np.ndarray  # (n,) [Pa]
 
 
 @in_kernels
@@ -55,7 +80,7 @@ class Growing(ScalarField):
 
 def numbers(dtype: type, count: Count) -> ti.Field:
     """A number per particle."""
-    field = staggered(dtype, count.most)
+    field = staggered_field(dtype, count.most)
     return Growing(field, count) if count.grows else field
 
 
@@ -65,7 +90,7 @@ class Components:
 
     def __init__(self, n: int, count: Count | None = None) -> None:
         """`count`: how many of the n are there, where that changes."""
-        self.x, self.y, self.z = (staggered(float, n) for _ in range(3))
+        self.x, self.y, self.z = (staggered_field(float, n) for _ in range(3))
         self.count = count
 
     def __iter__(self) -> Iterator[ti.Field]:
@@ -126,7 +151,7 @@ class Particles:
         for i in self.density:
             self.density[i] = density
 
-    def copied(self) -> Copied:
+    def snapshot(self) -> Snapshot:
         """All of them now, by one launch."""
         n, real = self.count.now, self.position.precision
         position: np.ndarray = np.empty((n, 3), dtype=real)
@@ -134,7 +159,7 @@ class Particles:
         number: np.ndarray = np.empty(n, dtype=np.int32)
         pressure: np.ndarray = np.empty(n, dtype=real)
         self.copy_to(position, velocity, number, pressure)
-        return Copied(position, velocity, number, pressure)
+        return Snapshot(position, velocity, number, pressure)
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):

@@ -8,13 +8,11 @@ wanted), r <= 0, and r = 0 where p > 0.
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.neighbours.cache_layout import staggered
 from ocean_sim.fluid.neighbours.images import displaced
-from ocean_sim.fluid.neighbours.pair_slots import KeptLaw, KeptPairs
+from ocean_sim.fluid.neighbours.kept_pairs import KeptLaw, KeptPairs
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
-from ocean_sim.fluid.sph.lattice_moments import Stencil
-from ocean_sim.fluid.sph.particles import Components, Particles
-from ocean_sim.fluid.sph.smoothing import Smoothing
+from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
+from ocean_sim.fluid.sph.smoothing import Smoothing, Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
@@ -71,7 +69,7 @@ class Compression(KeptLaw):
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
         self.relaxation = 1.0 / fluid.stencil.stiffest  # in disorder or piled up particles are up to 1.31 as stiff
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def begin(self, group):
@@ -139,7 +137,7 @@ class Push(KeptLaw):
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver = fluid, solver
         self.reads = (solver.next,)
-        self.meet(fluid.boundary)
+        self.add_bodies(fluid.boundary)
 
     @ti.func
     def kept_image(self, other, name, away):
@@ -215,7 +213,7 @@ class Solver:
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
         self.tolerance, self.most, self.least, self.brief = tolerance, most, least * tolerance, brief
-        self.gain, self.next, self.best = (staggered(float, fluid.particles.n) for _ in range(3))
+        self.gain, self.next, self.best = (staggered_field(float, fluid.particles.n) for _ in range(3))
         self.compression, self.push = Compression(fluid, self), Push(fluid, self)
         self.account = Account(fluid, self)
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density

@@ -9,13 +9,12 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.fluid import Limits
-from ocean_sim.fluid.bodies.absorption import warnings as of_zones
-from ocean_sim.fluid.bodies.absorption import zones
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
+from ocean_sim.fluid.bodies.walls import warnings as of_zones
+from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.budget.field import Field
-from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, of_accounts
-from ocean_sim.fluid.neighbours.grid_size import GridSize
-from ocean_sim.fluid.neighbours.list_size import ListSize
+from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
+from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, trains
 from ocean_sim.fluid.patch.relaxation_zone import band, cells_of
@@ -32,7 +31,6 @@ from ocean_sim.wind import Wind
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.bodies.boundary import Boundary
 
-PARTICLE = 2.2e-7  # [s] of processor time that a particle takes in a step apart from its neighbours
 NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
 COUNTED = 2**31 - 1  # the highest number that kernels count up to
 STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
@@ -41,7 +39,6 @@ MOMENTS = 400  # at which the motion of the tank is looked at
 CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
 COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
 STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
-SAMPLE = 2.0  # times what a particle takes with its neighbours: of a solid body's sample, with what it adds to theirs
 
 
 class SphConfig(WaterConfig):
@@ -123,7 +120,7 @@ class SphConfig(WaterConfig):
 
     def most_particles(self, preflight: Preflight) -> int:
         sizes = self.untouched_sizes(preflight)
-        counted = sizes.grid.plan.counted(sizes, self.neighbours_kept(preflight.tank))
+        counted = sizes.grid.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
         return min(MOST_PARTICLES, sizes.grid.lattice.n * COUNTED // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> ListSize:
@@ -307,32 +304,27 @@ def rows(
     sizes: ListSize,
     numbers: int,
     what: str,
-    pair: float,
     told: int = 0,
-    particle: float = PARTICLE,
 ) -> list[LedgerRow]:
-    """Ledger of a scheme that keeps so many numbers of each particle besides its number, and takes `particle` [s] for
-    it in a step and `pair` [s] for each of its neighbours; solid bodies are `told` some more of each."""
+    """Ledger of a scheme that keeps `numbers` numbers of each particle besides its id; `told`: numbers that each
+    particle carries along for solid bodies."""
     n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
-    ratio = support / lattice.spacing
-    neighbours = pi * ratio**2 if lattice.basin.dimension == 2 else 4.0 / 3.0 * pi * ratio**3
-    each = particle + pair * neighbours
     return [
-        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what, n * each),
+        LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
         LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
         *_of_walk(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
-        *_of_bodies(sizes.grid, word, SAMPLE * each, preflight.sums_impulses, told),
+        *_of_bodies(sizes.grid, word, preflight.sums_impulses, told),
     ]
 
 
 def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
     """The ledger of what walks over neighbours."""
-    lists = sizes.grid.plan.lists(sizes, word)
+    lists = sizes.grid.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
-    return [*found, *of_accounts(sizes.grid, word, impulses)]
+    return [*found, *account_ledger(sizes.grid, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
@@ -358,23 +350,20 @@ def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     around = band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.patch.sea_patch import WRITTEN, memory
+    from ocean_sim.fluid.patch.sea_patch import memory
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
     found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
     if around.nonlinear is not None:
-        from ocean_sim.fluid.open_sea.high_order import STEEP
-
         cells = int(np.prod(cells_of(around)))
         what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
-        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why, STEEP * cells, around.sea.period / WRITTEN))
+        found.append(LedgerRow("fluid", what, 6 * 8 * cells, why))
     return found
 
 
-def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int) -> list[LedgerRow]:
-    """The ledger of the solid bodies in the water, whose samples take `each` [s] a step; the first row holds where
-    every cell's begin, and `told` numbers that each particle carries along for them. `accounts`: whether the work of
-    those that move is summed."""
+def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[LedgerRow]:
+    """Ledger of the solid bodies in the water; the first row holds where the samples of every cell begin. `told`:
+    numbers that each particle carries along for them; `accounts`: whether the work of moving bodies is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
     if not with_bodies(basin):
@@ -391,7 +380,7 @@ def _of_bodies(grid: GridSize, word: int, each: float, accounts: bool, told: int
             working = accounts and any(at_work(found) for found in of_parts.values())
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             size += 0 if rows else word * told * lattice.n
-            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why, count * each))
+            rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why))
     return rows
 
 

@@ -20,7 +20,6 @@ from ocean_sim.parts import FluidConfig, Preflight, Problems
 from ocean_sim.waves import Components, cut_short
 
 COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
-POINT = 6.0e-7  # [s] of processor time of the height at a point: 1.4e-6 from particles, 2e-7 from a surface over them
 TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
@@ -121,9 +120,6 @@ class WaterConfig(FluidConfig):
     @property
     def driven(self) -> bool:
         return self.emitter is not None
-
-    def point_time(self, preflight: Preflight) -> float:
-        return POINT
 
     def began(self, preflight: Preflight) -> Lattice:
         """The lattice that this water starts on in a scene."""

@@ -81,9 +81,9 @@ class Symmetry:
 
 def numbered(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) positions [m] and velocities [m/s] by the numbers of the particles."""
-    copied = with_particles(simulation.fluid).particles.copied()
-    order = np.argsort(copied.id)
-    return copied.position[order].astype(float), copied.velocity[order].astype(float)
+    snapshot = with_particles(simulation.fluid).particles.snapshot()
+    order = np.argsort(snapshot.id)
+    return snapshot.position[order].astype(float), snapshot.velocity[order].astype(float)
 
 
 def across(vectors: np.ndarray, axis: int) -> np.ndarray:

@@ -16,7 +16,7 @@ from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
 from ocean_sim.pictures.export.wakes import Wakes, read
 from ocean_sim.pictures.frame_files import frame_files, ships_in
-from ocean_sim.pictures.ships.ship_model import Model, modelled
+from ocean_sim.pictures.ships.ship_model import Model, build_model
 from ocean_sim.pictures.water.foam import coarser
 from ocean_sim.pictures.water.water_mesh import triangles
 
@@ -113,7 +113,7 @@ def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
     """Ships as they are drawn, by key."""
     return {
-        key: modelled(
+        key: build_model(
             grid[f"{key}_vertices"],
             grid[f"{key}_triangles"],
             float(grid[f"{key}_submerged"]),

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.pictures.ships import ship_glsl
-from ocean_sim.pictures.ships.ship_model import Model, modelled
-from ocean_sim.pictures.stage.light import lit
+from ocean_sim.pictures.ships.ship_model import Model, build_model
+from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import Sky
@@ -21,7 +21,7 @@ def kept_model(grid: Any, key: str) -> Model:
     """The model of a ship that frames keep under a key; raises RenderFailed."""
     if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
-    return modelled(
+    return build_model(
         grid[f"{key}_vertices"],
         grid[f"{key}_triangles"],
         float(grid[f"{key}_submerged"]),
@@ -45,7 +45,7 @@ class DrawnShip:
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
         """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
-        self.shape["colour"] = water_shading.display(lit(self.normals @ turn.T, self.paint, self.gloss))
+        self.shape["colour"] = water_shading.display(painted_light(self.normals @ turn.T, self.paint, self.gloss))
 
 
 class ShadedShip:

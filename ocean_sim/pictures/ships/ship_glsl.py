@@ -1,5 +1,5 @@
 """Paint and panes of a ship in the sun and under the sky, pixel by pixel: diffuse light, the shadow that she casts on
-herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours follow `light.lit`."""
+herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `light`."""
 
 import numpy as np
 

@@ -28,7 +28,7 @@ class Model(NamedTuple):
     length: float  # of the hull [m]
 
 
-def modelled(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
+def build_model(vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray) -> Model:
     """The ship on a hull, the share `submerged` of whose volume is under water at rest.
 
     `look`: name of the hull, then its kind of shape; `helm`: a named point, or nothing.

@@ -215,14 +215,31 @@ def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> C
     headroom = HEADROOM * (upper - lower).max() if name == "third_person" else 0.0
     top = upper + [0.0, headroom, 0.0]
     corners = np.array([[(lower, top)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
-    x, y, away = corners @ right, corners @ up, corners @ forward
     if name in ("side", "top"):  # plans: nothing is larger for being nearer
+        x, y, away = corners @ right, corners @ up, corners @ forward
         middle = 0.5 * (x.min() + x.max()) * right + 0.5 * (y.min() + y.max()) * up
         half = 0.5 * max((BAND if name == "side" else MARGIN) * np.ptp(y), MARGIN * np.ptp(x) / aspect)
         return Camera(middle + (away.min() - 4.0 * np.linalg.norm(upper - lower)) * forward, forward, up, half)
     tangent = np.tan(np.radians(VIEW_ANGLE / 2)) / MARGIN
+    return Camera(eye_before(corners, (right, up, forward), (tangent * aspect, tangent)), forward, up, None)
+
+
+def eye_before(
+    corners: np.ndarray,
+    axes: tuple[np.ndarray, np.ndarray, np.ndarray],
+    tangents: tuple[float, float],
+    aside: float = 0.0,
+) -> np.ndarray:
+    """Eye (3,) [m] whose picture holds points (n, 3) [m] within angles of these tangents across and up.
+
+    `axes`: right, up and forward in the picture; `aside`: tangent to the right at which the middle of the angles lies.
+    """
+    right, up, forward = axes
+    x, y, away = corners @ right, corners @ up, corners @ forward
     # Planes through the eye bound the picture: each corner limits how far forward the eye may stand.
-    bounds = [((c - t * away).max(), (c + t * away).min(), t) for c, t in ((x, tangent * aspect), (y, tangent))]
+    bounds = [
+        ((c - t * away).max(), (c + t * away).min(), t) for c, t in zip((x - aside * away, y), tangents, strict=True)
+    ]
     ahead = min((high - low) / (2.0 * t) for low, high, t in bounds)
     eye_x, eye_y = (0.5 * (low + high) for low, high, _ in bounds)
-    return Camera(eye_x * right + eye_y * up + ahead * forward, forward, up, None)
+    return (eye_x + aside * ahead) * right + eye_y * up + ahead * forward

@@ -10,7 +10,7 @@ FROM_BELOW = np.array([0.12, 0.16, 0.18])  # light that the water throws back
 MIRRORED = np.array([0.30, 0.42, 0.56])  # of the sky, in panes
 
 
-def lit(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
+def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of paint in sun and sky; panes show the sky above instead."""
     sun = np.clip(normals @ sky.SUN, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage.light import lit
+from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
 
@@ -49,7 +49,7 @@ class Obstacles:
             quads = np.arange(len(points)).reshape(-1, 4)
             shape = self.stage.pyvista.PolyData.from_regular_faces(points.astype(np.float32), quads)
             paint = np.broadcast_to(CONCRETE, points.shape)
-            shape["colour"] = water_shading.display(lit(normals, paint, np.zeros((len(points), 1))))
+            shape["colour"] = water_shading.display(painted_light(normals, paint, np.zeros((len(points), 1))))
             plotter.add_mesh(
                 shape,
                 scalars="colour",

@@ -153,7 +153,7 @@ class Picture:
             return
         radius = 6.0 * self.reach
         dome = pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
-        directions = sky.unit(np.asarray(dome.points, dtype=float))
+        directions = sky.unit_vector(np.asarray(dome.points, dtype=float))
         dome.points = (camera.eye + radius * directions).astype(np.float32)
         dome["colour"] = water_shading.display(sky.around(directions))
         self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)

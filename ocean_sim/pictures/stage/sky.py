@@ -11,11 +11,11 @@ from ocean_sim.basin.points import middles_of
 from ocean_sim.files.cache_file import cached_arrays
 
 
-def unit(vectors: np.ndarray) -> np.ndarray:
+def unit_vector(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-SUN = unit(np.array([-0.86, 0.32, -0.36]))  # direction to the sun
+SUN = unit_vector(np.array([-0.86, 0.32, -0.36]))  # direction to the sun
 SUNLIGHT = np.array([1.0, 0.86, 0.66])
 ZENITH = np.array([0.035, 0.14, 0.42])
 HORIZON = np.array([0.42, 0.66, 0.92])
@@ -48,7 +48,9 @@ def colour(direction: np.ndarray) -> np.ndarray:
 def around(direction: np.ndarray) -> np.ndarray:
     """The clear gradient, and below the horizon a quiet ground that darkens downwards; for the background."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
-    flat = unit(np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]]))  # not (0, 0, 0)
+    flat = unit_vector(
+        np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
+    )  # not (0, 0, 0)
     ground = GROUND + (0.72 * colour(flat) - GROUND) * np.exp(-down / 0.22)
     return np.where(direction[:, 1:2] >= 0.0, colour(direction), ground)
 
@@ -77,13 +79,13 @@ class Sky:
         at = 4.0 * (np.arange(many) + 0.5) / many
         x = np.where(at < 2.0, 1.0 - at, at - 3.0)  # as the shader finds them
         z = np.where(at < 2.0, 1.0, -1.0) * (1.0 - np.abs(x))
-        around = self.sample(unit(np.stack([x, np.zeros(many), z], axis=1)), HAZY)
+        around = self.sample(unit_vector(np.stack([x, np.zeros(many), z], axis=1)), HAZY)
         self.haze = np.minimum(around, BRIGHTEST_HAZE).astype(np.float32).reshape(*HAZES, 3)
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the
         horizon that just above it."""
-        d = unit(np.column_stack([direction[:, 0], np.maximum(direction[:, 1], LOWEST), direction[:, 2]]))
+        d = unit_vector(np.column_stack([direction[:, 0], np.maximum(direction[:, 1], LOWEST), direction[:, 2]]))
         at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
         low = np.floor(levels).astype(int)
@@ -135,7 +137,9 @@ def made(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, np.nd
 
     coarse = directions(128)
     coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
-    image = zoom(scattered(unit(coarse), sun)[0], (side / 128, side / 128, 1), order=1, grid_mode=True, mode="nearest")
+    image = zoom(
+        scattered(unit_vector(coarse), sun)[0], (side / 128, side / 128, 1), order=1, grid_mode=True, mode="nearest"
+    )
     sunlight = scattered(sun[None], sun)[1][0]
     d = directions(side)
     image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE)

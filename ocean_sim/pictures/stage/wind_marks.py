@@ -4,7 +4,7 @@ where it is but noise."""
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage.light import lit
+from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.overlays import round_below
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
@@ -58,7 +58,9 @@ class WindMarks:
             np.concatenate(corners).astype(np.float32), triangles.reshape(-1, 3)
         )
         paint = np.broadcast_to(PAINT, (made.n_points, 3))
-        made["colour"] = water_shading.display(lit(np.concatenate(facing), paint, np.zeros((made.n_points, 1))))
+        made["colour"] = water_shading.display(
+            painted_light(np.concatenate(facing), paint, np.zeros((made.n_points, 1)))
+        )
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:

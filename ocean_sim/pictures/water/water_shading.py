@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ocean_sim.pictures.stage import sky as sky_module
-from ocean_sim.pictures.stage.sky import HORIZON, SUN, SUNLIGHT, unit
+from ocean_sim.pictures.stage.sky import HORIZON, SUN, SUNLIGHT, unit_vector
 
 REFRACTIVE_INDEX = 1.333
 ROUGHNESS = 0.004  # variance of slopes finer than the mesh
@@ -18,7 +18,7 @@ CREST = np.array([0.020, 0.160, 0.150])  # light through thin water
 GLASS = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
 TROUGH, REST, PEAK = np.array([[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]])  # of the map
-MAP_LIGHT, MAP_SLOPE = unit(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
+MAP_LIGHT, MAP_SLOPE = unit_vector(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
 MAP_STEEPEST = 0.45  # slope that none of them reaches
 
 BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
@@ -77,13 +77,13 @@ class Terms:
 
 def surface(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of points of the surface; `height` is -1 in a trough, 0 at rest, 1 on a crest."""
-    to_eye = unit(eye - position)
+    to_eye = unit_vector(eye - position)
     facing = np.maximum((to_eye * normal).sum(axis=1), 0.0)
     cosine = np.sqrt(facing**2 + ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
     share = fresnel(np.minimum(cosine, 1.0))[:, None]
     mirrored = 2.0 * facing[:, None] * normal - to_eye
     mirrored[:, 1] = np.abs(mirrored[:, 1]) + 0.02
-    sky = np.minimum(sky_module.colour(unit(mirrored)), 1.5)
+    sky = np.minimum(sky_module.colour(unit_vector(mirrored)), 1.5)
     lit = np.clip(normal @ SUN, 0.0, 1.0)[:, None]
     thin = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None] ** 1.5
     inside = DEEP * (0.7 + 0.9 * lit) + CREST * thin * (0.15 + 0.85 * lit)
@@ -92,7 +92,7 @@ def surface(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: n
 
 def glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     """The sun mirrored by facets with normally distributed slopes, for colours at nodes."""
-    half = unit(SUN + to_eye)
+    half = unit_vector(SUN + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), ROUGHNESS))
     return np.minimum(0.6 * facets * share / (4.0 * np.maximum(cosine, 0.12)), 3.0)
@@ -100,10 +100,10 @@ def glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndar
 
 def side(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of the cut side of the water, as through glass; `depth` is 0 at the surface, 1 at the bed."""
-    to_eye = unit(eye - position)
+    to_eye = unit_vector(eye - position)
     facing = np.clip((to_eye * normal).sum(axis=1), 0.0, 1.0)
     share = fresnel(facing)[:, None]
-    lit = 0.55 + 0.45 * np.clip(normal @ unit(SUN * [1.0, 0.0, 1.0]), -0.4, 1.0)[:, None]
+    lit = 0.55 + 0.45 * np.clip(normal @ unit_vector(SUN * [1.0, 0.0, 1.0]), -0.4, 1.0)[:, None]
     inside = DEEP * 0.5 + GLASS * np.exp(-3.2 * depth[:, None]) * lit
     return inside * (1.0 - share) + 0.35 * HORIZON * share
 
@@ -115,7 +115,7 @@ def relief(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
-    tilted = unit(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
+    tilted = unit_vector(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
     lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
     share = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None]
     paint = np.where(share < 0.5, TROUGH + 2.0 * share * (REST - TROUGH), REST + (2.0 * share - 1.0) * (PEAK - REST))

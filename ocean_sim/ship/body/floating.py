@@ -1,9 +1,9 @@
 """Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from math import cos, isinf, pi, radians, sin, sqrt
+from math import cos, isinf, radians, sin, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,31 +12,24 @@ from pydantic import ValidationInfo, field_validator
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import WATER_DENSITY, Motions
 from ocean_sim.files.input_file import relative_to_scene
-from ocean_sim.fluid import Contact as Contacting
-from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
 from ocean_sim.ship.body.rigid_body import RigidBody, matrix, oriented
-from ocean_sim.ship.body.vessel import Actuators, VesselConfig, outline
+from ocean_sim.ship.body.vessel import VesselConfig, outline
 from ocean_sim.ship.forces.damping import Resistance
-from ocean_sim.ship.forces.moorings import Mooring, Moorings
+from ocean_sim.ship.forces.moorings import Mooring
 from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
-from ocean_sim.ship.hull.cubes import Cubes, Wetted
-from ocean_sim.ship.hull.distance import MANY, Distance, memory
+from ocean_sim.ship.hull.cubes import Cubes
+from ocean_sim.ship.hull.distance import MANY, memory
 from ocean_sim.ship.hull.hull import Hull, Inertia, explained, hull_of
 from ocean_sim.ship.hull.shapes import outermost
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, metacentric_heights, squat
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
-from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea, SurroundingWater
-from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact, WaveContact
-from ocean_sim.surface import Surface
-from ocean_sim.wind import Wind
+from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea
+from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact
 
-STEPS_A_PERIOD = 50  # of the fastest natural motion
-FORCE_NUMBER = 0.25  # the share of a limit that `courant` takes
-BODY, CUBE = 3.0e-4, 3.0e-8  # [s] of processor time a step
 FEW = 4.0  # spacings in a draught
 SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
 STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
@@ -328,92 +321,12 @@ class FloatingConfig(VesselConfig):
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
         size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
-        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why, BODY + CUBE * n)]
+        rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
         solid = self.solid(preflight)
         if solid is not None:
             count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
             rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
         return rows
-
-
-class FloatingHull:
-    """The hull in a scene: its cubes, the water around them, and how far they are under water."""
-
-    def __init__(self, config: FloatingConfig, basin: Basin, fluid: Fluid, below: bool) -> None:
-        """`below`: whether the ship asks the water under its surface, which a closed form answers."""
-        water = fluid.of_particles
-        self.still = config.afloat(-basin.gravity[1], fluid.rest_density)
-        self.cubes = Cubes(self.still)
-        lower, upper = config.whole_hull.shape.bounds()
-        self.lower, self.upper = np.array(lower), np.array(upper)
-        width, height, length = upper - lower
-        draught = height if isinf(self.still.draught) else self.still.draught
-        matter = self.still.matter
-        self.contact: WaveContact | None = None
-        self.sides: Sides | None = None
-        if config.contact is not None and water is not None:
-            shape, pull = config.whole_hull.shape, self.still.gravity
-            self.contact = WaveContact(config.contact, shape, matter.centre, basin, water, pull)
-            self.sides = Sides(shape, matter.centre, basin, water.walls.gap + self.contact.margin)
-        if water is None:
-            # Waves pass walls, and so do ships.
-            self.sides = Sides(config.whole_hull.shape, matter.centre, basin, axes=(1,))
-        self.water: SurroundingWater | SurroundingSea
-        closed = fluid.in_closed_form
-        if below and closed is not None:
-            self.water = SurroundingSea(length, width, height, draught, self.still.gravity, closed)
-        else:
-            hollow: tuple[Distance | None, float, Sequence[Contacting]] = (None, 0.0, ())
-            if self.contact is not None and water is not None:
-                hollow = (self.contact.hull.distance, self.contact.rim, water.contacts)
-            self.water = SurroundingWater(length, width, height, *hollow)
-        self.body = self.carried(config.lowered(config.body(matter, *afloat_pose(self.still)), fluid), fluid)
-        if self.contact is not None and water is not None:
-            self.contact.hull.water = self.water
-            self.contact.begin(self.body)
-            water.meet(self.contact)
-        self.actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
-        self.moorings: Moorings | None = None
-        if config.moorings:
-            self.moorings = Moorings(config.moorings, config.points, matter.centre, self.body)
-        volume = self.still.voxels.volume
-        self.displaced = min(self.still.wanted, volume)
-        self.weight = np.array([[0.0, -matter.mass * self.still.gravity, 0.0], [0.0, 0.0, 0.0]])
-
-    def carried(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body at the beginning, with the velocity of the water around it where that is a closed form; so it does
-        not drift by what it lacked."""
-        if fluid.of_particles is not None:
-            return body
-        cubes, turn = self.still.voxels, body.matrix
-        wet = self.still.wet(turn[1], -float(body.position[1] - turn[1] @ self.still.matter.centre))
-        moved = fluid.velocities((cubes.centre - self.still.matter.centre) @ turn.T + body.position)
-        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
-        return replace(body, velocity=body.velocity + flow)
-
-    def wetted(self, body: RigidBody, wind: Wind, water: Surface | Fluid) -> Wetted:
-        """What water and wind do to the cubes where the body is."""
-        return self.cubes.wetted(body, self.water, water, wind)
-
-    def share(self, wet: Wetted) -> float:
-        """Of added mass, damping and thrust that is left: all of it until half the usual volume is out of the water."""
-        return min(1.0, 2.0 * wet.volume / self.displaced)
-
-    def motion(self, body: RigidBody, wet: Wetted) -> np.ndarray:
-        """(6,) velocity in body axes [m/s], [rad/s], relative to the water where its own is known."""
-        return np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
-
-    def limits(self, added: dict[str, float] | None = None) -> Limits:
-        """STEPS_A_PERIOD steps in the fastest natural motion."""
-        periods = [period for period in self.still.periods(added).values() if period] if self.floats else []
-        if self.moorings is not None:
-            periods.append(2.0 * pi * sqrt(self.still.matter.mass / float(self.moorings.stiffness.sum())))
-        return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
-
-    @property
-    def floats(self) -> bool:
-        """Whether the hull can carry its mass."""
-        return not isinf(self.still.draught)
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:

@@ -1,29 +1,39 @@
-"""A ship that floats by its volume: the sum of its forces (4.27), with a method for each that a kind may replace.
+"""A ship that floats by its volume: its cubes in the water of a scene, and the sum of its forces (4.27).
 
 A kind adds a force by naming it in `parts` and extending `forces`.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isinf, pi, sqrt
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.conventions import Diverged
-from ocean_sim.fluid import Fluid, Limits
+from ocean_sim.fluid import Contact, Fluid, Limits
 from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
-from ocean_sim.ship.body.floating import FloatingConfig, FloatingHull
+from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
 from ocean_sim.ship.body.rigid_body import RigidBody, to_world
-from ocean_sim.ship.body.vessel import Vessel
+from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import Slamming
-from ocean_sim.ship.hull.cubes import Wetted
+from ocean_sim.ship.hull.cubes import Cubes, Wetted
+from ocean_sim.ship.hull.distance import Distance
+from ocean_sim.ship.water.wall_contact import Sides
+from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
+from ocean_sim.ship.water.wave_contact import WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
+STEPS_A_PERIOD = 50  # of the fastest natural motion
+FORCE_NUMBER = 0.25  # share of a limit that the time step `courant` takes
+
 
 class Immersion(NamedTuple):
-    """How the hull lies in the water now."""
+    """The hull in the water at one time."""
 
     wet: Wetted
     share: float  # of added mass, damping and thrust that is left, 0 to 1
@@ -33,77 +43,126 @@ class Immersion(NamedTuple):
 
 
 class FloatingShip(Vessel):
-    """A hull of cubes; without a kind's own methods nothing damps it."""
+    """A hull of cubes and the water around it; without a kind's own methods nothing damps it."""
 
-    below: ClassVar[bool] = False  # whether it asks the water under its surface, which a closed form answers
+    samples_depth: ClassVar[bool] = False  # True if it asks the water under its surface, which a closed form answers
     slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
 
     def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
-        self.hull = hull = FloatingHull(config, basin, fluid, self.below)
-        super().__init__(name, config, hull.body, hull.actuators, basin.lower[1])
-        if hull.moorings is not None:
-            self.parts = (*self.parts, "mooring")
-            self.last = Load.of({}, self.parts)
-        self.shape, self.contact, self.sides = config.whole_hull.shape, hull.contact, hull.sides
-        self.longest = hull.limits()
+        particles = fluid.of_particles
+        self.hydrostatics = still = config.afloat(-basin.gravity[1], fluid.rest_density)
+        self.cubes = Cubes(still)
+        shape, matter = config.whole_hull.shape, still.matter
+        width, height, length = np.subtract(*shape.bounds()[::-1])
+        contact = sides = None
+        if config.contact is not None and particles is not None:
+            contact = WaveContact(config.contact, shape, matter.centre, basin, particles, still.gravity)
+            sides = Sides(shape, matter.centre, basin, particles.walls.gap + contact.margin)
+        if particles is None:
+            # Waves pass walls, and so do ships.
+            sides = Sides(shape, matter.centre, basin, axes=(1,))
+        self.water: SurroundingWater | SurroundingSea
+        closed = fluid.in_closed_form
+        if self.samples_depth and closed is not None:
+            draught = height if isinf(still.draught) else still.draught
+            self.water = SurroundingSea(length, width, height, draught, still.gravity, closed)
+        else:
+            hollow: tuple[Distance | None, float, Sequence[Contact]] = (None, 0.0, ())
+            if contact is not None and particles is not None:
+                hollow = (contact.hull.distance, contact.rim, particles.contacts)
+            self.water = SurroundingWater(length, width, height, *hollow)
+        body = self.carried_along(config.lowered(config.body(matter, *afloat_pose(still)), fluid), fluid)
+        self.first_body = body  # at the beginning
+        if contact is not None and particles is not None:
+            contact.hull.water = self.water
+            contact.begin(body)
+            particles.add_contact(contact)
+        actuators = Actuators(config, config.propeller, config.rudder, matter.centre)
+        super().__init__(name, config, body, actuators, basin.lower[1])
+        self.shape, self.contact, self.sides = shape, contact, sides
+        self.moor(config.moorings, config.points)
+        self.usual_volume = min(still.wanted, still.voxels.volume)  # under water [m3]
+        self.weight = np.array([[0.0, -matter.mass * still.gravity, 0.0], [0.0, 0.0, 0.0]])
+        self.motion_limits = self.limits_of_motion()
         # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
         # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
+    def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body with the velocity of the water around it added where that is a closed form, so that it does not
+        drift by the difference."""
+        if fluid.of_particles is not None:
+            return body
+        still, turn = self.hydrostatics, body.matrix
+        wet = still.wet(turn[1], -float(body.position[1] - turn[1] @ still.matter.centre))
+        moved = fluid.velocities((still.voxels.centre - still.matter.centre) @ turn.T + body.position)
+        flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
+        return replace(body, velocity=body.velocity + flow)
+
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        hull, body = self.hull, self.centred if self.hull.water.below else self.body
-        wet = hull.wetted(body, wind, surface)
-        now = Immersion(wet, hull.share(wet), hull.motion(body, wet), surface, body)
-        self.relative, self.wet = now.motion, wet.volume
+        body = self.centred if self.water.samples_depth else self.body
+        wet = self.cubes.wetted(body, self.water, surface, wind)
+        # Added mass, damping and thrust are whole until half the usual volume is out of the water.
+        share = min(1.0, 2.0 * wet.volume / self.usual_volume)
+        motion = np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
+        now = Immersion(wet, share, motion, surface, body)
+        self.relative, self.wet = motion, wet.volume
         self.airborne = not wet.volume > 0.0
         if self.slamming is not None:
-            self.rising = small_linalg.dot(body.rows[1], now.motion[:3].tolist())
+            self.rising = small_linalg.dot(body.rows[1], motion[:3].tolist())
             self.upwards = wet.buoyancy / max(float(wet.buoyancy[0, 1]), 1e-9)
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without what the water
-        does back."""
-        wet, density = now.wet, self.hull.still.density
+        """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without the reaction of
+        the water that is moved along."""
+        wet, density = now.wet, self.hydrostatics.density
         driven = self.actuators.load(now.motion, density, now.share)
-        moored = self.hull.moorings
         return {
-            "gravity": self.hull.weight,
+            "gravity": self.weight,
             "buoyancy": wet.buoyancy,
             "wave": wet.wave,
             "wind_drag": wet.wind_drag,
             "wind_lift": wet.wind_lift,
-            "damping": self.damped(now),
-            **({"mooring": moored.load(now.body)} if moored is not None else {}),
+            "damping": self.whole_damping(now),
+            **({"mooring": self.moorings.load(now.body)} if self.moorings is not None else {}),
             **{part: to_world(force, now.body) for part, force in driven.items()},
         }
 
     def damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) what slows it down, world axes [N], [N m]."""
+        """(2, 3) damping force [N] and torque [N m], world axes."""
         return np.zeros((2, 3))
 
-    def damped(self, now: Immersion) -> np.ndarray:
-        """(2, 3) the same, with what slows down in heave a hull that lies far from its draught."""
+    def whole_damping(self, now: Immersion) -> np.ndarray:
+        """(2, 3) `damping`, and drag in heave on a hull that lies far from its draught."""
         if self.slamming is None:
             return self.damping(now)
-        return self.damping(now) + self.slamming.held_back(self.wet, self.rising) * self.upwards
+        return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces with what the water that is moved along does back, which depends on all of them."""
+        """The forces with the reaction of the water that is moved along, which depends on all of them."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
         if self.slamming is not None:
             push = self.slamming.push(self.wet, self.rising, dt)
             if push > 0.0:
-                load = load.plus("damping", push * self.upwards, self.parts)
+                load = load.plus("damping", push * self.upwards)
         super().advance(load, dt)
-        if self.aground and self.contact is None and not self.hull.floats:
+        if self.aground and self.contact is None and isinf(self.hydrostatics.draught):
             x, _, z = self.body.position
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.hull.cubes.displaced(self.body, self.hull.water)
+        return self.cubes.displaced(self.body, self.water)
+
+    def limits_of_motion(self, added: dict[str, float] | None = None) -> Limits:
+        """STEPS_A_PERIOD steps in the fastest natural motion, with added mass where given."""
+        still = self.hydrostatics
+        periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
+        if self.moorings is not None:
+            periods.append(2.0 * pi * sqrt(still.matter.mass / float(self.moorings.stiffness.sum())))
+        return Limits(force=min(periods) / STEPS_A_PERIOD / FORCE_NUMBER) if periods else Limits()
 
     def limits(self) -> Limits:
-        return self.longest
+        return self.motion_limits

@@ -1,6 +1,7 @@
 """What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from math import radians, sqrt
@@ -26,6 +27,7 @@ from ocean_sim.ship.body.rigid_body import (
     rotated,
     spinning,
 )
+from ocean_sim.ship.forces.moorings import Mooring, Moorings
 from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, towards
 from ocean_sim.ship.hull.shapes import HullShape, drawn, outermost
 from ocean_sim.ship.naval.hydrostatics import Matter
@@ -114,7 +116,8 @@ class VesselConfig(Helm, ShipConfig):
     def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
         """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
         x, y, z = body.position
-        return replace(body, position=np.array([x, y - fluid.sunk if self.afloat_at_first else self.position[1], z]))
+        level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
+        return replace(body, position=np.array([x, level, z]))
 
 
 class Actuators:
@@ -188,6 +191,7 @@ class Vessel(ABC):
         self.free = np.array([motion in config.free for motion in Motions._fields])
         self.points = {name: np.array(point) - actuators.centre for name, point in config.points.items()}
         self.sides: Sides | None = None  # walls and bed that stop it
+        self.moorings: Moorings | None = None
         self.aground, self.groundings = False, 0
         self.airborne = False  # whether none of its hull was under water in the last load
         self.contact: WaveContact | None = None  # where the hull and particles push each other
@@ -196,6 +200,13 @@ class Vessel(ABC):
         self.acceleration, self.turning = np.zeros(3), np.zeros(3)  # of the last step, world axes [m/s2], [rad/s2]
         self.added = np.zeros(6)  # mass [kg] and inertia [kg m2] of water that moves along
         actuators.steer(body, 0.0)
+
+    def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
+        """Make the ship fast by lines and fenders, if any; their force becomes a part of its load."""
+        if lines:
+            self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
+            self.parts = (*self.parts, "mooring")
+            self.last = Load.of({}, self.parts)
 
     @property
     def orders(self) -> tuple[float, float]:

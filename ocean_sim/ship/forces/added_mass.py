@@ -205,7 +205,7 @@ class Slamming:
         self.moved, self.entering = now, volume < self.volume
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
-    def held_back(self, volume: float, speed: float) -> float:
+    def heave_drag(self, volume: float, speed: float) -> float:
         """Drag in heave, upwards [N], with so much under water [m3] at a vertical speed relative to it [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)

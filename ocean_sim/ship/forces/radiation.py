@@ -213,7 +213,7 @@ class Scattering:
         water (3,) [m/s]."""
         if self.known is None or abs(yaw - self.known[0]) > HEADED or not np.array_equal(waves.omega, self.known[1]):
             self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
-        omega = waves.met(velocity)
+        omega = waves.encounter_frequencies(velocity)
         given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
         c, s = np.cos(yaw), np.sin(yaw)
         level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

@@ -209,13 +209,13 @@ class Cubes:
         if wet > 0.0:
             volume, pull = wet * self.volume[k], slope
             self.put(total, SUMS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
-            if ti.static(water.below):
+            if ti.static(water.samples_depth):
                 pull = half(water.moving(corner, eta, depth), 3)
             self.put(total, SUMS.wave, arm, self.weight * volume * pull)
             self.count(total, SUMS.volume, volume)
             if share < 1.0:
                 self.count(total, SUMS.cut, self.volume[k])
-            if ti.static(water.below):
+            if ti.static(water.samples_depth):
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
                 moved = water.moving(corner, eta, under)

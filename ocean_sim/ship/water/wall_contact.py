@@ -14,7 +14,6 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody, cross
 from ocean_sim.ship.hull.shapes import HullShape, outermost
-from ocean_sim.ship.water.wave_contact import with_wave
 
 SWEEPS = 8  # over the points that touch
 TOUCHING = 8  # points of a side that are looked at: the deepest
@@ -74,7 +73,7 @@ class Sides:
             return load
         total = self.impulses(body, np.array(normals), np.array(arms))
         self.impulse += total[0]
-        return with_wave(load, total / dt)
+        return load.plus("wave", total / dt)
 
     def impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
         """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving

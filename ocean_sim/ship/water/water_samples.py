@@ -55,7 +55,7 @@ def turned(table: Template):
 class Around:
     """A lattice around a hull, and the height of the water on it."""
 
-    below: ClassVar[bool]  # whether the water is asked under its surface, too
+    samples_depth: ClassVar[bool]  # True if the water is asked under its surface, too
     middle: tuple[float, float] = (0.0, 0.0)  # x, z from which kernels count places [m]
     level: ti.Field  # [m]
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
@@ -128,7 +128,7 @@ class Around:
 class SurroundingWater(Around):
     """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
 
-    below = False
+    samples_depth = False
     left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
 
     def __init__(
@@ -169,7 +169,7 @@ class SurroundingWater(Around):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
                 clear = away >= self.rim or k == 0 or k == ACROSS - 1
                 for hull in ti.static(self.beside()):
-                    clear = clear and hull.away(node) >= self.rim
+                    clear = clear and hull.distance_to(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
@@ -192,7 +192,7 @@ class SurroundingWater(Around):
 class SurroundingSea(Around):
     """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
 
-    below = True
+    samples_depth = True
 
     def __init__(
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm

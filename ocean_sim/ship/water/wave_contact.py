@@ -19,7 +19,6 @@ slips is reduced by M / (M + mass of the particles that touch the ship), so that
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from ocean_sim.fluid import ParticleFluid
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import Model, quantity
 from ocean_sim.runtime import Array2, Template, in_kernels
-from ocean_sim.ship import PARTS, Load
+from ocean_sim.ship import Load
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
@@ -100,7 +99,7 @@ class MovingHull:
         return turn @ normal, away, turn @ thinning
 
     @ti.func
-    def away(self, x):
+    def distance_to(self, x):
         """Distance of x [m] from it [m]."""
         _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
         return away
@@ -127,7 +126,6 @@ MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
 NEAR = 0.5  # [spacings] before the hull, where a collision may yet move it to
 RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
 LEAPS = 3  # off the hull and back to the walls
-WAVE = PARTS.index("wave")
 PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
 SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
 FOUND = Columns(touching=1, b=6, a=len(PAIRS))  # particles that touch, b and A
@@ -188,7 +186,7 @@ class WaveContact:
         own[:3, :3] = trial.mass * np.eye(3)
         own[3:, 3:] = turn @ trial.inertia_body @ turn.T
         change = own @ np.linalg.solve(own + response * a, response * total[FOUND.b : FOUND.a])
-        write_pose(table[0], after(with_wave(load, change.reshape(2, 3) / dt)))
+        write_pose(table[0], after(load.plus("wave", change.reshape(2, 3) / dt)))
         table[0, HANDED.velocity_before : HANDED.spin_before] = trial.velocity
         table[0, HANDED.spin_before : HANDED.slip] = trial.angular_velocity
         table[0, HANDED.slip] = trial.mass / (trial.mass + self.mass * touching)
@@ -199,7 +197,7 @@ class WaveContact:
         self.lost += (1.0 - response) * met
         self.given += pushed[: PUSHED.moment]
         self.work += float(pushed[PUSHED.work])
-        load = with_wave(load, response * met / dt)
+        load = load.plus("wave", response * met / dt)
         return load, after(load)
 
 
@@ -360,10 +358,3 @@ class Collisions:
         p = self.particles.position
         p.x[i], p.y[i], p.z[i] = x.x, x.y, x.z
         return x - start
-
-
-def with_wave(load: Load, more: np.ndarray) -> Load:
-    """The load with (2, 3) more under `wave`."""
-    parts = load.parts.copy()
-    parts[WAVE] += more
-    return replace(load, parts=parts)

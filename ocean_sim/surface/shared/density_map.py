@@ -5,14 +5,17 @@ water, so it does not seem to thin out next to them: the point is mirrored or sh
 """
 
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ocean_sim.basin import OPEN, Basin
-from ocean_sim.fluid import Particles
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface.shared.nodes import Nodes
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Particles
 
 TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
 GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
@@ -50,7 +53,7 @@ def images(basin: Basin, nodes: Nodes) -> np.ndarray:
 class DensityMap:
     """The particles in a box, sorted into bins at least a radius wide, and sums over them."""
 
-    def __init__(self, particles: Particles, basin: Basin, nodes: Nodes, radius: float) -> None:
+    def __init__(self, particles: "Particles", basin: Basin, nodes: Nodes, radius: float) -> None:
         """`radius` [m] of the sphere in which a particle counts."""
         self.particles, self.nodes, self.radius = particles, nodes, radius
         self.n, self.squared = particles.n, radius * radius

@@ -84,8 +84,9 @@ def acting(simulation: Simulation) -> "Load":
 
 def balanced(simulation: Simulation, orientation: np.ndarray) -> "Load":
     """The load at an orientation, where weight and buoyancy balance, and the ship there."""
-    hull = floating(simulation).hull
-    span = float(np.linalg.norm(hull.upper - hull.lower))
+    ship = floating(simulation)
+    assert ship.shape is not None
+    span = float(np.linalg.norm(np.ptp(ship.shape.bounds(), axis=0)))
     low, high = -span, span
     for _ in range(40):
         middle = 0.5 * (low + high)

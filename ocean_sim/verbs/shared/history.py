@@ -1,4 +1,4 @@
-"""Earlier measurements of `bench` on this machine: one line each in the user's cache, the newest kept."""
+"""Earlier speeds on this machine, in the user's cache: of `bench`, and of the last run of each kind of water."""
 
 import json
 import platform
@@ -9,31 +9,32 @@ from statistics import median
 from typing import Any
 
 from ocean_sim import machine
-from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.atomic_file import atomic_write, write_facts
+from ocean_sim.reading.scene import SceneConfig
 
-KEPT = 1000  # lines of the file
-LAST = 10  # measurements that a new one is compared with, at most
-LEAST = 3  # and at least: the median of fewer says nothing
-SLOWER = 1.1  # times that of before: more is told
-SPEED = "particle_steps_per_cpu_s"
+MAX_LINES = 1000  # of the file of `bench`; the newest are kept
+MAX_COMPARED = 10  # measurements that a new one is compared with
+MIN_COMPARED = 3  # the median of fewer says nothing
+STATED_SLOWDOWN = 1.1  # times the step time of before, from which on it is said
+SPEED_KEY = "particle_steps_per_cpu_s"
 
 
-def path() -> Path:
-    """The file."""
+def bench_file() -> Path:
+    """File of the measurements of `bench`, one line each."""
     return machine.cache_directory() / "bench.jsonl"
 
 
-def processor() -> str:
-    """The name of the processor, and how many cores this process may use."""
+def processor_name() -> str:
+    """Name of the processor, and how many cores this process may use."""
     named = machine.processor_facts().get("model name") or platform.processor() or platform.machine()
     return f"{named}, {machine.available_cores()} cores"
 
 
-def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
+def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
     """Facts that two measurements must share to be compared: machine, library, scene, all that was set, and threads."""
     of_order = {key: order[key] for key in ("scene", "profile", "sets")}
     return {
-        "machine": processor(),
+        "machine": processor_name(),
         "library": row["library"],
         **of_order,
         "particles": row["particles"],
@@ -41,50 +42,95 @@ def way(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def before(of: dict[str, Any]) -> float | None:
-    """Particle-steps in a second of processor time: the median of the last measurements of this way, None where there
-    are too few."""
-    found = [line[SPEED] for line in lines() if line.get("way") == of and isinstance(line.get(SPEED), float)]
-    return median(found[-LAST:]) if len(found) >= LEAST else None
+def usual_speed(conditions: dict[str, Any]) -> float | None:
+    """Particle-steps in a second of processor time: the median of the last measurements under these conditions, None
+    where there are too few."""
+    speeds = [
+        line[SPEED_KEY]
+        for line in bench_lines()
+        if line.get("way") == conditions and isinstance(line.get(SPEED_KEY), float)
+    ]
+    return median(speeds[-MAX_COMPARED:]) if len(speeds) >= MIN_COMPARED else None
 
 
-def lines() -> Iterator[dict[str, Any]]:
-    """All measurements, the oldest first; what cannot be read is left out."""
+def bench_lines() -> Iterator[dict[str, Any]]:
+    """All measurements of `bench`, the oldest first, without lines that cannot be read."""
     with suppress(OSError, UnicodeDecodeError):
-        for line in path().read_text(encoding="utf-8").splitlines():
+        for line in bench_file().read_text(encoding="utf-8").splitlines():
             with suppress(ValueError):
                 read = json.loads(line)
                 if isinstance(read, dict):
                     yield read
 
 
-def keep(of: dict[str, Any], row: dict[str, Any]) -> None:
+def keep_measurement(conditions: dict[str, Any], row: dict[str, Any]) -> None:
     """Add a measurement; a cache that cannot be written is no reason to fail."""
     with suppress(OSError):
-        there = path()
-        there.parent.mkdir(parents=True, exist_ok=True)
-        with there.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"way": of, SPEED: row[SPEED], "ms_per_step": row["ms_per_step"]}) + "\n")
-        kept = list(lines())
-        if len(kept) > KEPT:
-            with atomic_write(there) as draft:
-                draft.write_text("".join(f"{json.dumps(line)}\n" for line in kept[-KEPT:]), encoding="utf-8")
+        path = bench_file()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("a", encoding="utf-8") as file:
+            file.write(
+                json.dumps({"way": conditions, SPEED_KEY: row[SPEED_KEY], "ms_per_step": row["ms_per_step"]}) + "\n"
+            )
+        lines = list(bench_lines())
+        if len(lines) > MAX_LINES:
+            with atomic_write(path) as draft:
+                draft.write_text("".join(f"{json.dumps(line)}\n" for line in lines[-MAX_LINES:]), encoding="utf-8")
 
 
-def compared(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Processor time of a step over the median of the last measurements of the same way; None where there are too few.
-    Keeps this one, too."""
-    of = way(order, row)
-    usual = before(of)
-    keep(of, row)
-    return None if usual is None else usual / row[SPEED]
+def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
+    """Processor time of a step over the median of the last measurements under the same conditions; None where there are
+    too few. The measurement is kept."""
+    conditions = bench_conditions(order, row)
+    usual = usual_speed(conditions)
+    keep_measurement(conditions, row)
+    return None if usual is None else usual / row[SPEED_KEY]
 
 
-def sentence(scene: str, times: float) -> str | None:
-    """A warning where it takes notably longer."""
-    if times <= SLOWER:
+def slowdown_warning(scene: str, times: float) -> str | None:
+    """Warning where a step takes notably longer than before, else None."""
+    if times <= STATED_SLOWDOWN:
         return None
     return (
         f"{scene}: {100.0 * (times - 1.0):.0f} % slower in processor time than before on this machine, by the "
-        f"median of at most {LAST} measurements in {path()}"
+        f"median of at most {MAX_COMPARED} measurements in {bench_file()}"
     )
+
+
+def rate_file() -> Path:
+    """File of the rates of steps, beside the compiled kernels."""
+    return machine.cache_directory() / "step_rates.json"
+
+
+def rate_conditions(config: SceneConfig) -> str:
+    """Facts that two runs must share to take about the same time per particle and step."""
+    from ocean_sim import kernel_library
+
+    runtime = config.runtime
+    threads = f"{runtime.threads or machine.available_cores()} threads"
+    library = runtime.library or kernel_library.LIBRARY_NAME
+    water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
+    return ", ".join((water, runtime.arch, runtime.precision, library, threads, processor_name()))
+
+
+def known_rates() -> dict[str, Any]:
+    """Wall time [s] per particle and step, by conditions; of water without particles, per step."""
+    with suppress(OSError, ValueError):
+        rates = json.loads(rate_file().read_text(encoding="utf-8"))
+        if isinstance(rates, dict):
+            return rates
+    return {}
+
+
+def step_time(config: SceneConfig) -> float | None:
+    """Estimated wall time of a step [s], from the last run under the same conditions; None where there was none."""
+    rate = known_rates().get(rate_conditions(config))
+    return rate * max(config.preflight.particles, 1) if isinstance(rate, float) else None
+
+
+def keep_step_time(config: SceneConfig, seconds: float) -> None:
+    """Keep the mean wall time of a step [s] for estimates; a cache that cannot be written is no reason to fail."""
+    with suppress(OSError):
+        rate_file().parent.mkdir(parents=True, exist_ok=True)
+        rate = seconds / max(config.preflight.particles, 1)
+        write_facts(rate_file(), known_rates() | {rate_conditions(config): rate})

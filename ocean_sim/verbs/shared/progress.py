@@ -5,12 +5,24 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.conventions import figures
+from ocean_sim.machine import cache_directory
 from ocean_sim.simulation import OutcomeObserver
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
+
+
+MIN_TIMED_STEPS = 20  # for a mean time of a step
+
+
+def kernel_notice() -> str:
+    """Sentence on the work before the first step."""
+    cache = cache_directory() / "kernels"
+    if cache.is_dir() and any(cache.rglob("*.tic")):
+        return "loading kernels"
+    return f"compiling kernels (a first run; they are kept in {cache})"
 
 
 class Progress(OutcomeObserver):
@@ -21,7 +33,7 @@ class Progress(OutcomeObserver):
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM)
         self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
-        self.first: tuple[float, float] | None = None  # wall and simulated time after the first step [s]
+        self.first: tuple[float, float, int] | None = None  # wall and simulated time [s] after the first step; steps
         self.time, self.steps, self.particles, self.wall, self.pictures = 0.0, 0, 0, 0.0, 0
         self.limits: Counter[str] = Counter()
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
@@ -39,7 +51,7 @@ class Progress(OutcomeObserver):
             return
         self.limits[simulation.time_step.limited_by] += 1
         if self.first is None:
-            self.first = (now, self.time)
+            self.first = (now, self.time, self.steps)
         if self.over or self.bar.due(now):
             self.bar.show(self.time, f"t = {self.time:.2f} of {self.duration:g} s{self.pace()}")
 
@@ -78,6 +90,13 @@ class Progress(OutcomeObserver):
             return 0.0
         wall = self.began + self.wall - self.first[0]
         return (self.time - self.first[1]) / wall if wall > 0.0 else 0.0
+
+    @property
+    def step_time(self) -> float | None:
+        """Mean wall time [s] of the steps after the first; None of fewer than MIN_TIMED_STEPS."""
+        if self.first is None or self.steps - self.first[2] < MIN_TIMED_STEPS:
+            return None
+        return (self.began + self.wall - self.first[0]) / (self.steps - self.first[2])
 
     def summary(self) -> dict[str, Any]:
         """Numbers of the run; asked for when all is written and drawn."""

@@ -8,7 +8,7 @@ from ocean_sim.columns import Columns
 from ocean_sim.kernel_library import ti
 from ocean_sim.random_numbers import uniform3
 from ocean_sim.runtime import in_kernels
-from ocean_sim.wind.shared.clock import DeviceRow
+from ocean_sim.wind import DeviceRow
 
 EVERY = 1.0 / 60.0  # [s] how long a draw lasts: ours, PhysX's usual step
 MAX_DRAWS = 8  # in a step; a longer step takes one draw, weaker by the root of their number

@@ -17,8 +17,18 @@ from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 from ocean_sim.fluid.patch.relaxation_zone import band
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.open_sea_waves import A_PERIOD, COARSE, FINE, GROUP, PATCH, PERIOD, K, around, patch
-from ocean_sim.validation.shared.state import sampled
+from ocean_sim.validation.open_sea_waves import (
+    COARSE_PARTICLES,
+    FINE_PARTICLES,
+    GROUP_SPEED,
+    PATCH_LENGTH,
+    PERIOD,
+    PERIOD_SAMPLES,
+    K,
+    fit_wave,
+    patch_scene,
+)
+from ocean_sim.validation.shared.state import sampled_states
 
 KA, PERIODS, FAST_PERIODS, JUDGED = 0.05, 25.0, 2.0, 5.0
 LEAST = 0.01  # height over that of the sea below which a phase says nothing
@@ -28,10 +38,10 @@ PLACES = np.linspace(-1.25, 1.25, 11)  # [wavelengths] from the ship
 
 def scene(speed: float, feed: float | None, particles: int, periods: float) -> Any:
     """The wave on a patch whose rim moves."""
-    rim = {"velocity": [speed * GROUP, 0.0]}
+    rim = {"velocity": [speed * GROUP_SPEED, 0.0]}
     sea = {"height": 2.0 * KA / K, "period": PERIOD, "rim": rim, "feed": feed}
     quiet = dict.fromkeys(name for name in observer_names() if name != "manifest")
-    keys = quiet | patch(PATCH, particles, sea, periods)
+    keys = quiet | patch_scene(PATCH_LENGTH, particles, sea, periods)
     keys["fluid"]["kind"] = "delta_sph"
     return load(keys)
 
@@ -40,16 +50,16 @@ def measured(config: Any, speed: float, judged: float, report: Any) -> np.ndarra
     """Complex height over that of the sea at PLACES, over the last periods, `judged` of them."""
     found, until = [], config.duration
     with Simulation(config) as simulation:
-        for water in sampled(simulation, until, PERIOD / A_PERIOD):
+        for water in sampled_states(simulation, until, PERIOD / PERIOD_SAMPLES):
             report(water.time / until)
             if water.time > until - judged * PERIOD:
-                found.append([around(water, KA / K, speed * GROUP * water.time + place)[0] for place in PLACES])
+                found.append([fit_wave(water, KA / K, speed * GROUP_SPEED * water.time + place)[0] for place in PLACES])
     return np.mean(found, axis=0)
 
 
 def main() -> None:
     asked = options(__doc__, "coarse water, two periods")
-    particles, periods = (COARSE, FAST_PERIODS) if asked.fast else (FINE, PERIODS)
+    particles, periods = (COARSE_PARTICLES, FAST_PERIODS) if asked.fast else (FINE_PARTICLES, PERIODS)
     cases = [(speed, None, colour) for speed, colour in SPEEDS.items()] + [(1.0, 0.0, RED)]
     judged = min(JUDGED, 0.5 * periods)
     figure, rows = paper(10.0, 4.4), []
@@ -83,7 +93,8 @@ def main() -> None:
     height.set_ylim(0.0, 1.2)
     phase.set_ylim(-45.0, 45.0)
     height.legend(fontsize=8, title="dots: particles; lines: model, in the end", title_fontsize=8)
-    head = [f"a patch of {PATCH:g} wavelengths, rim 0.75 on either side, ka {KA:g}, {particles} particles to the wave"]
+    size = f"a patch of {PATCH_LENGTH:g} wavelengths, rim 0.75 on either side"
+    head = [f"{size}, ka {KA:g}, {particles} particles to the wave"]
     head += [f"the mean of the last {judged:g} of {periods:g} periods; feed: empty is the default"]
     table(asked.out / "open_sea.csv", head, ["speed", "feed", "place", "height", "phase_deg"], rows)
     keep(figure, asked.out / "open_sea.png")

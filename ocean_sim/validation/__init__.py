@@ -1,7 +1,7 @@
 """Problems with known answers: every module of this folder without a leading underscore is a case.
 
-A case has `problems()`: set-ups to run, each with a scene that gives geometry, fluid, resolution and duration but no
-number of a scheme, what to measure, and the tolerances of each scheme.
+A case has `problems()`: set-ups to run. The scene of a set-up gives geometry, fluid, resolution and duration but no
+number of a scheme; beside it stand the measurement and the tolerances of each scheme.
 """
 
 from importlib import import_module
@@ -12,7 +12,7 @@ from ocean_sim.parts import kinds
 if TYPE_CHECKING:
     from ocean_sim.validation.shared.case import Problem
 
-ORDER = (
+FIRST_CASES = (
     "hydrostatic",
     "standing_wave",
     "standing_wave_3d",
@@ -36,10 +36,10 @@ ORDER = (
 )
 
 
-def names() -> list[str]:
-    """Every case there is, the quick ones first."""
+def case_names() -> list[str]:
+    """Names of all cases, the quick ones first."""
     found = kinds("validation")
-    return [name for name in ORDER if name in found] + [name for name in found if name not in ORDER]
+    return [name for name in FIRST_CASES if name in found] + [name for name in found if name not in FIRST_CASES]
 
 
 def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Problem]":
@@ -47,7 +47,5 @@ def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Pr
     coarse ones those that a gate has no time for."""
     found: list[Problem] = import_module(f"{__name__}.{name}").problems(coarse)
     if coarse:
-        from ocean_sim.validation.shared.coarse import coarse as made_coarse
-
-        found = [made_coarse(name, problem) for problem in found]
+        found = [problem.coarsened(name) for problem in found]
     return [problem for problem in found if slow or not problem.slow]

@@ -8,64 +8,55 @@ import numpy as np
 
 from ocean_sim.parts import water_schemes
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import set_state, shaken, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, free_space
+from ocean_sim.validation.shared.state import particle_state, random_shifts, set_state
 
-SPEED = 0.1  # [m/s]
-STEPS = 50
-SOURCE = "Newton's third law; round-off of the arithmetic"
-LIMITS = {"f32": 1e-6, "f64": 1e-13}
+START_SPEED = 0.1  # [m/s]
+STEP_COUNT = 50
+SOURCE_TEXT = "Newton's third law; round-off of the arithmetic"
+LIMITS = {"f32": 1e-6, "f64": 1e-13}  # momentum lost over momentum exchanged
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [problem(precision, coarse) for precision in LIMITS]
+    return [square_problem(precision, coarse) for precision in LIMITS]
 
 
-def problem(precision: str, coarse: bool) -> Problem:
-    """The same in single or double precision."""
+def square_problem(precision: str, coarse: bool) -> Problem:
+    """The square of water in single or double precision."""
     scene = {
         "duration": 1.0,
-        "basin": {
-            "length": 4.0,
-            "depth": 2.0,
-            "gravity": [0.0, 0.0, 0.0],
-            "walls": "none",
-            "floor": "none",
-        },
+        "basin": free_space(4.0, 2.0),
         "fluid": {
             "spacing": 0.05 if coarse else 0.02,
-            "reference_speed": SPEED,
+            "reference_speed": START_SPEED,
             "fill": [{"min": [-0.5, -0.5], "max": [0.5, 0.5]}],
         },
         "runtime": {"precision": precision},
     }
     tolerance = {scheme: LIMITS[precision] for scheme, config in water_schemes() if config.conserves_momentum}
     promises = (
-        Promise(f"{precision}: momentum lost in a step, worst", "sum m |a| dt", SOURCE, tolerance),
-        Promise(f"{precision}: angular momentum lost in a step, worst", "sum m |x| |a| dt", SOURCE, tolerance),
+        Promise(f"{precision}: momentum lost in a step, worst", "sum m |a| dt", SOURCE_TEXT, tolerance),
+        Promise(f"{precision}: angular momentum lost in a step, worst", "sum m |x| |a| dt", SOURCE_TEXT, tolerance),
     )
-    return Problem(scene, promises, lambda simulation: measure(simulation, promises), precision)
+    return Problem(scene, promises, measure, precision)
 
 
-def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
+def measure(simulation: Simulation) -> Finding:
     """The worst of a number of steps."""
-    before = state(simulation)
-    set_state(simulation, before.position, shaken(simulation, before.position, SPEED))
-    before = state(simulation)
+    before = particle_state(simulation)
+    set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
+    before = particle_state(simulation)
     linear, angular = [], []
-    for _ in range(STEPS):
+    for _ in range(STEP_COUNT):
         simulation.step()
-        after = state(simulation)
+        after = particle_state(simulation)
         kick = np.linalg.norm(after.velocity - before.velocity, axis=1)
         arm = np.linalg.norm(after.position, axis=1)
         linear.append(np.linalg.norm(after.momentum - before.momentum) / (after.mass * kick.sum()))
-        turned = abs(after.angular_momentum - before.angular_momentum)
-        angular.append(turned / (after.mass * float((arm * kick).sum())))
+        change = abs(after.angular_momentum - before.angular_momentum)
+        angular.append(change / (after.mass * float((arm * kick).sum())))
         before = after
-    numbers = {
-        promise.quantity: (max(values), 0.0, max(values))
-        for promise, values in zip(promises, (linear, angular), strict=True)
-    }
-    steps = np.arange(1, STEPS + 1)
+    steps = np.arange(1, STEP_COUNT + 1)
     curves = [Curve("momentum", steps, np.array(linear)), Curve("angular momentum", steps, np.array(angular))]
+    numbers = [absolute_error(max(values)) for values in (linear, angular)]
     return Finding(numbers, curves, [], ("step", "lost, over what was exchanged"))

@@ -2,7 +2,7 @@
 
 Monaghan (1994, J. Comput. Phys. 110, 399-406): radius 1 m, A0 = 100 /s, sound at 1400 m/s, to A0 t = 0.76. The
 semi-axes obey A' = A^2 (a^4 - 1) / (a^4 + 1), a' = -a A with a b = 1; kinetic energy is kept. Axes are measured by
-second moments, a = 2 sqrt(<x^2>), so no single particle decides.
+second moments, a = 2 sqrt(<x^2>), so that no single particle decides.
 """
 
 from math import sqrt
@@ -10,38 +10,32 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import State, sampled, set_state, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, free_space, percent_error
+from ocean_sim.validation.shared.state import State, particle_state, sampled_states, set_state
 
-RATE = 100.0  # A0 [1/s]
-END = 0.76  # A0 t
-FASTEST = 140.0  # [m/s] at the tips, at the end
-SOURCE = "Monaghan 1994, exact; a peer with 5025 particles: "
+STRAIN_RATE = 100.0  # A0 [1/s]
+END_TIME = 0.76  # A0 t
+TIP_SPEED = 140.0  # [m/s] at the end
+SOURCE_TEXT = "Monaghan 1994, exact; a peer with 5025 particles: "
 PROMISES = (
-    Promise("major semi-axis [m]", "%", SOURCE + "-0.4 %", {"delta_sph": 0.4, "dfsph": 2.0}),
-    Promise("minor semi-axis [m]", "%", SOURCE + "+2.6 %", {"delta_sph": 2.6, "dfsph": 2.0}),
-    Promise("kinetic energy over its first", "%", SOURCE + "-3.1 %", {"delta_sph": 3.1, "dfsph": 2.0}),
+    Promise("major semi-axis [m]", "%", SOURCE_TEXT + "-0.4 %", {"delta_sph": 0.4, "dfsph": 2.0}),
+    Promise("minor semi-axis [m]", "%", SOURCE_TEXT + "+2.6 %", {"delta_sph": 2.6, "dfsph": 2.0}),
+    Promise("kinetic energy over its first", "%", SOURCE_TEXT + "-3.1 %", {"delta_sph": 3.1, "dfsph": 2.0}),
 )
 
 
 def problems(coarse: bool) -> list[Problem]:
     spacing = 0.1 if coarse else 0.025
     scene = {
-        "duration": END / RATE,
-        "basin": {
-            "length": 6.0,
-            "depth": 3.0,
-            "gravity": [0.0, 0.0, 0.0],
-            "walls": "none",
-            "floor": "none",
-        },
-        "fluid": {"spacing": spacing, "reference_speed": FASTEST, "fill": disc(spacing)},
+        "duration": END_TIME / STRAIN_RATE,
+        "basin": free_space(6.0, 3.0),
+        "fluid": {"spacing": spacing, "reference_speed": TIP_SPEED, "fill": disc_rows(spacing)},
     }
     return [Problem(scene, PROMISES, measure)]
 
 
-def disc(spacing: float) -> list[dict]:
-    """The unit disc as rows of water, each a spacing high, of the lattice points inside it."""
+def disc_rows(spacing: float) -> list[dict]:
+    """Rows of water, each a spacing high, that hold the lattice points inside the unit disc."""
     rows = round(1.0 / spacing)
     boxes = []
     for k in range(-rows, rows):
@@ -51,7 +45,7 @@ def disc(spacing: float) -> list[dict]:
     return boxes
 
 
-def ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A0 t, minor and major semi-axis [m] up to A0 t = `end`, by the classical Runge-Kutta rule."""
 
     def change(y: np.ndarray) -> np.ndarray:
@@ -71,27 +65,29 @@ def ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Give the drop its flow, and follow its shape."""
-    start = state(simulation).position
+    """Give the drop its flow, then follow its shape."""
+    start = particle_state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
-    set_state(simulation, start, RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * RATE**2 * (1.0 - radius2))
-    return compared(list(sampled(simulation, END / RATE, END / RATE / 20)))
+    set_state(
+        simulation, start, STRAIN_RATE * start * [-1.0, 1.0, 0.0], 0.5 * density * STRAIN_RATE**2 * (1.0 - radius2)
+    )
+    return compare_axes(list(sampled_states(simulation, END_TIME / STRAIN_RATE, END_TIME / STRAIN_RATE / 20)))
 
 
-def compared(drops: list[State]) -> Finding:
-    """A drop at several moments against the exact ellipse."""
-    tau, minor, major = ellipse(END)
+def compare_axes(drops: list[State]) -> Finding:
+    """Compare a drop at several moments with the exact ellipse."""
+    tau, minor, major = exact_ellipse(END_TIME)
     wide = np.array([2.0 * sqrt(float((drop.position[:, 0] ** 2).mean())) for drop in drops])
     high = np.array([2.0 * sqrt(float((drop.position[:, 1] ** 2).mean())) for drop in drops])
-    times = np.array([RATE * drop.time for drop in drops])
+    times = np.array([STRAIN_RATE * drop.time for drop in drops])
     last = times[-1]
     numbers = (
-        relative(high[-1], float(np.interp(last, tau, major))),
-        relative(wide[-1], float(np.interp(last, tau, minor))),
-        relative(drops[-1].kinetic_energy / drops[0].kinetic_energy, 1.0),
+        percent_error(high[-1], float(np.interp(last, tau, major))),
+        percent_error(wide[-1], float(np.interp(last, tau, minor))),
+        percent_error(drops[-1].kinetic_energy / drops[0].kinetic_energy, 1.0),
     )
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        numbers,
         [Curve("minor", times, wide), Curve("major", times, high)],
         [Curve("exact minor", tau, minor), Curve("exact major", tau, major)],
         ("A0 t", "semi-axis [m]"),

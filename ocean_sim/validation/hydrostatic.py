@@ -1,4 +1,4 @@
-"""Still water: its pressure is hydrostatic, and nothing moves.
+"""Still water: hydrostatic pressure and no motion.
 
 Set-up of Adami, Hu & Adams (2012, J. Comput. Phys. 231): 2 x 0.9 m, |g| = 1 m/s2, Re 100, sound ten times as fast as
 sqrt(g H). The slow set-up is a tank of water at rest for a minute.
@@ -9,19 +9,19 @@ from math import sqrt
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import State, sampled
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error
+from ocean_sim.validation.shared.state import State, sampled_states
 
 DENSITY = 1000.0  # [kg/m3]
 SOURCE = "p = rho g (H - z); Adami, Hu & Adams 2012"
 PEER = f"{SOURCE}; a peer with wall particles: L2 0.34 %, bed -0.9 %, speed 1.8e-3"
 
-ADAMI = (
+ADAMI_PROMISES = (
     Promise("pressure, L2 over rho g H", "%", PEER, {"delta_sph": 0.5, "dfsph": 1.0}),
     Promise("pressure at the bed [Pa]", "%", PEER, {"delta_sph": 1.0, "dfsph": 1.0}),
     Promise("largest speed over sqrt(g H)", "1", PEER, {"delta_sph": 2e-3}),
 )
-LONG = (
+LONG_PROMISES = (
     Promise("60 s: kinetic energy over m g H", "1", "still water has none", {"delta_sph": 1e-4, "dfsph": 1e-4}),
     Promise("60 s: creep of the centre of mass over H", "%", "still water stays", {"delta_sph": 0.5, "dfsph": 0.5}),
     Promise("60 s: particles outside", "1", "walls hold", {"delta_sph": 0.0, "dfsph": 0.0}),
@@ -40,17 +40,20 @@ def problems(coarse: bool) -> list[Problem]:
         "basin": {"length": 1.0, "depth": 0.5},
         "fluid": {"spacing": 0.02, "rest_density": DENSITY, "kinematic_viscosity": 1e-6},
     }
-    return [Problem(adami, ADAMI, measure_adami), Problem(long, LONG, measure_long, name="60 s", slow=True)]
+    return [
+        Problem(adami, ADAMI_PROMISES, measure_adami),
+        Problem(long, LONG_PROMISES, measure_long, name="60 s", slow=True),
+    ]
 
 
 def measure_adami(simulation: Simulation) -> Finding:
-    """The pressure, at the end of the run."""
-    *_, last = sampled(simulation, simulation.scene.duration, simulation.scene.duration / 8)
-    return compared(last, depth=0.9, g=1.0)
+    """Pressure and speed at the end of the run."""
+    *_, last = sampled_states(simulation, simulation.scene.duration, simulation.scene.duration / 8)
+    return compare_pressure(last, depth=0.9, g=1.0)
 
 
-def compared(water: State, depth: float, g: float) -> Finding:
-    """Pressure and speed of water that should be still, `depth` deep under gravity g > 0, downwards."""
+def compare_pressure(water: State, depth: float, g: float) -> Finding:
+    """Pressure and speed of water that should be still, of a depth [m] under a gravity g [m/s2] downwards."""
     scale = DENSITY * g * depth
     y, exact = water.position[:, 1], -DENSITY * g * water.position[:, 1]
     l2 = 100.0 * float(np.sqrt(np.mean((water.pressure - exact) ** 2))) / scale
@@ -59,14 +62,9 @@ def compared(water: State, depth: float, g: float) -> Finding:
     if row.any():
         bed, bed_exact = float(water.pressure[row].mean()), float(exact[row].mean())
     speed = water.max_speed / sqrt(g * depth)
-    numbers = {
-        ADAMI[0].quantity: (l2, 0.0, l2),
-        ADAMI[1].quantity: (bed, bed_exact, 100.0 * (bed - bed_exact) / scale),
-        ADAMI[2].quantity: (speed, 0.0, speed),
-    }
     order = np.argsort(y)
     return Finding(
-        numbers,
+        [absolute_error(l2), (bed, bed_exact, 100.0 * (bed - bed_exact) / scale), absolute_error(speed)],
         [Curve("particles", water.pressure / scale, y, points=True)],
         [Curve("rho g (H - z)", exact[order] / scale, y[order])],
         ("p / (rho g H)", "y [m]"),
@@ -78,7 +76,7 @@ def measure_long(simulation: Simulation) -> Finding:
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
     times, energy, centre, outside = [], [], [], 0
-    for water in sampled(simulation, simulation.scene.duration, 1.0):
+    for water in sampled_states(simulation, simulation.scene.duration, 1.0):
         times.append(water.time)
         energy.append(water.kinetic_energy / (water.mass * len(water.position) * g * depth))
         centre.append(water.position[:, 1].mean())
@@ -86,10 +84,6 @@ def measure_long(simulation: Simulation) -> Finding:
         outside = max(outside, int(out[:, :2].any(axis=1).sum()))
     begun = max(1, len(times) // 12)
     creep = 100.0 * (centre[-1] - centre[begun]) / depth
-    numbers = {
-        LONG[0].quantity: (energy[-1], 0.0, energy[-1]),
-        LONG[1].quantity: (creep, 0.0, creep),
-        LONG[2].quantity: (outside, 0.0, outside),
-    }
+    numbers = [absolute_error(value) for value in (energy[-1], creep, outside)]
     curve = Curve("kinetic energy", np.array(times[1:]), np.array(energy[1:]))
     return Finding(numbers, [curve], [], ("time [s]", "KE / (m g H)"))

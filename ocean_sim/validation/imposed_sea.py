@@ -1,17 +1,10 @@
 """An imposed sea: random waves of a piston in 2-D, at a gauge two wavelengths away, against linear theory for the
-same amplitudes and phases there; and what the absorbing side sends back.
+same amplitudes and phases there; and the reflection of the absorbing side.
 
-The basin is five wavelengths of the peak long, the last two of which absorb. Incident and reflected waves are separated
-by three gauges. The spectrum ends at twice the peak frequency: shorter waves have too few particles to travel.
+The basin is five wavelengths of the peak long, the last two of which absorb. Three gauges separate incident and
+reflected waves. The spectrum ends at twice the peak frequency: shorter waves have too few particles to travel.
 
-What height is missing is lost on the way to the gauge, to the scheme itself: under delta_sph, at a spacing of 1/40 of
-the peak's wavelength, 4 sqrt m0 is 5.0 % short, T_m02 3.9 % long, and 1.9 % comes back. At 1/80 it is 1.7 % short,
-T_m02 0.2 % long, and 1.2 % comes back (1.1 to 1.4 % elsewhere in the basin, 1.2 to 2.3 % in half the record, with
-another kernel), in linear theory 0.3 %.
-A sea four times as high, 0.16 m on half a metre of water, breaks on its way: it is 20 % short at 1/40, 13 % at 1/80.
-A zone of 1.5 wavelengths sends 1.4 to 2.5 % back at 1/60, in theory 0.5 %; one wavelength damped with 2.5 sqrt(g / h)
-at the side and the square of the distance 2.8 to 3.8 %, in theory 2.7 %. What is more than the theory's may be bound
-waves.
+The height that is missing at the gauge is lost to the scheme itself on the way there.
 """
 
 from math import pi
@@ -20,23 +13,22 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared import flume
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.reflection import reflected
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
+from ocean_sim.validation.shared.flume import flume_scene, gauge_records, reflection_ratio, resample_evenly
 from ocean_sim.waves.record import measured
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
 WAVELENGTH = 2.0 * pi / float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH))  # 2.827 m
 LENGTH = 5.0 * WAVELENGTH
-AWAY = 2.0 * WAVELENGTH  # [m] from the piston
-GAUGES = np.array([0.0, 0.35, 0.6])  # [m] beyond that
-BAND = (0.5 / PERIOD, 2.0 / PERIOD)  # [Hz]
-BEGIN, EVERY = 20.0, 0.05  # [s]
-SOURCE = "linear theory, same amplitudes and phases"
+GAUGE_DISTANCE = 2.0 * WAVELENGTH  # [m] from the piston to the first gauge
+GAUGE_POSITIONS = np.array([0.0, 0.35, 0.6])  # [m] from the first gauge
+FREQUENCY_BAND = (0.5 / PERIOD, 2.0 / PERIOD)  # [Hz]
+RECORD_START, SAMPLE_INTERVAL = 20.0, 0.05  # [s]
+SOURCE_TEXT = "linear theory, same amplitudes and phases"
 PROMISES = (
-    Promise("4 sqrt m0 2 wavelengths away [m]", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}),
-    Promise("T_m02 2 wavelengths away [s]", "%", f"{SOURCE}; 5 %", {"delta_sph": 5.0}),
-    Promise("H1/3 2 wavelengths away [m]", "%", SOURCE),
+    Promise("4 sqrt m0 2 wavelengths away [m]", "%", f"{SOURCE_TEXT}; 5 %", {"delta_sph": 5.0}),
+    Promise("T_m02 2 wavelengths away [s]", "%", f"{SOURCE_TEXT}; 5 %", {"delta_sph": 5.0}),
+    Promise("H1/3 2 wavelengths away [m]", "%", SOURCE_TEXT),
     Promise("reflection", "%", "three gauges; 2 %", {"delta_sph": 2.0}),
 )
 
@@ -44,25 +36,25 @@ PROMISES = (
 def problems(coarse: bool) -> list[Problem]:
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "seed": SEED, "cut_off": 2.0}
     spacing = WAVELENGTH / (40 if coarse else 200)
-    scene = flume.scene(LENGTH, DEPTH, spacing, BEGIN + 20.0 * PERIOD, {"spectrum": spectrum})
+    scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 20.0 * PERIOD, {"spectrum": spectrum})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Records of the gauges, from when the shortest waves have arrived on."""
-    away = np.stack([AWAY + GAUGES, 0.0 * GAUGES], axis=1)
+    """Sea state and reflection in the records of the gauges, once the shortest waves have arrived."""
+    away = np.stack([GAUGE_DISTANCE + GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     piston = simulation.basin.piston
     assert piston is not None
-    records = flume.records(simulation, away + [simulation.basin.lower[0], 0.0], EVERY)
-    time, found = flume.resampled(*records, BEGIN, EVERY)
+    records = gauge_records(simulation, away + [simulation.basin.lower[0], 0.0], SAMPLE_INTERVAL)
+    time, found = resample_evenly(*records, RECORD_START, SAMPLE_INTERVAL)
     theory = np.array([waves.elevation(piston.sea, away[:1], t)[0] for t in time])
     sea, wanted = measured(time, found[:, 0]), measured(time, theory)
-    back = reflected(EVERY, found, GAUGES, DEPTH, BAND)
+    back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, FREQUENCY_BAND)
     pairs = ((sea.hm0_m, wanted.hm0_m), (sea.tm02_s, wanted.tm02_s), (sea.hs_m, wanted.hs_m))
-    numbers = [relative(a, b) for a, b in pairs if a is not None and b is not None]
+    numbers = [percent_error(a, b) for a, b in pairs if a is not None and b is not None]
     numbers.append((back, 0.0, 100.0 * back))
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        numbers,
         [Curve("gauge 2 wavelengths away", time, found[:, 0])],
         [Curve("linear theory", time, theory)],
         ("time [s]", "elevation [m]"),

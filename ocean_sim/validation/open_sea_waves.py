@@ -1,16 +1,15 @@
-"""A patch of open sea: does the sea that it is a part of reach the ship, whichever way and however fast she sails.
+"""A patch of open sea: waves of the surrounding sea at a ship that sails at any speed, with them or against them.
 
 A slice of three wavelengths, half a wavelength deep, 40 particles to the wave; no ship, but a rim opposite a point that
-rests or moves at a share of the group speed, with the waves or against them. Fitted to the velocities half a wavelength
-around that point: complex height of the linear wave over that of the sea, and the current. At rest 20 periods, under
-way 25, of which the last five count.
+rests or moves at a share of the group speed. Fitted to the velocities half a wavelength around that point: complex
+height of the linear wave over that of the sea, and the current. At rest 20 periods, under way 25, of which the last
+five count.
 
 A nonlinear sea (`spectral_sea`) is compared with itself: with the wave of the same length in the sea around the patch.
 
-A packet in a calm sea goes once round the patch: how much of its height comes back, through the rim or from it. The
-velocities give a complex height of each wavelength; over a period what goes on turns one way in the complex plane, what
-comes back the other, and slow eddies of the water not at all. Runs of a packet, of its negative and of both elsewhere
-on the lattice scatter by 0.4 % of the height sent, which is the floor of this method.
+A packet in a calm sea goes once round the patch; the returned share of its height passed the rim or was reflected. The
+velocities give a complex height of each wavelength. Over a period, waves ahead turn one way in the complex plane,
+reflected ones the other, and slow eddies of the water not at all. The method has a floor of 0.4 % of the height sent.
 
 The random sea: JONSWAP, four wavelengths of the peak, of which a rim takes one on either side; heights in the free part
 against linear theory for the same phases.
@@ -28,37 +27,38 @@ from ocean_sim.fluid.patch.sea_patch import nodes
 from ocean_sim.fluid.patch.sources import Depths
 from ocean_sim.fluid.sph.initial_state import carried, of_patch
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import State, sampled, set_state, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.state import State, particle_state, sampled_states, set_state
 
 LENGTH, DEPTH, G = 1.0, 0.5, 9.81  # [m], [m], [m/s2]
 K = 2.0 * pi / LENGTH
 OMEGA = (G * K * float(np.tanh(K * DEPTH))) ** 0.5
-PERIOD, GROUP = 2.0 * pi / OMEGA, float(waves.group_speed(K, DEPTH, G))
-PATCH, FINE, COARSE = 3.0, 40, 20  # [wavelengths], particles to the wave
-JUDGED, A_PERIOD, NEAR = 5.0, 8, 0.25  # [periods] at the end, looks at a period, [wavelengths] around the point
-LOWEST = -0.9  # [depths] particles below it are not looked at
+PERIOD, GROUP_SPEED = 2.0 * pi / OMEGA, float(waves.group_speed(K, DEPTH, G))
+PATCH_LENGTH, FINE_PARTICLES, COARSE_PARTICLES = 3.0, 40, 20  # [wavelengths], particles to the wave
+JUDGED_PERIODS, PERIOD_SAMPLES, FIT_DISTANCE = 5.0, 8, 0.25  # at the end; in a period; [wavelengths] around the point
+LOWEST_FIT = -0.9  # [depths] particles below it are left out
 HEIGHT, SEED, RANDOM_PATCH, RANDOM_RIM = 0.03, 3, 4.0, 1.0  # [m], seed, [wavelengths] twice
-SOURCE = "the sea asked for, linear theory"
-ROUND, SPREAD, STEEP = 5.5, 0.21, 0.15  # of the packet: [wavelengths] its way, its spread over K, its highest slope
-SEEN = slice(2, 10)  # the patch's wavelengths that are looked at
+SOURCE_TEXT = "the sea asked for, linear theory"
+PACKET_WAY, PACKET_SPREAD, PACKET_SLOPE = 5.5, 0.21, 0.15  # [wavelengths]; of wavenumbers over K; the highest
+PACKET_WAVES = slice(2, 10)  # the judged ones, by their number on the patch
 
 
 def problems(coarse: bool) -> list[Problem]:
     if coarse:
-        return [regular(0.15, 0.0, 10.0, COARSE, 7.0, 15.0)]
-    found = [regular(ka, 0.0, 20.0, FINE, 5.0, 10.0) for ka in (0.05, 0.15)]
+        return [regular_problem(0.15, 0.0, 10.0, COARSE_PARTICLES, 7.0, 15.0)]
+    found = [regular_problem(ka, 0.0, 20.0, FINE_PARTICLES, 5.0, 10.0) for ka in (0.05, 0.15)]
     found += [
-        regular(ka, speed, 25.0, FINE, 7.0, 15.0, slow=True)
+        regular_problem(ka, speed, 25.0, FINE_PARTICLES, 7.0, 15.0, slow=True)
         for ka in (0.05, 0.15)
         for speed in (0.5, 1.0, 1.5, -0.5, -1.0, -1.5)
     ]
-    found += [packet(0.75, 4.0), packet(1.0, 2.5)]
-    return [*found, regular(0.15, 0.0, 15.0, FINE, 5.0, 10.0, slow=True, kind="spectral_sea"), random()]
+    found += [packet_problem(0.75, 4.0), packet_problem(1.0, 2.5)]
+    nonlinear = regular_problem(0.15, 0.0, 15.0, FINE_PARTICLES, 5.0, 10.0, slow=True, kind="spectral_sea")
+    return [*found, nonlinear, random_problem()]
 
 
-def patch(length: float, particles: int, sea: dict, periods: float) -> dict:
-    """The scene."""
+def patch_scene(length: float, particles: int, sea: dict, periods: float) -> dict:
+    """Scene of a patch of a length [wavelengths], with a number of particles to the wave and keys of the sea."""
     return {
         "duration": periods * PERIOD,
         "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
@@ -67,7 +67,7 @@ def patch(length: float, particles: int, sea: dict, periods: float) -> dict:
     }
 
 
-def regular(
+def regular_problem(
     ka: float,
     speed: float,
     periods: float,
@@ -77,24 +77,24 @@ def regular(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """A regular wave of a steepness in a sea of a kind, seen at a speed [group speeds] for so many periods."""
+    """A regular wave of a steepness in a sea of a kind, from a point at a speed [group speeds] for a number of periods;
+    tolerances of height [%] and phase [deg]."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
-    height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE}; {within:g} %", {"delta_sph": within})
-    phase = Promise(f"{name}: phase [deg]", "deg", f"{SOURCE}; {degrees:g} deg", {"delta_sph": degrees})
+    height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
+    phase = Promise(f"{name}: phase [deg]", "deg", f"{SOURCE_TEXT}; {degrees:g} deg", {"delta_sph": degrees})
     current = Promise(f"{name}: current over the phase speed", "%", "none; 0.05 %", {"delta_sph": 0.05})
-    sea = {"kind": kind, "height": 2.0 * ka / K, "period": PERIOD, "rim": {"velocity": [speed * GROUP, 0.0]}}
-    promises = (height, phase, current)
-    look = partial(measure_regular, promises=promises, amplitude=ka / K, speed=speed * GROUP)
-    return Problem(patch(PATCH, particles, sea, periods), promises, look, name, slow)
+    sea = {"kind": kind, "height": 2.0 * ka / K, "period": PERIOD, "rim": {"velocity": [speed * GROUP_SPEED, 0.0]}}
+    look = partial(measure_regular, amplitude=ka / K, speed=speed * GROUP_SPEED)
+    return Problem(patch_scene(PATCH_LENGTH, particles, sea, periods), (height, phase, current), look, name, slow)
 
 
-def around(water: State, amplitude: float, at: float) -> tuple[complex, float]:
-    """Complex height of the wave around x [m] over that of the sea, and the current [m/s]: the least squares of the
+def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]:
+    """Complex height of the wave around x [m] over that of the sea, and current [m/s], by least squares of the
     velocities there."""
     x, y = water.position[:, 0], water.position[:, 1]
-    far = (x - at + 0.5 * PATCH * LENGTH) % (PATCH * LENGTH) - 0.5 * PATCH * LENGTH
-    near = (np.abs(far) < NEAR * LENGTH) & (y < -amplitude) & (y > LOWEST * DEPTH)
+    far = (x - at + 0.5 * PATCH_LENGTH * LENGTH) % (PATCH_LENGTH * LENGTH) - 0.5 * PATCH_LENGTH * LENGTH
+    near = (np.abs(far) < FIT_DISTANCE * LENGTH) & (y < -amplitude) & (y > LOWEST_FIT * DEPTH)
     angle = K * x[near] - OMEGA * water.time
     c, s = waves.profiles(K, y[near], DEPTH)
     one, none = np.ones_like(c), np.zeros_like(c)
@@ -105,79 +105,81 @@ def around(water: State, amplitude: float, at: float) -> tuple[complex, float]:
     return complex(real, imaginary) / (amplitude * G * K / OMEGA), float(current)
 
 
-def measure_regular(simulation: Simulation, promises: tuple[Promise, ...], amplitude: float, speed: float) -> Finding:
-    """The last periods."""
+def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
+    """Height, phase and current in the last periods."""
     until = simulation.scene.duration
     found = [
-        (water.time, *around(water, amplitude, speed * water.time))
-        for water in sampled(simulation, until, PERIOD / A_PERIOD)
+        (water.time, *fit_wave(water, amplitude, speed * water.time))
+        for water in sampled_states(simulation, until, PERIOD / PERIOD_SAMPLES)
     ]
     time, height, current = (np.array(column) for column in zip(*found))
-    height = height / aimed(simulation, time)
-    last = time > until - JUDGED * PERIOD
+    height = height / linear_wave_share(simulation, time)
+    last = time > until - JUDGED_PERIODS * PERIOD
     a, u = complex(height[last].mean()), float(current[last].mean()) * K / OMEGA
     degrees = float(np.degrees(np.angle(a)))
-    numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), (degrees, 0.0, degrees), (u, 0.0, 100.0 * u))
+    numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), absolute_error(degrees), (u, 0.0, 100.0 * u))
     return Finding(
-        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        numbers,
         [Curve("height", time / PERIOD, np.abs(height))],
         [Curve("the sea", time / PERIOD, np.ones_like(time))],
         ("t / T", "height over that of the sea"),
     )
 
 
-def aimed(simulation: Simulation, time: np.ndarray) -> np.ndarray:
-    """Complex height of the sea around the patch over that of its linear waves, at rising times [s]."""
+def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
+    """Complex height of the sea around the patch over that of its linear waves, at rising times (n,) [s]."""
     around_it = band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
     from ocean_sim.fluid.patch.sources import SteepSource
 
     depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
-    source, crests = SteepSource(around_it, around_it.sea, depths, nodes(around_it, around_it.sea)), round(PATCH)
+    source, crests = SteepSource(around_it, around_it.sea, depths, nodes(around_it, around_it.sea)), round(PATCH_LENGTH)
     began = source.modes(0.0)[1, 0, crests, 0]
     return np.array([source.modes(t)[1, 0, crests, 0] / began * np.exp(1j * OMEGA * t) for t in time])
 
 
-def packet(width: float, within: float) -> Problem:
-    """A packet of waves in a calm sea, and a rim so wide [wavelengths]."""
-    what = f"rim of {width:g} wavelengths: height of a packet that returns once round"
-    promise = Promise(what, "%", f"none; {within:g} %", {"delta_sph": within})
-    scene = patch(ROUND, FINE, {"rim": {"width": width * LENGTH}}, ROUND * LENGTH / GROUP / PERIOD + 1.0)
-    return Problem(scene, (promise,), partial(measure_packet, promise=promise), f"packet, {width:g}", slow=True)
+def packet_problem(width: float, within: float) -> Problem:
+    """A packet of waves in a calm sea, and a rim of a width [wavelengths]; tolerance [%]."""
+    quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
+    promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
+    periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
+    scene = patch_scene(PACKET_WAY, FINE_PARTICLES, {"rim": {"width": width * LENGTH}}, periods)
+    return Problem(scene, (promise,), measure_packet, f"packet, {width:g}", slow=True)
 
 
-def measure_packet(simulation: Simulation, promise: Promise) -> Finding:
-    """The packet when it is back, over what the scheme would leave of it without a rim."""
+def measure_packet(simulation: Simulation) -> Finding:
+    """Height of the returned packet over that which the scheme would leave of it without a rim."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side
-    share = np.exp(-0.5 * ((k / K - 1.0) / SPREAD) ** 2)
-    sea = waves.Components(STEEP / K * share / share.sum(), np.stack([k, 0.0 * k], axis=1), 0.0 * k, DEPTH, G)
-    began = state(simulation)
+    share = np.exp(-0.5 * ((k / K - 1.0) / PACKET_SPREAD) ** 2)
+    sea = waves.Components(PACKET_SLOPE / K * share / share.sum(), np.stack([k, 0.0 * k], axis=1), 0.0 * k, DEPTH, G)
+    began = particle_state(simulation)
     position, velocity, pressure = carried(sea, began.position, basin, water.rest_density)
     set_state(simulation, position, velocity, pressure)
     losses = water.config.losses(water.config.lattice(basin), sea)
     assert losses is not None
-    time = side / GROUP + PERIOD * (np.arange(A_PERIOD) + 0.5) / A_PERIOD - 0.5 * PERIOD
-    left = sea.amplitude * np.exp(-losses.real * side / GROUP)
+    time = side / GROUP_SPEED + PERIOD * (np.arange(PERIOD_SAMPLES) + 0.5) / PERIOD_SAMPLES - 0.5 * PERIOD
+    left = sea.amplitude * np.exp(-losses.real * side / GROUP_SPEED)
     found = []
     for until in time:
         simulation.run(float(until))
-        found.append(heights(state(simulation), sea))
-    ways = [way[SEEN] for way in parted(np.array(found), sea.omega, time)]
-    returned = float(np.linalg.norm(ways)) / float(np.linalg.norm(left[SEEN]))
+        found.append(fit_heights(particle_state(simulation), sea))
+    ways = [way[PACKET_WAVES] for way in part_directions(np.array(found), sea.omega, time)]
+    returned = float(np.linalg.norm(ways)) / float(np.linalg.norm(left[PACKET_WAVES]))
     number = (returned, 0.0, 100.0 * returned)
-    rows = [Curve(name, LENGTH * k[SEEN] / (2.0 * pi), np.abs(way)) for name, way in zip(("through", "back"), ways)]
-    asked = [Curve("without a rim", LENGTH * k[SEEN] / (2.0 * pi), left[SEEN])]
-    return Finding({promise.quantity: number}, rows, asked, ("wavelength / length of a wave", "height [m]"))
+    ratio = LENGTH * k[PACKET_WAVES] / (2.0 * pi)
+    rows = [Curve(name, ratio, np.abs(way)) for name, way in zip(("through", "back"), ways)]
+    asked = [Curve("without a rim", ratio, left[PACKET_WAVES])]
+    return Finding([number], rows, asked, ("wavelength / length of a wave", "height [m]"))
 
 
-def heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex height [m] of each of the waves, whichever way it goes: the least squares of the velocities below the
+def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
+    """Complex heights (k,) [m] of the waves of a sea, in either direction, by least squares of the velocities below the
     troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
-    deep = (y < -STEEP / K * 2.0) & (y > LOWEST * DEPTH)
+    deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber
     speed = G * sea.wavenumber / sea.omega  # [1/s] at the still level, over the height
     c, s = (speed * profile for profile in waves.profiles(sea.wavenumber, y[deep, None], DEPTH))
@@ -188,31 +190,32 @@ def heights(water: State, sea: waves.Components) -> np.ndarray:
     return real + 1j * imaginary
 
 
-def parted(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of complex heights (n, m) at times over a period [s]: what goes on, and what comes back."""
+def part_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parts (m,) ahead and back of complex heights (n, m) at times (n,) [s] over a period."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
 
-def random() -> Problem:
+def random_problem() -> Problem:
     """A JONSWAP sea."""
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "cut_off": 2.0, "seed": SEED}
     promises = (
-        Promise("JONSWAP: 4 sqrt m0 in the free part [m]", "%", f"{SOURCE}; 6 %", {"delta_sph": 6.0}),
+        Promise("JONSWAP: 4 sqrt m0 in the free part [m]", "%", f"{SOURCE_TEXT}; 6 %", {"delta_sph": 6.0}),
         Promise("JONSWAP: correlation with the sea", "1", "1; 0.05", {"delta_sph": 0.05}),
     )
-    scene = patch(RANDOM_PATCH, FINE, {"spectrum": spectrum, "rim": {"width": RANDOM_RIM * LENGTH}}, 20.0)
-    return Problem(scene, promises, partial(measure_random, promises=promises), "JONSWAP", slow=True)
+    sea = {"spectrum": spectrum, "rim": {"width": RANDOM_RIM * LENGTH}}
+    scene = patch_scene(RANDOM_PATCH, FINE_PARTICLES, sea, 20.0)
+    return Problem(scene, promises, measure_random, "JONSWAP", slow=True)
 
 
-def measure_random(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
+def measure_random(simulation: Simulation) -> Finding:
     """Heights in the free part over the second half of the run."""
     sea = of_patch(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH
     x = np.linspace(-half, half, 81)
     points, found, wanted, time = np.stack([x, 0.0 * x], axis=1), [], [], []
-    for water in sampled(simulation, simulation.scene.duration, PERIOD / A_PERIOD):
+    for water in sampled_states(simulation, simulation.scene.duration, PERIOD / PERIOD_SAMPLES):
         if water.time > 0.5 * simulation.scene.duration:
             time.append(water.time / PERIOD)
             found.append(simulation.fluid.elevations(points))
@@ -220,10 +223,10 @@ def measure_random(simulation: Simulation, promises: tuple[Promise, ...]) -> Fin
     eta, theory = (np.array(rows) - np.mean(rows) for rows in (found, wanted))
     alike = float((eta * theory).mean() / (eta.std() * theory.std()))
     height, right = 4.0 * float(eta.std()), 4.0 * float(theory.std())
-    numbers = ((height, right, 100.0 * (height / right - 1.0)), (alike, 1.0, alike - 1.0))
+    numbers = (percent_error(height, right), absolute_error(alike, 1.0))
     middle = len(x) // 2
     return Finding(
-        {promise.quantity: number for promise, number in zip(promises, numbers, strict=True)},
+        numbers,
         [Curve("in the middle", np.array(time), eta[:, middle])],
         [Curve("the sea", np.array(time), theory[:, middle])],
         ("t / T", "elevation [m]"),

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import DENSITY, OF_WATER, at_sea, balanced, floating, ship_of
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, balance_heave, floating_ship, ship_of
 
 HEIGHT = 1.0  # [m] of every shape
 SHAPES: dict[str, dict[str, Any]] = {
@@ -17,18 +18,18 @@ SHAPES: dict[str, dict[str, Any]] = {
     "wigley": {"kind": "wigley", "length": 5.0, "breadth": 1.0, "draught": 0.6, "height": HEIGHT},
     "sphere": {"kind": "sphere", "radius": 0.5},
 }
-RELATIVE = (0.1, 0.3, 0.5, 0.7, 0.95)
-SHIFT = atan(10.0 * 5.0 / (320.0 * 15.166667))  # [rad] 10 t moved 5 m aft on the barge: w x / (W GM_L)
-SOURCE = "Archimedes, closed form"
+RELATIVE_DENSITIES = (0.1, 0.3, 0.5, 0.7, 0.95)
+BARGE_TRIM = atan(10.0 * 5.0 / (320.0 * 15.166667))  # [rad] by 10 t moved 5 m aft: w x / (W GM_L)
+SOURCE_TEXT = "Archimedes, closed form"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    wanted = (0.95,) if coarse else RELATIVE
-    return [*(problem(shape, density) for shape in SHAPES for density in wanted), trimmed()]
+    wanted = (0.95,) if coarse else RELATIVE_DENSITIES
+    return [*(shape_problem(shape, density) for shape in SHAPES for density in wanted), trim_problem()]
 
 
-def volume(shape: str, draught: float) -> float:
-    """Under water at a draught [m3]."""
+def submerged_volume(shape: str, draught: float) -> float:
+    """Volume of a shape under water [m3] at a draught [m]."""
     s, t = SHAPES[shape], draught
     if shape == "box":
         return s["length"] * s["breadth"] * t
@@ -43,41 +44,42 @@ def volume(shape: str, draught: float) -> float:
     return area * (share + max(t - depth, 0.0))
 
 
-def draught(shape: str, density: float) -> float:
-    """Where the shape floats [m], by halving."""
+def exact_draught(shape: str, density: float) -> float:
+    """Draught [m] of a shape of a relative density, by bisection."""
     low, high = 0.0, HEIGHT
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if volume(shape, middle) < density * volume(shape, HEIGHT) else (low, middle)
+        sinks = submerged_volume(shape, middle) < density * submerged_volume(shape, HEIGHT)
+        low, high = (middle, high) if sinks else (low, middle)
     return low
 
 
-def problem(shape: str, density: float) -> Problem:
+def shape_problem(shape: str, density: float) -> Problem:
     """A shape at a relative density."""
     name = f"{shape} {density:g}"
-    hull = {"shape": SHAPES[shape], "mass": density * volume(shape, HEIGHT) * DENSITY}
-    promise = Promise(f"{name}: draught [m]", "%", SOURCE, dict.fromkeys(OF_WATER, 1.0))
-    measure = partial(measured, promise=promise, exact=draught(shape, density))
+    hull = {"shape": SHAPES[shape], "mass": density * submerged_volume(shape, HEIGHT) * WATER_DENSITY}
+    promise = Promise(f"{name}: draught [m]", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, 1.0))
+    measure = partial(measure_draught, exact=exact_draught(shape, density))
     return Problem(at_sea({"hull": hull}, 5.0, 0.01), (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
 
 
-def measured(simulation: Simulation, promise: Promise, exact: float) -> Finding:
-    """Where weight and buoyancy balance, upright."""
-    ship = floating(simulation)
-    balanced(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
+def measure_draught(simulation: Simulation, exact: float) -> Finding:
+    """Draught at which weight and buoyancy balance, upright."""
+    ship = floating_ship(simulation)
+    balance_heave(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
     found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
-    return Finding(
-        {promise.quantity: relative(found, exact)}, [Curve("draught", np.array([exact]), np.array([found]), True)]
-    )
+    return Finding([percent_error(found, exact)], [Curve("draught", np.array([exact]), np.array([found]), True)])
 
 
-def trimmed() -> Problem:
+def trim_problem() -> Problem:
     """The barge with 10 t moved 5 m aft."""
-    promise = Promise("trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(OF_WATER, 1.0))
+    promise = Promise(
+        "trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(COMPARED_SHIPS, 1.0)
+    )
 
     def measure(simulation: Simulation) -> Finding:
         ship = ship_of(simulation)
-        return Finding({promise.quantity: relative(-degrees(ship.body.angles[0]), degrees(SHIFT))})
+        return Finding([percent_error(-degrees(ship.body.angles[0]), degrees(BARGE_TRIM))])
 
     ship = {"hull": "barge20", "centre_of_mass": [0.0, 2.5, -10.0 * 5.0 / 320.0]}
     return Problem(at_sea(ship, 20.0, 0.01), (promise,), measure, "trim", slot="ship", schemes=("hydrostatic",))

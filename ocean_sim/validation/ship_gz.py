@@ -8,38 +8,38 @@ through the hull's bottom, so its own lever is another: of its metacentric heigh
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, balanced, ship_of, turned
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, balance_heave, ship_of, turn_quaternion
 
-LEVERS = {  # heel [deg]: GZ [m]
+RIGHTING_LEVERS = {  # by hull: heel [deg]: GZ [m]
     "barge20": {10: 0.20979, 20: 0.45944, 30: 0.76036, 40: 0.77401, 60: 0.37254, 90: -0.5},
     "wigley": {10: 0.00671, 20: 0.01356, 30: 0.02081, 40: 0.02897, 60: 0.04252},
     "cylinder": {heel: 0.2 * np.sin(np.radians(heel)) for heel in (10, 20, 30, 60, 90)},
 }
-SIZE = {"barge20": 20.0, "wigley": 3.0, "cylinder": 6.0}
-AS_PRINTED = {10: 0.022, 30: -0.095}  # [m] of a barge by the thesis's columns
-SOURCE = "hull sections clipped as polygons"
+HULL_SIZE = {"barge20": 20.0, "wigley": 3.0, "cylinder": 6.0}
+COLUMN_LEVERS = {10: 0.022, 30: -0.095}  # heel [deg]: GZ [m] of a barge by the thesis's columns
+SOURCE_TEXT = "hull sections clipped as polygons"
 
 
 def problems(coarse: bool) -> list[Problem]:
     cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
-    found = [problem(hull, n, limit) for n, limit in cells for hull in LEVERS]
-    return [*found, printed()]
+    found = [hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS]
+    return [*found, thesis_problem()]
 
 
-def problem(hull: str, cells: int, limit: float) -> Problem:
+def hull_problem(hull: str, cells: int, limit: float) -> Problem:
     """A hull at a resolution."""
     name = f"{hull}, {cells} cells"
-    scene = at_sea({"hull": hull, "cells_per_draught": cells}, SIZE[hull], 0.01)
-    promise = Promise(f"{name}: largest error of GZ", "%", SOURCE, dict.fromkeys(OF_WATER, limit))
+    scene = at_sea({"hull": hull, "cells_per_draught": cells}, HULL_SIZE[hull], 0.01)
+    promise = Promise(f"{name}: largest error of GZ", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, limit))
 
     def measure(simulation: Simulation) -> Finding:
-        heels, exact = np.array(list(LEVERS[hull])), np.array(list(LEVERS[hull].values()))
-        found = levers(simulation, heels)
+        heels, exact = np.array(list(RIGHTING_LEVERS[hull])), np.array(list(RIGHTING_LEVERS[hull].values()))
+        found = righting_levers(simulation, heels)
         error = 100.0 * (found / exact - 1.0)
         worst = int(np.abs(error).argmax())
         return Finding(
-            {promise.quantity: (found[worst], exact[worst], error[worst])},
+            [(found[worst], exact[worst], error[worst])],
             [Curve("GZ", heels, found, points=True)],
             [Curve("exact", heels, exact)],
             ("heel [deg]", "GZ [m]"),
@@ -48,8 +48,8 @@ def problem(hull: str, cells: int, limit: float) -> Problem:
     return Problem(scene, (promise,), measure, name, slot="ship", schemes=("hydrostatic",))
 
 
-def printed() -> Problem:
-    """The barge under the thesis's columns."""
+def thesis_problem() -> Problem:
+    """The barge under the thesis's columns, as printed."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     promises = tuple(
         Promise(
@@ -58,22 +58,18 @@ def printed() -> Problem:
             "columns on the vertical through the bottom",
             {"thesis": 0.004},
         )
-        for heel in AS_PRINTED
+        for heel in COLUMN_LEVERS
     )
 
     def measure(simulation: Simulation) -> Finding:
-        found = levers(simulation, np.array(list(AS_PRINTED)))
-        numbers = {
-            promise.quantity: (gz, wrong, gz - wrong)
-            for promise, gz, wrong in zip(promises, found, AS_PRINTED.values(), strict=True)
-        }
-        return Finding(numbers)
+        found = righting_levers(simulation, np.array(list(COLUMN_LEVERS)))
+        return Finding([absolute_error(*pair) for pair in zip(found, COLUMN_LEVERS.values(), strict=True)])
 
     return Problem(scene, promises, measure, "as printed", slot="ship", schemes=("thesis",))
 
 
-def levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
-    """Righting levers [m] at heels [deg], the ship free to sink."""
+def righting_levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
+    """Righting levers (n,) [m] at heels (n,) [deg], the ship free to sink."""
     ship = ship_of(simulation)
     weight = ship.body.mass * 9.81
-    return np.array([-balanced(simulation, turned(2, float(heel))).torque[2] / weight for heel in heels])
+    return np.array([-balance_heave(simulation, turn_quaternion(2, float(heel))).torque[2] / weight for heel in heels])

@@ -10,51 +10,60 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import at_sea, period_of, pose, ship_of, track, turned
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
+from ocean_sim.validation.shared.ship import (
+    at_sea,
+    follow_body,
+    set_pose,
+    ship_of,
+    turn_quaternion,
+    zero_crossing_period,
+)
 
 STIFFNESS = {"heave": 1569.6e3, "roll": 3662.4e3, "pitch": 47611e3}  # [N/m], [N m/rad]
 INERTIA = {"heave": 320e3, "roll": 2508.8e3, "pitch": 8000e3}  # [kg], [kg m2]
-ADDED = {"heave": 431.7e3, "roll": 1167.8e3, "pitch": 11261e3}
-SOURCE = "Capytaine, panel method; rho g A, W GM"
+ADDED_MASS = {"heave": 431.7e3, "roll": 1167.8e3, "pitch": 11261e3}
+SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 
 def problems(coarse: bool) -> list[Problem]:
     rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
-    given = {"added_mass": ADDED, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
+    given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
     return [
-        problem("by rule", {}, rule, ("hydrostatic", "dynamic"), cells),
-        problem("given", given, {"dynamic": 1.0}, ("dynamic",), cells),
+        release_problem("by rule", {}, rule, ("hydrostatic", "dynamic"), cells),
+        release_problem("given", given, {"dynamic": 1.0}, ("dynamic",), cells),
     ]
 
 
-def problem(name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int) -> Problem:
-    """The barge with added mass by rule, or given."""
+def release_problem(
+    name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
+) -> Problem:
+    """The barge with added mass by rule, or given by keys; tolerances [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
-    promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE, limits) for motion in STIFFNESS)
+    promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
         wet = ship_of(simulation).added.any()
-        numbers, curves = {}, []
-        for promise, (motion, k) in zip(promises, STIFFNESS.items(), strict=True):
-            exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED[motion] if wet else 0.0)) / k)
-            times, values = released(simulation, motion, 3.2 * exact)
-            numbers[promise.quantity] = relative(period_of(times, values), exact)
+        numbers, curves = [], []
+        for motion, k in STIFFNESS.items():
+            exact = 2.0 * pi * sqrt((INERTIA[motion] + (ADDED_MASS[motion] if wet else 0.0)) / k)
+            times, values = release_record(simulation, motion, 3.2 * exact)
+            numbers.append(percent_error(zero_crossing_period(times, values), exact))
             curves.append(Curve(motion, times, values / np.abs(values).max()))
         return Finding(numbers, curves, [], ("t [s]", "over its first value"))
 
     return Problem(at_sea(ship, 20.0, 0.04), promises, measure, name, slot="ship", schemes=schemes)
 
 
-def released(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times from a release by 2 cm or half a degree, and how far from rest the ship is."""
+def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s] from a release by 2 cm or half a degree, and displacements (n,) [m] or [rad] from rest."""
     rest = np.array([0.0, 0.5, 0.0])
-    turn = {"roll": turned(2, 0.5), "pitch": turned(0, 0.5), "heave": turned(0, 0.0)}[motion]
-    pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
+    turn = {"roll": turn_quaternion(2, 0.5), "pitch": turn_quaternion(0, 0.5), "heave": turn_quaternion(0, 0.0)}[motion]
+    set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)
     begin, times, values = simulation.time, [], []
     number = {"roll": 2, "pitch": 0, "heave": 1}[motion]
-    for time, body in track(simulation, begin + seconds):
+    for time, body in follow_body(simulation, begin + seconds):
         times.append(time - begin)
         values.append(body.position[1] - 0.5 if motion == "heave" else body.angles[number])
     return np.array(times), np.array(values)

@@ -3,30 +3,28 @@
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, track
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, follow_body, ship_of
 
-SECONDS = 60.0
+REST_DURATION = 60.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
     ship = {"hull": "yacht", "cells_per_draught": 4 if coarse else 8, "heading_deg": 30.0}
-    scene = at_sea(ship, 15.0, 0.05, SECONDS) | {"runtime": {"precision": "f32"}}
+    scene = at_sea(ship, 15.0, 0.05, REST_DURATION) | {"runtime": {"precision": "f32"}}
     promises = (
-        Promise("drift [mm/s]", "mm/s", "at rest", dict.fromkeys(OF_WATER, 1.0)),
-        Promise("largest roll [deg]", "deg", "at rest", dict.fromkeys(OF_WATER, 0.05)),
+        Promise("drift [mm/s]", "mm/s", "at rest", dict.fromkeys(COMPARED_SHIPS, 1.0)),
+        Promise("largest roll [deg]", "deg", "at rest", dict.fromkeys(COMPARED_SHIPS, 0.05)),
     )
-    return [
-        Problem(scene, promises, lambda simulation: measure(simulation, promises), slot="ship", schemes=OF_WATER),
-    ]
+    return [Problem(scene, promises, measure, slot="ship", schemes=COMPARED_SHIPS)]
 
 
-def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
-    """How far it gets, and how far it heels."""
+def measure(simulation: Simulation) -> Finding:
+    """Drift and largest roll."""
     ship = ship_of(simulation)
     start = ship.body.position
-    rows = [(t, *(b.position - start), b.angles[2]) for t, b in track(simulation, SECONDS)]
+    rows = [(t, *(b.position - start), b.angles[2]) for t, b in follow_body(simulation, REST_DURATION)]
     t, x, _, z, roll = np.array(rows).T
     drift, heel = 1e3 * float(np.hypot(x[-1], z[-1])) / t[-1], float(np.degrees(np.abs(roll).max()))
-    numbers = {promises[0].quantity: (drift, 0.0, drift), promises[1].quantity: (heel, 0.0, heel)}
-    return Finding(numbers, [Curve("roll", t, np.degrees(roll))], [], ("t [s]", "roll [deg]"))
+    curve = Curve("roll", t, np.degrees(roll))
+    return Finding([absolute_error(drift), absolute_error(heel)], [curve], [], ("t [s]", "roll [deg]"))

@@ -9,10 +9,11 @@ from math import cosh, log, sqrt, tanh
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.ship import OF_WATER, at_sea, ship_of, track
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, follow_body, ship_of
 
-THRUST, DRAG, MASS, AHEAD, COAST = 14400.0, 400.0, 30000.0, 30.0, 20.0  # [N], [N s2/m2], [kg], [s], [s]
+THRUST, DRAG, MASS = 14400.0, 400.0, 30000.0  # [N], [N s2/m2], [kg]
+THRUST_TIME, COAST_TIME = 30.0, 20.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
@@ -22,31 +23,32 @@ def problems(coarse: bool) -> list[Problem]:
         "free": ["surge"],
         "damping": {"surge": DRAG},
         "propeller": {"thrust": THRUST},
-        "controls": [{"time": 0.0, "throttle": 1.0}, {"time": AHEAD, "throttle": 1.0}, {"time": AHEAD + 0.01}],
+        "controls": [*({"time": t, "throttle": 1.0} for t in (0.0, THRUST_TIME)), {"time": THRUST_TIME + 0.01}],
     }
-    limit = dict.fromkeys(OF_WATER, 2.0)
+    limit = dict.fromkeys(COMPARED_SHIPS, 2.0)
     names = ("speed after 10 s [m/s]", "speed after 30 s [m/s]", "way after 30 s [m]", "way while coasting [m]")
     promises = tuple(Promise(name, "%", "closed form", limit) for name in names)
-    scene = at_sea(ship, 15.0, 0.05, AHEAD + COAST)
-    return [Problem(scene, promises, lambda s: measure(s, promises), slot="ship", schemes=OF_WATER)]
+    scene = at_sea(ship, 15.0, 0.05, THRUST_TIME + COAST_TIME)
+    return [Problem(scene, promises, measure, slot="ship", schemes=COMPARED_SHIPS)]
 
 
-def measure(simulation: Simulation, promises: tuple[Promise, ...]) -> Finding:
-    """Speed and way."""
+def measure(simulation: Simulation) -> Finding:
+    """Speed and way against the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)
     tau = whole * top / THRUST
     start = ship.body.position[2]
-    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in track(simulation, AHEAD + COAST)]).T
+    until = THRUST_TIME + COAST_TIME
+    t, u, x = np.array([(t, b.velocity[2], b.position[2] - start) for t, b in follow_body(simulation, until)]).T
     at = lambda when, y: float(np.interp(when, t, y))
-    found = (at(10.0, u), at(AHEAD, u), at(AHEAD, x), x[-1] - at(AHEAD, x))
+    found = (at(10.0, u), at(THRUST_TIME, u), at(THRUST_TIME, x), x[-1] - at(THRUST_TIME, x))
     exact = (
         top * tanh(10.0 / tau),
-        top * tanh(AHEAD / tau),
-        top * tau * log(cosh(AHEAD / tau)),
-        whole / DRAG * log(1.0 + DRAG / whole * top * tanh(AHEAD / tau) * (t[-1] - AHEAD)),
+        top * tanh(THRUST_TIME / tau),
+        top * tau * log(cosh(THRUST_TIME / tau)),
+        whole / DRAG * log(1.0 + DRAG / whole * top * tanh(THRUST_TIME / tau) * (t[-1] - THRUST_TIME)),
     )
-    numbers = {p.quantity: relative(a, b) for p, a, b in zip(promises, found, exact, strict=True)}
-    curve = Curve("U tanh(t / tau)", t[t < AHEAD], top * np.tanh(t[t < AHEAD] / tau))
+    numbers = [percent_error(a, b) for a, b in zip(found, exact, strict=True)]
+    curve = Curve("U tanh(t / tau)", t[t < THRUST_TIME], top * np.tanh(t[t < THRUST_TIME] / tau))
     return Finding(numbers, [Curve("speed", t, u)], [curve], ("t [s]", "speed [m/s]"))

@@ -1,7 +1,7 @@
 """A barge in regular waves of a `spectral_sea`, against the same barge in the same closed-form waves.
 
-What she makes is kept on a tile of her own and never acts on her: her law of motion has it already, as added mass and
-damping. So her answers are those of `linear_waves`.
+Her own waves are kept on a tile and never act on her: her law of motion has them already, as added mass and damping.
+So her response is that in `linear_waves`.
 """
 
 from dataclasses import replace
@@ -9,58 +9,54 @@ from dataclasses import replace
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.sea import SCHEMES, sea_of
+from ocean_sim.validation.shared.case import Finding, Problem, Promise, percent_error, reported
+from ocean_sim.validation.shared.sea import SPECTRAL_SCHEMES, sea_of
 from ocean_sim.validation.shared.ship import at_sea
-from ocean_sim.validation.ship_rao import LENGTH, answers
+from ocean_sim.validation.ship_rao import HULL_LENGTH, wave_response
 
-OMEGAS = (0.8, 1.2)  # [rad/s]
-HEADINGS = {"head": 180.0, "beam": 90.0}
-OF = "linear_waves, the same waves"
+WAVE_FREQUENCIES = (0.8, 1.2)  # [rad/s]
+SEA_HEADINGS = {"head": 180.0, "beam": 90.0}
+SOURCE_TEXT = "linear_waves, the same waves"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    return [problem(sea, 4 if coarse else 8) for sea in HEADINGS]
+    return [barge_problem(sea, 4 if coarse else 8) for sea in SEA_HEADINGS]
 
 
-def problem(sea: str, cells: int) -> Problem:
-    turn, heading = "pitch" if sea == "head" else "roll", HEADINGS[sea]
+def barge_problem(sea: str, cells: int) -> Problem:
+    """The barge in a head or beam sea."""
+    turn, heading = "pitch" if sea == "head" else "roll", SEA_HEADINGS[sea]
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     ship = {"kind": "dynamic", "hull": "barge20", "cells_per_draught": cells, "free": free}
-    scene = at_sea(ship, LENGTH["barge20"], 0.01, heading_deg=heading)
+    scene = at_sea(ship, HULL_LENGTH["barge20"], 0.01, heading_deg=heading)
     scene["fluid"] = scene["fluid"] | {"tile": 200.0}
-    promises = {
-        (omega, motion): Promise(
+    promises = tuple(
+        Promise(
             f"{sea} sea, {omega:g} rad/s: {motion} [{'m/m' if motion == 'heave' else 'deg/m'}]",
             "%",
-            OF,
+            SOURCE_TEXT,
             {"spectral_sea": 1.0},
         )
-        for omega in OMEGAS
+        for omega in WAVE_FREQUENCIES
         for motion in ("heave", turn)
-    }
+    )
     made = Promise(f"{sea} sea: how far the barge moves the water's surface [m]", "m", "above zero")
 
     def measure(simulation: Simulation) -> Finding:
-        found, ours = {}, measured(simulation, heading)
+        ours = frequency_responses(simulation, heading)
         highest = float(np.abs(sea_of(simulation).made[0].layer.eta).max())
-        plain = replace(bare, scene=bare.scene | {"fluid": without(bare.scene["fluid"])})
+        fluid = {key: value for key, value in scene["fluid"].items() if key != "tile"}
+        plain = replace(bare, scene=scene | {"fluid": fluid})
         with Simulation(plain.load("linear_waves")) as other:
-            theirs = measured(other, heading)
-        for (omega, motion), promise in promises.items():
-            k = 0 if motion == "heave" else 1 if motion == "pitch" else 2
-            found[promise.quantity] = relative(ours[omega][k], theirs[omega][k])
-        return Finding(found | {made.quantity: (highest, None, None)})
+            theirs = frequency_responses(other, heading)
+        motions = (0, 1 if turn == "pitch" else 2)
+        numbers = [percent_error(ours[omega][k], theirs[omega][k]) for omega in WAVE_FREQUENCIES for k in motions]
+        return Finding([*numbers, reported(highest)])
 
-    bare = Problem(scene, (*promises.values(), made), measure, f"{sea} sea", schemes=SCHEMES, only=True)
+    bare = Problem(scene, (*promises, made), measure, f"{sea} sea", schemes=SPECTRAL_SCHEMES, only=True)
     return bare
 
 
-def measured(simulation: Simulation, heading: float) -> dict[float, tuple[float, float, float]]:
+def frequency_responses(simulation: Simulation, heading: float) -> dict[float, tuple[float, float, float]]:
     """Heave [m/m], pitch and roll [deg/m] at each frequency."""
-    return {omega: answers(simulation, omega, LENGTH["barge20"], heading) for omega in OMEGAS}
-
-
-def without(fluid: dict) -> dict:
-    """The keys that water in closed form has, too."""
-    return {key: value for key, value in fluid.items() if key != "tile"}
+    return {omega: wave_response(simulation, omega, HULL_LENGTH["barge20"], heading) for omega in WAVE_FREQUENCIES}

@@ -1,4 +1,4 @@
-"""The waves of a moving pressure where another ship feels them: their height abeam, at one and three lengths.
+"""The waves of a moving pressure as another ship feels them: their height abeam, at one and three lengths.
 
 In axes that move with a pressure p at a speed U along x, steady linear waves in deep water are
 eta = 1 / (2 pi^2 rho U^2) Re of the integral over t in -pi/2..pi/2 of sec^2 t times that over k in 0..inf of
@@ -12,96 +12,99 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ocean_sim.conventions import WATER_DENSITY
+from ocean_sim.conventions import GRAVITY, WATER_DENSITY
 from ocean_sim.fluid import Displacing
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.sea import SCHEMES, G, risen, scene, sea_of
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.sea import SPECTRAL_SCHEMES, sea_of, smooth_ramp, tile_scene
+from ocean_sim.validation.spectral_wake import PRESSURE_PEAK, WIDTH_ACROSS, WIDTH_ALONG
 
-U, LENGTH, ABEAM = 5.0, 10.0, (1, 3)  # [m/s], [m], lengths
-SIDE, CELLS, STEP = 320.0, 160, 0.2  # [m], cells, [s]
-PRESSURE, LONG, BROAD = 2000.0, 3.0, 1.5  # [Pa], [m], [m]
-RISE, END = 10.0, 90.0  # [s]
-CLEAR = 0.33  # of the side, from the pressure on, in which waves are free
-ANGLES, RADII, APART = 200, 80, 0.5  # nodes of the integrals, to 0.004 mm; [m] between the points of a cut
-TURN, FAR = np.pi / 8.0, 7.0  # [rad] of the ray; where a Gaussian of the width 1 ends
+SHIP_SPEED, SHIP_LENGTH, BEAM_DISTANCES = 5.0, 10.0, (1, 3)  # [m/s], [m], lengths
+TILE_SIDE, TILE_CELLS, TIME_STEP = 320.0, 160, 0.2  # [m], cells, [s]
+RAMP_TIME, END_TIME = 10.0, 90.0  # [s]
+CLEAR_SHARE = 0.33  # of the side, behind the pressure, without a rim
+ANGLE_NODES, RADIUS_NODES, CUT_SPACING = 200, 80, 0.5  # nodes of the integrals, to 0.004 mm; [m] along a cut
+RAY_ANGLE, RAY_END = np.pi / 8.0, 7.0  # [rad]; over the width of the Gaussian
 
 
 def problems(coarse: bool) -> list[Problem]:
-    promises = {
-        n: Promise(f"height of the wake {n} x {LENGTH:g} m abeam [m]", "%", "Havelock 1932", {"spectral_sea": 5.0})
-        for n in ABEAM
-    }
+    promises = tuple(
+        Promise(f"height of the wake {n} x {SHIP_LENGTH:g} m abeam [m]", "%", "Havelock 1932", {"spectral_sea": 5.0})
+        for n in BEAM_DISTANCES
+    )
     own = Promise("the wake where its own ship is shown the water [m]", "m", "nothing", {"spectral_sea": 0.0})
 
     def measure(simulation: Simulation) -> Finding:
         tile = sea_of(simulation).tile
-        widths = [np.sqrt(width**2 + (2.0 + 1.0 / 3.0) * tile.cell**2) for width in (LONG, BROAD)]  # as it is spread
-        x = np.arange(-CLEAR * SIDE, 0.05 * SIDE, APART)
-        by_another, by_itself, at = passed(simulation)
-        found, measured, expected = {}, [], []
-        for n, promise in promises.items():
-            cut = np.stack([at + x, np.full(len(x), n * LENGTH)], axis=1)
-            eta, exact = by_another.elevations(cut), steady(x, n * LENGTH, *widths)
-            found[promise.quantity] = relative(float(np.ptp(eta)), float(np.ptp(exact)))
+        # widths of the pressure as the tile spreads it
+        widths = [np.sqrt(width**2 + (2.0 + 1.0 / 3.0) * tile.cell**2) for width in (WIDTH_ALONG, WIDTH_ACROSS)]
+        x = np.arange(-CLEAR_SHARE * TILE_SIDE, 0.05 * TILE_SIDE, CUT_SPACING)
+        by_another, by_itself, at = passing_waters(simulation)
+        numbers, measured, expected = [], [], []
+        for n in BEAM_DISTANCES:
+            cut = np.stack([at + x, np.full(len(x), n * SHIP_LENGTH)], axis=1)
+            eta, exact = by_another.elevations(cut), steady_wake(x, n * SHIP_LENGTH, *widths)
+            numbers.append(percent_error(float(np.ptp(eta)), float(np.ptp(exact))))
             measured.append(Curve(f"{n} lengths abeam", x, eta))
             expected.append(Curve(f"Havelock, {n} lengths", x, exact))
             still = float(np.abs(by_itself.elevations(cut)).max())
-        return Finding(found | {own.quantity: (still, 0.0, still)}, measured, expected, ("ahead [m]", "elevation [m]"))
+        return Finding([*numbers, absolute_error(still)], measured, expected, ("ahead [m]", "elevation [m]"))
 
-    bare = scene(SIDE, CELLS, step=STEP) | {"time_step": {"kind": "fixed", "dt": STEP}}
-    return [Problem(bare, (*promises.values(), own), measure, schemes=SCHEMES, only=True)]
+    bare = tile_scene(TILE_SIDE, TILE_CELLS, step=TIME_STEP) | {"time_step": {"kind": "fixed", "dt": TIME_STEP}}
+    return [Problem(bare, (*promises, own), measure, schemes=SPECTRAL_SCHEMES, only=True)]
 
 
-class Patch(Displacing):
-    """A pressure of Gaussian shape, as the volume that something displaces which presses like that."""
+class GaussianPressure(Displacing):
+    """A pressure of Gaussian shape, expressed as the displaced volume with the same weight."""
 
     def __init__(self) -> None:
-        x, z = np.meshgrid(*(np.arange(-3.0, 3.01, 0.125) * width for width in (LONG, BROAD)), indexing="ij")
+        ticks = np.arange(-3.0, 3.01, 0.125)
+        x, z = np.meshgrid(ticks * WIDTH_ALONG, ticks * WIDTH_ACROSS, indexing="ij")
         self.points = np.stack([x.ravel(), z.ravel()], axis=1)
-        shape = np.exp(-((self.points / [LONG, BROAD]) ** 2).sum(axis=1))
-        self.whole = PRESSURE / (WATER_DENSITY * G) * shape * (0.125 * LONG) * (0.125 * BROAD)
+        shape = np.exp(-((self.points / [WIDTH_ALONG, WIDTH_ACROSS]) ** 2).sum(axis=1))
+        self.whole = PRESSURE_PEAK / (WATER_DENSITY * GRAVITY) * shape * (0.125 * WIDTH_ALONG) * (0.125 * WIDTH_ACROSS)
         self.body, self.share = SimpleNamespace(position=np.zeros(3)), 0.0
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         return self.points + self.body.position[[0, 2]], self.share * self.whole
 
 
-def passed(simulation: Simulation) -> tuple:
-    """The water as another ship feels it, and as the one does that has passed; and where that is along x [m]."""
-    patch, other = Patch(), Patch()
+def passing_waters(simulation: Simulation) -> tuple:
+    """Water for another ship, water for the passing one itself, and the position of the passing one along x [m]."""
+    patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
-    while simulation.time < END - 0.5 * STEP:
-        patch.share = risen(simulation.time / RISE)
-        patch.body.position = np.array([U * simulation.time, 0.0, 0.0])
+    while simulation.time < END_TIME - 0.5 * TIME_STEP:
+        patch.share = smooth_ramp(simulation.time / RAMP_TIME)
+        patch.body.position = np.array([SHIP_SPEED * simulation.time, 0.0, 0.0])
         simulation.step()
-    return by_another, by_itself, float(patch.body.position[0] + U * STEP)
+    return by_another, by_itself, float(patch.body.position[0] + SHIP_SPEED * TIME_STEP)
 
 
-def steady(x: np.ndarray, z: float, long: float, broad: float) -> np.ndarray:
-    """(n,) elevation [m] at places x ahead of a Gaussian pressure of these widths, z beside its track [m]."""
-    return np.array([at_point(each, z, long, broad) for each in x])
+def steady_wake(x: np.ndarray, z: float, long: float, broad: float) -> np.ndarray:
+    """Elevations (n,) [m] at x (n,) ahead of a Gaussian pressure of two widths, z beside its track [m]."""
+    return np.array([elevation_at(each, z, long, broad) for each in x])
 
 
-def at_point(x: float, z: float, long: float, broad: float) -> float:
-    """The same at one point."""
-    edge = np.arctan2(-x, z)  # where w changes its sign
+def elevation_at(x: float, z: float, long: float, broad: float) -> float:
+    """Elevation [m] at one point x ahead and z beside a Gaussian pressure of two widths [m]."""
+    edge = np.arctan2(-x, z)  # w changes its sign here
     total = 0.0
     for low, high in ((-0.5 * np.pi, edge), (edge, 0.5 * np.pi)):
-        nodes, weights = np.polynomial.legendre.leggauss(ANGLES)
+        nodes, weights = np.polynomial.legendre.leggauss(ANGLE_NODES)
         t, weight = low + 0.5 * (high - low) * (nodes + 1.0), 0.5 * (high - low) * weights
-        w, k0 = x * np.cos(t) + z * np.sin(t), G / (U * np.cos(t)) ** 2
+        w, k0 = x * np.cos(t) + z * np.sin(t), GRAVITY / (SHIP_SPEED * np.cos(t)) ** 2
         width = np.hypot(long * np.cos(t), broad * np.sin(t))
         ahead = w > 0.0
-        s, ds = np.polynomial.legendre.leggauss(RADII)
-        ray = np.exp(1j * np.where(ahead, TURN, -TURN))[:, None]
-        k = 0.5 * FAR * (s + 1.0) / width[:, None] * ray
-        dk = 0.5 * FAR * ds / width[:, None] * ray
+        # The ray turns to the side on which exp(i k w) decays; behind, it passes the pole, whose residue is the wake.
+        s, ds = np.polynomial.legendre.leggauss(RADIUS_NODES)
+        ray = np.exp(1j * np.where(ahead, RAY_ANGLE, -RAY_ANGLE))[:, None]
+        k = 0.5 * RAY_END * (s + 1.0) / width[:, None] * ray
+        dk = 0.5 * RAY_END * ds / width[:, None] * ray
         inner = (dk * k * np.exp(-0.25 * (k * width[:, None]) ** 2 + 1j * k * w[:, None]) / (k - k0[:, None])).sum(
             axis=1
         )
         residue = k0 * np.exp(-0.25 * (k0 * width) ** 2 + 1j * k0 * w)
         whole = (inner - np.where(ahead, 0.0, 2j * np.pi * residue)) / np.cos(t) ** 2
         total += float((weight * whole).sum().real)
-    pushed = np.pi * LONG * BROAD * PRESSURE
-    return pushed * total / (2.0 * np.pi**2 * WATER_DENSITY * U**2)
+    pushed = np.pi * WIDTH_ALONG * WIDTH_ACROSS * PRESSURE_PEAK
+    return pushed * total / (2.0 * np.pi**2 * WATER_DENSITY * SHIP_SPEED**2)

@@ -10,18 +10,18 @@ from math import exp, pi
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import State, sampled, set_state, shaken, state
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.state import State, particle_state, random_shifts, sampled_states, set_state
 
-SPEED, REYNOLDS = 1.0, 100.0  # [m/s], 1
-DECAY = 8.0 * pi**2 / REYNOLDS  # [1/s] of the speed
-SHAKE = 0.1  # [spacings]
-SOURCE = "exp(-8 pi^2 t / Re), Taylor & Green 1937"
+SPEED, REYNOLDS = 1.0, 100.0  # U [m/s], Re
+DECAY_RATE = 8.0 * pi**2 / REYNOLDS  # [1/s] of the speed
+SHIFT_SIZE = 0.1  # [spacings] by which the lattice is disturbed
+SOURCE_TEXT = "exp(-8 pi^2 t / Re), Taylor & Green 1937"
 PROMISES = (
-    Promise("L1 of the speed at t = 1", "%", f"{SOURCE}; a peer: 8.2 %", {"delta_sph": 8.0, "dfsph": 15.0}),
-    Promise("L1 of the speed at t = 1, stretch", "%", f"{SOURCE}; a peer: 0.9 %", {"delta_sph": 1.0}),
-    Promise("largest speed at t = 1 [m/s]", "%", SOURCE),
-    Promise("kinetic energy over the exact one at t = 1", "%", SOURCE),
+    Promise("L1 of the speed at t = 1", "%", f"{SOURCE_TEXT}; a peer: 8.2 %", {"delta_sph": 8.0, "dfsph": 15.0}),
+    Promise("L1 of the speed at t = 1, stretch", "%", f"{SOURCE_TEXT}; a peer: 0.9 %", {"delta_sph": 1.0}),
+    Promise("largest speed at t = 1 [m/s]", "%", SOURCE_TEXT),
+    Promise("kinetic energy over the exact one at t = 1", "%", SOURCE_TEXT),
 )
 
 
@@ -44,41 +44,41 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure)]
 
 
-def flow(position: np.ndarray, time: float) -> np.ndarray:
-    """The exact velocity [m/s]."""
+def exact_flow(position: np.ndarray, time: float) -> np.ndarray:
+    """Exact velocity (n, 3) [m/s] at positions (n, 3) [m] and a time [s]."""
     x, y = 2.0 * pi * position[:, 0], 2.0 * pi * position[:, 1]
     field = np.stack([-np.cos(x) * np.sin(y), np.sin(x) * np.cos(y), 0.0 * x], axis=1)
-    return SPEED * exp(-DECAY * time) * field
+    return SPEED * exp(-DECAY_RATE * time) * field
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Disturb the lattice, set it in motion, and measure."""
-    start = state(simulation)
+    """Disturb the lattice and set it in motion, then follow the decay."""
+    start = particle_state(simulation)
     low, period = np.array(simulation.basin.lower), np.array(simulation.basin.periods)
-    at = start.position + shaken(simulation, start.position, SHAKE * start.spacing)
+    at = start.position + random_shifts(simulation, start.position, SHIFT_SIZE * start.spacing)
     at[:, :2] = low[:2] + np.mod(at[:, :2] - low[:2], period[:2])
     waves = np.cos(4.0 * pi * at[:, 0]) + np.cos(4.0 * pi * at[:, 1])
-    set_state(simulation, at, flow(at, 0.0), -0.25 * simulation.fluid.rest_density * SPEED**2 * waves)
-    return compared(list(sampled(simulation, simulation.scene.duration, simulation.scene.duration / 20)))
+    set_state(simulation, at, exact_flow(at, 0.0), -0.25 * simulation.fluid.rest_density * SPEED**2 * waves)
+    return compare_decay(list(sampled_states(simulation, simulation.scene.duration, simulation.scene.duration / 20)))
 
 
-def compared(waters: list[State]) -> Finding:
-    """Vortices at several moments against the exact ones."""
+def compare_decay(waters: list[State]) -> Finding:
+    """Compare vortices at several moments with the exact ones."""
     times = np.array([water.time for water in waters])
     fastest = np.array([water.max_speed for water in waters])
     last = waters[-1]
-    exact = flow(last.position, last.time)
+    exact = exact_flow(last.position, last.time)
     speed, wanted = (np.linalg.norm(values, axis=1) for values in (last.velocity, exact))
     l1 = 100.0 * float(np.abs(speed - wanted).sum() / wanted.sum())
     numbers = (
-        (l1, 0.0, l1),
-        (l1, 0.0, l1),
-        relative(float(fastest[-1]), SPEED * exp(-DECAY * last.time)),
-        relative(last.kinetic_energy / (0.5 * last.mass * float((exact**2).sum())), 1.0),
+        absolute_error(l1),
+        absolute_error(l1),
+        percent_error(float(fastest[-1]), SPEED * exp(-DECAY_RATE * last.time)),
+        percent_error(last.kinetic_energy / (0.5 * last.mass * float((exact**2).sum())), 1.0),
     )
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        numbers,
         [Curve("largest speed", times, fastest)],
-        [Curve("exact", times, SPEED * np.exp(-DECAY * times))],
+        [Curve("exact", times, SPEED * np.exp(-DECAY_RATE * times))],
         ("time [s]", "largest speed [m/s]"),
     )

@@ -1,8 +1,8 @@
 """Growth of a wave under the pressure of a wind: its energy grows at the rate beta - 4 nu k^2.
 
 Jeffreys's pressure, P times the slope, does work on the wave at the rate beta = P k w / (rho g) of its energy, exactly
-in linear theory: P w / (rho c^2) on deep water. What the scheme takes away is measured by the same water under still
-air, whose decay gives its effective viscosity.
+in linear theory: P w / (rho c^2) on deep water. The damping of the scheme is that of the same water under still air,
+whose decay gives the effective viscosity.
 """
 
 from math import pi
@@ -12,25 +12,25 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, relative
-from ocean_sim.validation.shared.state import sampled
-from ocean_sim.validation.shared.wind import REAL, U10, blowing, stilled
+from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error, reported
+from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.wind_stress import WIND_SPEED, WU_STRESS, wind_keys, without_wind
 
 WAVELENGTH, DEPTH, STEEPNESS, PERIODS = 1.0, 0.5, 0.06, 8  # [m], [m], ka at the start, periods
 K = 2.0 * pi / WAVELENGTH
 OMEGA = float(waves.angular_frequency(K, DEPTH))
 PERIOD, CREST_SPEED = 2.0 * pi / OMEGA, OMEGA / K
-STRENGTH, SHELTERING = 0.02, 0.27  # P / (rho c^2); s of Jeffreys (1925)
-PRESSURE = STRENGTH * WATER_DENSITY * CREST_SPEED**2  # [Pa]
-GAIN = PRESSURE / (SHELTERING * AIR_DENSITY * (U10 - CREST_SPEED) ** 2)
-BETA = PRESSURE * K * OMEGA / (WATER_DENSITY * GRAVITY)  # [1/s]
-SOURCE = "work of P times the slope in linear theory"
+PRESSURE_STRENGTH, SHELTERING = 0.02, 0.27  # P / (rho c^2); s of Jeffreys (1925)
+PRESSURE = PRESSURE_STRENGTH * WATER_DENSITY * CREST_SPEED**2  # [Pa]
+WIND_GAIN = PRESSURE / (SHELTERING * AIR_DENSITY * (WIND_SPEED - CREST_SPEED) ** 2)
+GROWTH_RATE = PRESSURE * K * OMEGA / (WATER_DENSITY * GRAVITY)  # beta [1/s]
+SOURCE_TEXT = "work of P times the slope in linear theory"
 PROMISES = (
-    Promise("growth rate of the energy, over beta - 4 nu_eff k^2 [1/s]", "%", SOURCE, {"delta_sph": 4.0}),
-    Promise("growth rate more than under still air, over beta [1/s]", "%", SOURCE, {"delta_sph": 4.0}),
+    Promise("growth rate of the energy, over beta - 4 nu_eff k^2 [1/s]", "%", SOURCE_TEXT, {"delta_sph": 4.0}),
+    Promise("growth rate more than under still air, over beta [1/s]", "%", SOURCE_TEXT, {"delta_sph": 4.0}),
     Promise("still air: growth rate [1/s]", "1/s", "decay of the same wave"),
     Promise("effective viscosity [m2/s]", "m2/s", "decay of the same wave under still air over 4 k^2"),
-    Promise("gain of the wind", "1", f"Jeffreys's pressure of {U10:g} m/s, s {SHELTERING}, times this"),
+    Promise("gain of the wind", "1", f"Jeffreys's pressure of {WIND_SPEED:g} m/s, s {SHELTERING}, times this"),
 )
 
 
@@ -43,12 +43,12 @@ def problems(coarse: bool) -> list[Problem]:
             "kinematic_viscosity": 1e-6,
             "initial": {"kind": "regular_wave", "height": 2.0 * STEEPNESS / K, "period": PERIOD},
         },
-        "wind": blowing(GAIN * REAL, sheltering=SHELTERING, wave_speed=CREST_SPEED),
+        "wind": wind_keys(WIND_GAIN * WU_STRESS, sheltering=SHELTERING, wave_speed=CREST_SPEED),
     }
     return [Problem(scene, PROMISES, measure)]
 
 
-def amplitude(position: np.ndarray, velocity: np.ndarray) -> float:
+def wave_amplitude(position: np.ndarray, velocity: np.ndarray) -> float:
     """Amplitude [m] of the wave of this wavenumber along +x, from velocities (n, 3) [m/s] at positions (n, 3) [m]."""
     c, s = waves.profiles(K, np.minimum(position[:, 1], 0.0), DEPTH)
     turn = np.exp(-1j * K * position[:, 0])
@@ -56,40 +56,40 @@ def amplitude(position: np.ndarray, velocity: np.ndarray) -> float:
     return 2.0 * float(abs(half)) * OMEGA / (GRAVITY * K)
 
 
-def amplitudes(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and the amplitude [m] of the wave at each."""
+def amplitude_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s] and amplitudes (n,) [m] of the wave."""
     seen = [
-        (water.time, amplitude(water.position, water.velocity))
-        for water in sampled(simulation, PERIODS * PERIOD, PERIOD / 20)
+        (water.time, wave_amplitude(water.position, water.velocity))
+        for water in sampled_states(simulation, PERIODS * PERIOD, PERIOD / 20)
     ]
     times, sizes = np.array(seen).T
     return times, sizes
 
 
-def rate(times: np.ndarray, sizes: np.ndarray) -> float:
-    """Growth rate of the energy [1/s], from one period on."""
+def growth_rate(times: np.ndarray, sizes: np.ndarray) -> float:
+    """Growth rate of the energy [1/s], after the first period."""
     later = times > PERIOD
     return 2.0 * float(np.polyfit(times[later], np.log(sizes[later]), 1)[0])
 
 
 def measure(simulation: Simulation) -> Finding:
-    """The wave under the wind, and under still air."""
-    times, under_wind = amplitudes(simulation)
-    with stilled(simulation) as without:
-        _, under_still = amplitudes(without)
-    grown, calm = rate(times, under_wind), rate(times, under_still)
+    """Growth of the wave under the wind and under still air."""
+    times, under_wind = amplitude_record(simulation)
+    with without_wind(simulation) as without:
+        _, under_still = amplitude_record(without)
+    grown, calm = growth_rate(times, under_wind), growth_rate(times, under_still)
     viscosity = -calm / (4.0 * K**2)
     numbers = (
-        relative(grown, BETA + calm),
-        relative(grown - calm, BETA),
-        (calm, None, None),
-        (viscosity, None, None),
-        (GAIN, None, None),
+        percent_error(grown, GROWTH_RATE + calm),
+        percent_error(grown - calm, GROWTH_RATE),
+        reported(calm),
+        reported(viscosity),
+        reported(WIND_GAIN),
     )
     first = under_still[0]
     return Finding(
-        {promise.quantity: number for promise, number in zip(PROMISES, numbers, strict=True)},
+        numbers,
         [Curve("wind", times / PERIOD, under_wind / first), Curve("still air", times / PERIOD, under_still / first)],
-        [Curve("beta - 4 nu_eff k^2", times / PERIOD, np.exp(0.5 * (BETA + calm) * times))],
+        [Curve("beta - 4 nu_eff k^2", times / PERIOD, np.exp(0.5 * (GROWTH_RATE + calm) * times))],
         ("t / T", "amplitude over its first"),
     )

@@ -7,7 +7,7 @@ import typer
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
 from ocean_sim.reading.sentences import of_file, of_module
 from ocean_sim.reading.translation import choice_sentence
-from ocean_sim.validation import names
+from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
@@ -53,7 +53,7 @@ def entries(section: str) -> list[dict[str, str]]:
         folder = library("configs") / "run"
         return [row(section, name, "profile", of_file(folder / f"{name}.yaml")) for name in named("run")]
     if section == "cases":
-        return [row(section, name, "case", of_module(PACKAGE / "validation" / f"{name}.py")) for name in names()]
+        return [row(section, name, "case", of_module(PACKAGE / "validation" / f"{name}.py")) for name in case_names()]
     if section == "figures":
         return [row(section, name, "figure", figure.sentence(path)) for name, path in figure.scripts().items()]
     parts = [

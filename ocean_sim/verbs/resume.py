@@ -16,6 +16,7 @@ from ocean_sim.kernel_library import LIBRARY_NAME, LIBRARY_VARIABLE, QUADRANTS, 
 from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST_FILE, Result, simulate
+from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.run import report, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.anew import must_compute_with
@@ -79,8 +80,7 @@ def gone_on(
     stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state import checkpoint_file
-from ocean_sim.state.snapshot import FileShortened, Mismatch
+    from ocean_sim.state.snapshot import FileShortened, Mismatch
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:

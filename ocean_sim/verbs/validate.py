@@ -16,8 +16,8 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
-from ocean_sim.validation import names, problems
-from ocean_sim.validation.shared.case import KEYS, Problem
+from ocean_sim.validation import case_names, problems
+from ocean_sim.validation.shared.case import ROW_KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Sets
@@ -27,7 +27,7 @@ TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
 
 def complete_case(begun: str) -> list[str]:
     """Cases that begin so."""
-    return [name for name in names() if name.startswith(begun)]
+    return [name for name in case_names() if name.startswith(begun)]
 
 
 def validate(
@@ -68,9 +68,9 @@ def validate(
         cases, schemes, sets = cases or [], schemes or [], sets or []
         if junit is not None and junit.is_dir():
             raise console.Refused(f"--junit {junit}: this is a folder, not a file")
-        wanted = [name for case in cases for name in matching(names(), case) or [case]] or names()
+        wanted = [name for case in cases for name in matching(case_names(), case) or [case]] or case_names()
         known_schemes = [*kinds("fluid"), *kinds("ship")]
-        for what, given, known in (("case", wanted, names()), ("scheme", schemes, known_schemes)):
+        for what, given, known in (("case", wanted, case_names()), ("scheme", schemes, known_schemes)):
             for name in given:
                 if name not in known:
                     raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
@@ -111,7 +111,9 @@ def validate(
 def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
     """The set-ups of a case, each with a scheme that it is to run under."""
     pairs = [
-        (problem, scheme) for problem in problems(case, slow=slow, coarse=coarse) for scheme in problem.under(schemes)
+        (problem, scheme)
+        for problem in problems(case, slow=slow, coarse=coarse)
+        for scheme in problem.schemes_for(schemes)
     ]
     return sorted(pairs, key=lambda pair: (schemes or pair[0].schemes).index(pair[1]))
 
@@ -169,7 +171,9 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
         more = {
-            p.name: None for p in problems(case, slow=True, coarse=coarse) if p.under(schemes) and p.name not in ran
+            p.name: None
+            for p in problems(case, slow=True, coarse=coarse)
+            if p.schemes_for(schemes) and p.name not in ran
         }
         if more:
             slow[case] = list(more) if pairs else []
@@ -237,6 +241,6 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
 def write(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows as a CSV file."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, KEYS, lineterminator="\n")
+        writer = csv.DictWriter(file, ROW_KEYS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)

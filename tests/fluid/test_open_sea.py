@@ -21,7 +21,7 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.observers.shared.energy import kinetic, total
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.state import state
+from ocean_sim.validation.shared.state import particle_state
 from tests.conftest import quickly
 
 G, LENGTH = 9.81, 2.0  # [m/s2], [m] of the wave
@@ -109,7 +109,7 @@ def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing, within):
     ):
         with Simulation(patch(basin=basin, kind=kind, **keys)) as simulation:
             simulation.run(0.3)
-            found.append(state(simulation).position)
+            found.append(particle_state(simulation).position)
     assert np.abs(found[0] - found[1]).max() <= within
 
 
@@ -117,10 +117,10 @@ def test_a_rim_that_steers_nothing_changes_no_bit(kind, basin, spacing, within):
 def test_impulses_add_up_to_the_momentum_and_the_sea_has_its_own(kind):
     scene = patch(kind=kind, accuracy={}, duration=0.2)
     with Simulation(scene) as simulation:
-        before = state(simulation).momentum
+        before = particle_state(simulation).momentum
         simulation.run(0.2)
         given = simulation.fluid.impulse
-        gained = state(simulation).momentum - before
+        gained = particle_state(simulation).momentum - before
     assert "sea" in given and np.abs(given["sea"]).max() > 0.0
     assert sum(given.values()) == pytest.approx(gained, abs=2e-5 * np.abs(given["gravity"]).max())
 
@@ -143,7 +143,7 @@ def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
             water.particles.velocity.from_numpy(np.tile([0.1, 0.0, 0.0], (water.count, 1)).astype(np.float32))
             water.add_ships([ship])
             simulation.run(0.3)
-            now = state(simulation)
+            now = particle_state(simulation)
             far = np.abs((now.position[:, 0] - x + 3.0) % 6.0 - 3.0)
             assert now.velocity[far > 2.8, 0].mean() < 0.02 < 0.07 < now.velocity[far < 1.0, 0].mean()
 
@@ -156,7 +156,7 @@ def test_what_slows_incompressible_water_leaves_still_water_still(basin, sea):
     held of that, more at the seam than beside it, would stir the water, by up to g dt."""
     with Simulation(patch(sea, basin, kind="dfsph")) as simulation:
         simulation.run(0.5)
-        speed = np.linalg.norm(state(simulation).velocity, axis=1)
+        speed = np.linalg.norm(particle_state(simulation).velocity, axis=1)
         assert np.sqrt((speed**2).mean()) < 0.01 * G * simulation.next_dt
 
 
@@ -279,7 +279,7 @@ def test_the_sea_grows_over_two_periods_where_a_ship_is_in_it_else_it_is_there_a
     for ramp in (None, 0.0):
         with Simulation(patch(REGULAR | {"ramp": ramp}, ship=AFLOAT)) as simulation:
             assert simulation.fluid.sea.ramp == pytest.approx(2.0 * PERIOD if ramp is None else 0.0)
-            assert (np.abs(state(simulation).velocity).max() == 0.0) == (ramp is None)
+            assert (np.abs(particle_state(simulation).velocity).max() == 0.0) == (ramp is None)
 
 
 @pytest.mark.slow
@@ -306,7 +306,7 @@ def test_a_sea_that_has_grown_is_the_sea(kind):
     with Simulation(patch(sea, spacing=0.0625, duration=4.0)) as simulation:
         for until, share in ((PERIOD, 0.5), (3.0 * PERIOD, 1.0)):
             simulation.run(until)
-            water = state(simulation)
+            water = particle_state(simulation)
             deep = (water.position[:, 1] < -0.05) & (water.position[:, 1] > -0.5)
             x, y = water.position[deep, 0], water.position[deep, 1]
             angle, c = k * x - omega * simulation.time, 0.025 * G * k / omega * waves.profiles(k, y, 1.0)[0]

@@ -17,7 +17,7 @@ from ocean_sim.parts import Preflight
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.sea import going, image, stokes
+from ocean_sim.validation.shared.sea import nearest_image, stokes_wave, travel_ahead
 from ocean_sim.wind.gusts import Config as Gusts
 from ocean_sim.wind.still import Config as Still
 from ocean_sim.wind.stress import Config as Stress
@@ -61,7 +61,7 @@ def sea(taichi_cpu):
 def test_a_tile_keeps_energy_and_phase_at_any_step():
     tile = Tile(50.0, 32, 32, 30.0, G)
     layer = Layer(tile, rim=False)
-    going(layer, tile.values(tile.waves(np.random.default_rng(0).normal(size=tile.shape)) * (tile.k < 1.0)))
+    travel_ahead(layer, tile.values(tile.waves(np.random.default_rng(0).normal(size=tile.shape)) * (tile.k < 1.0)))
     layer.eta -= layer.eta.mean()
     first, before = tile.energy(layer.eta, layer.phi), tile.waves(layer.eta)[3, 2]
     for dt in (0.01, 0.3, 7.0):
@@ -73,7 +73,7 @@ def test_a_tile_keeps_energy_and_phase_at_any_step():
 
 def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step():
     """A push that lags by a cell, the way of a step, is the control."""
-    from ocean_sim.validation.spectral_wake import PRESSURE, havelock
+    from ocean_sim.validation.spectral_wake import PRESSURE_PEAK, havelock_resistance
 
     found = {}
     for late in (0.0, 1.0):
@@ -81,14 +81,14 @@ def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step(
         layer = Layer(tile)
         for n in range(1, 401):
             centre = np.array([u * n * dt, 0.0])
-            x, z = image(tile, centre)
-            patch = PRESSURE / 1000.0 * np.exp(-((x / 3.0) ** 2) - (z / 1.5) ** 2)
+            x, z = nearest_image(tile, centre)
+            patch = PRESSURE_PEAK / 1000.0 * np.exp(-((x / 3.0) ** 2) - (z / 1.5) ** 2)
             behind = np.roll(patch, -1, axis=0) if late else patch
             layer.advance(dt, tile.waves(min(1.0, n * dt / 10.0) * behind), centre)
             if n > 320:
                 slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
                 resistance.append(1000.0 * (patch * slope).sum() * tile.cell**2)
-        found[late] = np.mean(resistance) / havelock(u) - 1.0
+        found[late] = np.mean(resistance) / havelock_resistance(u) - 1.0
     assert abs(found[0.0]) < 0.01 and abs(found[1.0]) > 0.03
 
 
@@ -129,7 +129,9 @@ def test_kernels_read_the_tiles_as_python_does(sea, order):
     keys = {"order": 3, "height": 0.3, "period": 4.0, "breaking": False} if order == 3 else {"tile": 60.0}
     fluid = sea(wind=None if order == 3 else Stress(u10=5.0), **(keys | {"cells": 64, "step": 0.05}))
     if order == 1:
-        going(fluid.raised.layer, 0.1 * np.cos(2.0 * pi / 10.0 * fluid.tile.nodes()[0])[:, None] + np.zeros((64, 64)))
+        travel_ahead(
+            fluid.raised.layer, 0.1 * np.cos(2.0 * pi / 10.0 * fluid.tile.nodes()[0])[:, None] + np.zeros((64, 64))
+        )
         fluid.show(fluid.raised, fluid.sheets[-1])
         fluid.time = 0.02
         fluid.set_clocks()
@@ -315,7 +317,7 @@ def test_winds_press_on_calm_water(sea, wind):
 
 def test_a_steep_wave_keeps_speed_and_energy():
     tile = Tile(2.0 * pi, 32, 1, 100.0, G)
-    eta, phi, speed = stokes(0.2, 1.0, tile.nodes()[0][:, None])
+    eta, phi, speed = stokes_wave(0.2, 1.0, tile.nodes()[0][:, None])
     wave, dt = HighOrder(tile, 0.0), 2.0 * pi / speed / 60
     wave.begin(eta, phi)
     first, start = wave.energy(), np.angle(tile.waves(wave.eta)[1, 0])
@@ -331,7 +333,7 @@ def test_breaking_takes_energy_from_steep_crests_alone_and_books_it(sea):
         k = 2.0 * pi / 10.0
         fluid = sea(FLUME, order=3, tile=40.0, cells=128, height=0.1, period=2.0 * pi / np.sqrt(G * k), onset=0.0)
         wave, tile = fluid.steep.sea, fluid.steep.tile
-        wave.begin(*stokes(steepness, k, tile.nodes()[0][:, None])[:2])
+        wave.begin(*stokes_wave(steepness, k, tile.nodes()[0][:, None])[:2])
         first = wave.energy()
         for _ in range(60):
             wave.advance(0.03)
@@ -353,7 +355,7 @@ def test_where_crests_broke_the_water_is_white_for_a_while_and_the_log_counts_th
     config = load(scene, quiet)
     with Simulation(config, tmp_path) as simulation:
         wave = simulation.fluid.steep.sea
-        wave.begin(*stokes(0.42, k, wave.tile.nodes()[0][:, None])[:2])
+        wave.begin(*stokes_wave(0.42, k, wave.tile.nodes()[0][:, None])[:2])
         simulation.run(config.duration)
         broken = wave.breaking
         assert simulation.fluid.work["breaking"] == pytest.approx(-1000.0 * broken.lost)

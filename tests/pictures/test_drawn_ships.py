@@ -5,12 +5,13 @@ import pytest
 from scipy.optimize import brentq
 
 from ocean_sim.pictures.ships import ship_glsl, ship_hull, ship_parts
-from ocean_sim.pictures.ships.ship_model import BLACK, OXIDE, WHITE, build_model
+from ocean_sim.pictures.ships.ship_model import PAINTS, build_model
 from ocean_sim.pictures.stage import light
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.hull.shapes import drawn
 
 NOWHERE = np.full(3, np.nan)
+BLACK, OXIDE, WHITE = (PAINTS[name] for name in ("black", "oxide", "white"))
 HULLS = {
     "yacht": (0.0, 4.2, 0.5),
     "tug": (0.0, 8.0, 2.0),
@@ -42,6 +43,12 @@ def area(corners):
     return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2.0
 
 
+def box_corners(lower, upper):
+    """Triangles (12, 3, 3) of a box."""
+    plan = np.array([lower * [1, 0, 1], (upper[0], 0, lower[2]), upper * [1, 0, 1], (lower[0], 0, upper[2])])
+    return ship_parts.Block(plan + [0, lower[1], 0], plan + [0, upper[1], 0]).mesh(WHITE, WHITE).corners
+
+
 def test_every_model_is_whole_and_small_enough_for_a_film(ship):
     _, made, _ = ship
     mesh = made.mesh
@@ -62,9 +69,8 @@ def test_the_drawn_hull_is_the_physical_hull(ship):
 def test_colours_end_exactly_at_their_heights(ship):
     name, _, hull = ship
     bands = [(0.0, OXIDE), (np.inf, BLACK)]
-    corners, normals = hull.values[:, :, :3], hull.values[:, :, 3:]
-    height = hull.over_water(corners)
-    mesh = ship_parts.banded(corners, normals, height, bands)
+    height = hull.over_water(hull.values[:, :, :3])
+    mesh = ship_parts.paint_bands(hull.values, height, bands)
     after = hull.over_water(mesh.corners)
     below = (mesh.colour == OXIDE).all(axis=1)
     assert after[below].max() < 1e-9 and after[~below].min() > -1e-9
@@ -83,24 +89,24 @@ def test_the_waterline_is_where_archimedes_has_it(name, level):
 def test_a_box_that_is_loaded_off_its_middle_trims_as_a_wall_sided_ship():
     length, draught, high, off = 20.0, 2.0, 2.2, 0.4
     lower, upper = np.array([-4.0, -high, -length / 2 - off]), np.array([4.0, 4.0 - high, length / 2 - off])
-    corners = ship_parts.box(lower, upper, WHITE).corners
+    corners = box_corners(lower, upper)
 
     def lever(t):  # centre of buoyancy of a wall-sided hull at a trim of tangent t, along the level
         z, y = length**2 / (12.0 * draught) * t, draught / 2.0 + length**2 / (24.0 * draught) * t**2
         return (z - off) + (y - high) * t
 
-    up, level = ship_hull.settled(corners, 0.5)
+    up, level = ship_hull.rest_plane(corners, 0.5)
     assert abs(up[2] / up[1]) == pytest.approx(brentq(lever, 0.0, 0.3), rel=1e-6)
-    volume, *moment = ship_hull.submerged(corners, up, level)
+    volume, *moment = ship_hull.submerged_moments(corners, up, level)
     arm = np.array(moment) / volume
     assert volume == pytest.approx(320.0) and np.linalg.norm(arm - (arm @ up) * up) < 1e-6
-    upright = np.array(ship_hull.submerged(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
+    upright = np.array(ship_hull.submerged_moments(corners, np.array([0.0, 1.0, 0.0]), high - draught)[1:]) / volume
     assert abs(upright[2]) == pytest.approx(off)  # upright it is not at rest
 
 
 def test_a_ship_heavier_than_its_hull_can_carry_is_awash():
-    corners = ship_parts.box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), WHITE).corners
-    up, level = ship_hull.settled(corners, 1.0)
+    corners = box_corners(np.full(3, -1.0), np.ones(3))
+    up, level = ship_hull.rest_plane(corners, 1.0)
     assert (corners @ up + level).max() == pytest.approx(0.0)
 
 

@@ -13,8 +13,8 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.forces.radiation import ACROSS, Memory, Radiation, Scattering, bem_table
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.validation.open_sea_box import Moved, impose
-from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating, track
+from ocean_sim.validation.open_sea_box import ImposedMotion, impose_motion
+from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating_ship, follow_body
 from ocean_sim.validation.shared.tables import table_path
 from tests.conftest import quickly
 
@@ -78,8 +78,8 @@ def towed(table: str, speed: float, period: float, heading: float) -> np.ndarray
     omega, rows = 2.0 * pi / period, []
     met = omega - omega**2 / 9.81 * speed * np.cos(np.radians(heading))
     with Simulation(load(scene)) as simulation:
-        for time, body in track(simulation, 9.0 * period):
-            impose(simulation, 2, Moved(speed * time, speed, 0.0))
+        for time, body in follow_body(simulation, 9.0 * period):
+            impose_motion(simulation, 2, ImposedMotion(speed * time, speed, 0.0))
             rows.append((time, body.position[1], body.angles[0]))
     times, *moved = np.array(rows).T
     last = times > 5.0 * period
@@ -89,7 +89,7 @@ def towed(table: str, speed: float, period: float, heading: float) -> np.ndarray
 def test_a_ship_takes_the_file_and_one_of_no_use_is_refused(tmp_path):
     scene = at_sea({"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}, 20.0, 0.05, height=0.2, period=6.0)
     with Simulation(load(scene | {"duration": 0.2, "frames": None, "render": None, "motion": None})) as simulation:
-        ship = floating(simulation)
+        ship = floating_ship(simulation)
         simulation.step()
         assert np.isfinite(ship.last.parts).all() and not ship.through.any()
     wrong = tmp_path / "x.nc"
@@ -143,7 +143,7 @@ def test_a_motion_that_is_held_takes_no_part_in_the_acceleration_of_another(free
     ship = {"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE), "free": free}
     scene = at_sea(ship | {"attitude_deg": [0.0, 0.0, 2.0]}, 20.0, 0.001)
     with Simulation(load(scene | {"frames": None, "render": None, "motion": None})) as simulation:
-        barge = floating(simulation)
+        barge = floating_ship(simulation)
         barge.between *= 10.0  # of a hull whose shape does so; of a barge it is next to nothing
         added, between, mass = barge.added, barge.between, barge.body.mass
         simulation.step()
@@ -196,7 +196,7 @@ def in_the_time_domain(omega: float, together: bool) -> tuple[np.ndarray, float]
     ship["damping"] = {"roll": 0.05, "cross_flow": 0.0}
     scene = at_sea(ship, 20.0, 0.05, height=0.04, period=2.0 * np.pi / omega, heading_deg=90.0)
     with Simulation(load(scene)) as simulation:
-        body = floating(simulation)
+        body = floating_ship(simulation)
         if not together:
             body.between, body.memory.pairs = None, [[k, k] for k in range(6)]
         rows = []

@@ -12,7 +12,7 @@ from ocean_sim.reading.scene import SceneError
 from ocean_sim.ship.forces.damping import BY_RULE, Damping, Resistance
 from ocean_sim.ship.forces.radiation import Memory, Radiation
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.validation.shared.ship import at_sea, pose, track
+from ocean_sim.validation.shared.ship import at_sea, follow_body, set_pose
 from ocean_sim.validation.shared.tables import table_path
 
 SPHERE, BARGE = table_path("sphere_radiation"), table_path("barge20_radiation")
@@ -91,8 +91,8 @@ def test_a_sphere_let_go_a_little_swings_as_linear_theory_says():
     ship = {"kind": "dynamic", "hull": "sphere", "free": ["heave"], "radiation": str(SPHERE)}
     with Simulation(load(at_sea(ship, 10.0, 0.02))) as simulation:
         rest = simulation.ships["ship"].body.position.copy()
-        pose(simulation, position=rest + [0.0, 0.05, 0.0])
-        path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in track(simulation, 7.0)]
+        set_pose(simulation, position=rest + [0.0, 0.05, 0.0])
+        path = [(t, (b.position[1] - rest[1]) / 0.05) for t, b in follow_body(simulation, 7.0)]
     t, y = np.array(path).T
     for time, height in ((2.21, -0.8670), (4.42, 0.6349), (6.60, -0.4648)):
         near = np.abs(t - time) < 0.6
@@ -112,8 +112,8 @@ def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes
         with Simulation(scene) as simulation:
             linear, surge = simulation.ships["ship"].resistance.linear, simulation.ships["ship"].resistance.surge
             rest = simulation.ships["ship"].body.position.copy()
-            pose(simulation, position=rest + [0.0, 0.5, 0.0])
-            path = np.array([b.position for _, b in track(simulation, 1.0)])
+            set_pose(simulation, position=rest + [0.0, 0.5, 0.0])
+            path = np.array([b.position for _, b in follow_body(simulation, 1.0)])
         assert linear["heave"] == 0.0 and linear["pitch"] > 0.0 and surge > 0.0
         paths.append((linear, surge, path))
     for one, other in zip(*paths):

@@ -20,7 +20,7 @@ from ocean_sim.ship.forces.roll_damping import (
     lift,
 )
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.validation.shared.ship import at_sea, pose, track
+from ocean_sim.validation.shared.ship import at_sea, follow_body, set_pose
 
 # Of Kawahara, Maekawa & Ikeda: L/B 6, B/d 4, C_B 0.65, C_M 0.98, OG/d -0.2, omega 0.6, keels 0.2 L x 0.025 B.
 EXAMPLE = Form(300.0, 50.0, 12.5, 0.65, 0.98, -0.2, 0.6, (0.2, 0.025))
@@ -92,8 +92,10 @@ def test_a_ship_that_is_let_go_decays_as_the_parts_say():
         body = simulation.ships["ship"].body
         found = simulation.ships["ship"].resistance.rolling
         tilt = radians(8.0)
-        pose(simulation, position=body.position, orientation=np.array([np.cos(tilt / 2), 0.0, 0.0, np.sin(tilt / 2)]))
-        roll = np.array([b.angles[2] for _, b in track(simulation, 6.0)])
+        set_pose(
+            simulation, position=body.position, orientation=np.array([np.cos(tilt / 2), 0.0, 0.0, np.sin(tilt / 2)])
+        )
+        roll = np.array([b.angles[2] for _, b in follow_body(simulation, 6.0)])
     turns = np.flatnonzero(np.diff(np.sign(np.diff(roll)))) + 1
     high = np.abs(roll[turns])
     middle = sqrt(high[0] * high[1])

@@ -14,7 +14,7 @@ from ocean_sim.ship.hull.hull import Hull
 from ocean_sim.ship.hull.shapes import Outline, Sphere
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.ship import floating
+from ocean_sim.validation.shared.ship import floating_ship
 
 DENSITY, G, LENGTH = 1000.0, 9.81, 4.0
 
@@ -117,14 +117,14 @@ def dropped(kind: str, height: float, folder: Path) -> tuple[np.ndarray, list[di
         return load({"basin": basin, "fluid": water, "ship": {"kind": kind, "hull": "yacht"} | ship, **quiet})
 
     with Simulation(scene()) as simulation:
-        afloat = float(floating(simulation).body.position[1])
+        afloat = float(floating_ship(simulation).body.position[1])
     config = scene(position=[0.0, afloat + height, 0.0])
     with Simulation(config) as simulation:
         simulation.observers = [health.Config().build(folder, simulation)]
         path = []
         while simulation.time < 8.0:
             simulation.run(simulation.time + simulation.next_dt)
-            body = floating(simulation).body
+            body = floating_ship(simulation).body
             rise = body.position[1] - afloat
             path.append((rise, rise + body.kinetic_energy() / body.mass / G))
     events = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]

@@ -11,10 +11,10 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Diverged
 from ocean_sim.parts import compared, kinds
-from ocean_sim.validation import names, problems
-from ocean_sim.validation.shared import coarse
-from ocean_sim.validation.shared.case import KEYS, Curve, Finding, Problem, Promise
+from ocean_sim.validation import case_names, problems
+from ocean_sim.validation.shared.case import COARSE_BASIS, ROW_KEYS, Curve, Finding, Problem, Promise
 from ocean_sim.validation.shared.plot import draw
+from ocean_sim.validation.shared.tables import coarse_tolerances, too_long_for_gate
 from ocean_sim.verbs import validate
 
 SCHEMES = list(compared("fluid"))
@@ -24,7 +24,7 @@ QUICK = {"runtime.threads": 1}
 
 def every_problem(slot: str | None = None) -> list[Problem]:
     """Those whose schemes are kinds of a slot; by default all."""
-    found = [problem for name in names() for problem in problems(name, slow=True)]
+    found = [problem for name in case_names() for problem in problems(name, slow=True)]
     return [problem for problem in found if slot in (None, problem.slot)]
 
 
@@ -40,11 +40,11 @@ def test_the_cases_asked_for_are_there():
         "wind_setup",
         "wind_growth",
         "rough_channel",
-    } <= set(names())
+    } <= set(case_names())
 
 
 def test_coarse_set_ups_have_tolerances_of_their_own_and_fine_ones_keep_theirs():
-    for (case, quantity), own in coarse.tolerances().items():
+    for (case, quantity), own in coarse_tolerances().items():
         rough, fine = (
             [
                 p
@@ -57,14 +57,14 @@ def test_coarse_set_ups_have_tolerances_of_their_own_and_fine_ones_keep_theirs()
         assert rough and fine
         for scheme, limit in own.items():
             assert all(p.tolerance[scheme] == limit for p in rough) and all(p.tolerance[scheme] < limit for p in fine)
-        assert all(coarse.BASIS in p.source for p in rough) and not any(coarse.BASIS in p.source for p in fine)
+        assert all(COARSE_BASIS in p.source for p in rough) and not any(COARSE_BASIS in p.source for p in fine)
 
 
 def test_a_gate_runs_what_it_can_judge_and_has_time_for():
-    there = {(name, problem.name) for name in names() for problem in problems(name, slow=True, coarse=True)}
-    assert set(coarse.too_long()) <= there
-    gate = [(name, problem) for name in names() for problem in problems(name, coarse=True)]
-    assert not {(name, problem.name) for name, problem in gate} & set(coarse.too_long())
+    there = {(name, problem.name) for name in case_names() for problem in problems(name, slow=True, coarse=True)}
+    assert set(too_long_for_gate()) <= there
+    gate = [(name, problem) for name in case_names() for problem in problems(name, coarse=True)]
+    assert not {(name, problem.name) for name, problem in gate} & set(too_long_for_gate())
     assert len({name for name, _ in gate}) >= 25
     for _, problem in gate:
         assert any(scheme in promise.tolerance for promise in problem.promises for scheme in problem.schemes)
@@ -117,7 +117,7 @@ def test_every_tolerance_is_that_of_a_scheme_and_says_where_it_comes_from():
 def test_a_row_has_the_agreed_keys_and_judges_by_the_size_of_the_error():
     promise = Promise("depth [m]", "%", "a rule", {"delta_sph": 1.0})
     row = promise.row("a_case", "delta_sph", 0.98, 1.0, -2.0)
-    assert tuple(row) == KEYS
+    assert tuple(row) == ROW_KEYS
     assert row["ok"] is False and row["tolerance"] == 1.0
     assert promise.row("a_case", "delta_sph", 0.995, 1.0, -0.5)["ok"] is True
     reported = promise.row("a_case", "mueller", 0.5, 1.0, -50.0)
@@ -133,7 +133,7 @@ def test_a_run_that_diverged_gives_rows_that_say_so():
     promises = (Promise("x", "1", "a rule", {"mueller": 1.0}), Promise("y", "1", "a rule"))
     problem = replace(problems("hydrostatic", coarse=True)[0], promises=promises, measure=fall_apart)
     rows, found = problem.run("hydrostatic", "mueller", QUICK)
-    assert found.numbers == {}
+    assert not found.numbers
     assert [(row["value"], row["ok"]) for row in rows] == [(None, False), (None, True)]
     assert all("diverged: velocities are no numbers" in row["source"] for row in rows)
 
@@ -144,7 +144,7 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path, capsys):
         + ["--out", str(tmp_path), "--json"]
     )
     rows = json.loads(capsys.readouterr().out)
-    assert code == 0 and all(tuple(row) == KEYS and row["ok"] for row in rows)
+    assert code == 0 and all(tuple(row) == ROW_KEYS and row["ok"] for row in rows)
     with (tmp_path / "validate.csv").open() as file:
         table = list(csv.DictReader(file))
     assert [row["quantity"] for row in table] == [row["quantity"] for row in rows]
@@ -155,7 +155,7 @@ def test_a_missed_tolerance_is_exit_code_1(tmp_path, capsys, monkeypatch):
     from ocean_sim.validation import conservation
 
     monkeypatch.setitem(conservation.LIMITS, "f32", 1e-12)
-    monkeypatch.setattr(conservation, "STEPS", 3)
+    monkeypatch.setattr(conservation, "STEP_COUNT", 3)
     words = ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]
     assert answered([*words, "--out", str(tmp_path)]) == 1
     assert "MISSED" in capsys.readouterr().out
@@ -189,17 +189,17 @@ def test_what_is_not_a_case_is_exit_code_2(capsys, tmp_path):
 
 def test_the_cases_are_listed(capsys):
     assert answered(["list", "cases", "--json"]) == 0
-    assert [row["name"] for row in json.loads(capsys.readouterr().out)] == names()
+    assert [row["name"] for row in json.loads(capsys.readouterr().out)] == case_names()
 
 
 def test_a_picture_has_rows_of_panels_and_none_for_a_set_up_without_curves(tmp_path):
     imread = pytest.importorskip("matplotlib.image").imread
     line = [Curve("h", np.array([0.0, 1.0]), np.array([0.0, 1.0]))]
-    seen = Finding({"h": (1.0, 1.0, 0.0)}, line)
+    seen = Finding([(1.0, 1.0, 0.0)], line)
     runs = [(SimpleNamespace(name=f"{k}"), "delta_sph", seen) for k in range(5)]
-    runs.append((SimpleNamespace(name="numbers"), "delta_sph", Finding({"h": (1.0, 1.0, 0.0)})))
+    runs.append((SimpleNamespace(name="numbers"), "delta_sph", Finding([(1.0, 1.0, 0.0)])))
     draw(tmp_path / "five.png", "case", runs)
-    runs.append((SimpleNamespace(name="over"), "delta_sph", Finding({})))
+    runs.append((SimpleNamespace(name="over"), "delta_sph", Finding(())))
     draw(tmp_path / "six.png", "case", runs[3:])
     sizes = [imread(tmp_path / f"{name}.png").shape[:2] for name in ("five", "six")]
     assert sizes == [(960, 2560), (480, 1920)]

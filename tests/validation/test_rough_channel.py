@@ -11,12 +11,12 @@ SPACING, QUICK = 0.02, {"runtime.threads": 1}
 
 def test_the_profile_bears_the_weight_meets_the_law_and_has_the_mean_speed():
     z = np.linspace(0.0, rough_channel.DEPTH, 2001)
-    u = rough_channel.profile(z, SPACING)
+    u = rough_channel.steady_profile(z, SPACING)
     slope = rough_channel.VISCOSITY * rough_channel.DENSITY * np.gradient(u, z, edge_order=2)
     assert slope[-1] == pytest.approx(0.0, abs=1e-6) and slope[0] == pytest.approx(rough_channel.STRESS)
     assert np.trapezoid(u, z) / rough_channel.DEPTH == pytest.approx(rough_channel.mean_speed(SPACING), rel=1e-6)
-    next_to_it = float(rough_channel.profile(0.5 * SPACING, SPACING))
-    assert rough_channel.by_law(next_to_it, 0.5 * SPACING) == pytest.approx(rough_channel.STRESS)
+    next_to_it = float(rough_channel.steady_profile(0.5 * SPACING, SPACING))
+    assert rough_channel.bed_stress(next_to_it, 0.5 * SPACING) == pytest.approx(rough_channel.STRESS)
     drag = RoughBed(roughness=rough_channel.ROUGHNESS).drag(0.5 * SPACING)
     assert rough_channel.DENSITY * drag * next_to_it**2 == pytest.approx(rough_channel.STRESS)
 

@@ -7,7 +7,7 @@ from panels import BOX, DENSITY, DEPTH, LENGTH, MOTIONS, G, answers, by_reciproc
 from ocean_sim import Simulation, load, waves
 from ocean_sim.files import csv_file
 from ocean_sim.validation import section_in_waves
-from ocean_sim.validation.shared.ship import at_sea, floating
+from ocean_sim.validation.shared.ship import at_sea, floating_ship
 from ocean_sim.validation.shared.tables import table_path
 
 UNITS = {"sway": "kg", "heave": "kg", "roll": "kg_m2"}
@@ -48,13 +48,13 @@ def test_free_in_sway_and_roll_the_section_moves_as_coupled_potential_flow_says(
     """(C - omega^2 (M + A) - i omega B) z = X of the panels, in waves of 1 mm; the lattice on which the ship asks the
     water accounts for 2 to 3 % (`section_in_waves`). Without what sway and roll do to each other roll is 36 % more."""
     monkeypatch.setattr(section_in_waves, "AMPLITUDE", 0.0005)
-    ship = section_in_waves.measured_section(8) | {"kind": "dynamic", "free": list(MOTIONS)}
+    ship = section_in_waves.section_keys(8) | {"kind": "dynamic", "free": list(MOTIONS)}
     ship |= {"radiation": str(table_path("section_radiation")), "damping": {"cross_flow": 0.0}}
     scene = at_sea(ship, 1.0, 0.01, heading_deg=90.0)
     scene["basin"]["depth"] = DEPTH
     period = 0.897
     with Simulation(load(scene)) as simulation:
-        found, still = section_in_waves.answers(simulation, period), floating(simulation).hydrostatics
+        found, still = section_in_waves.wave_response(simulation, period), floating_ship(simulation).hydrostatics
     omega = 2.0 * np.pi / period
     added, damping, scattered, undisturbed = answers(omega)
     mass = np.diag([still.matter.mass, still.matter.mass, still.inertia["roll"]])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ocean_sim.validation.surface_slab import AMPLITUDE, DEPTH, WHOLE, K, problems, smoothed, wavy
+from ocean_sim.validation.surface_slab import AMPLITUDE, DEPTH, RIGID_DEPTH, K, problems, smoothing_loss, wave_positions
 
 KINDS = ("cloth", "marching_cubes")
 
@@ -32,12 +32,12 @@ def test_a_thicker_sheet_takes_more_of_the_wave(errors):
 
 def test_the_upper_water_keeps_its_density_and_the_bed_its_place():
     y = np.linspace(-DEPTH, 0.0, 241)
-    moved = wavy(np.stack([np.zeros_like(y), y, np.zeros_like(y)], axis=1))[:, 1]
+    moved = wave_positions(np.stack([np.zeros_like(y), y, np.zeros_like(y)], axis=1))[:, 1]
     assert moved[0] == -DEPTH and moved[-1] == pytest.approx(AMPLITUDE)
-    np.testing.assert_allclose(np.diff(moved[y > -WHOLE]), y[1] - y[0], rtol=1e-9)
+    np.testing.assert_allclose(np.diff(moved[y > -RIGID_DEPTH]), y[1] - y[0], rtol=1e-9)
     assert (np.diff(moved) > 0.0).all()
 
 
 def test_smoothing_is_of_second_order():
-    assert smoothed(0.2, 0.2) == pytest.approx(4.0 * smoothed(0.1, 0.1))
-    assert smoothed(0.1, 0.0) == pytest.approx((K * 0.2) ** 2 / 20.0)
+    assert smoothing_loss(0.2, 0.2) == pytest.approx(4.0 * smoothing_loss(0.1, 0.1))
+    assert smoothing_loss(0.1, 0.0) == pytest.approx((K * 0.2) ** 2 / 20.0)

@@ -12,7 +12,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.bodies import exposure as exposure_module
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import observer_names
-from ocean_sim.validation.shared.state import state
+from ocean_sim.validation.shared.state import particle_state
 from ocean_sim.wind.shared.air_load import DRAG_LAWS, speed_under, stress
 from ocean_sim.wind.stress import fetch_limited, growth_rate, overdamped, plant
 
@@ -222,10 +222,10 @@ def test_what_is_wrong_is_said(keys, key, said):
 
 def momentum(simulation, steps: int) -> tuple[float, float]:
     """Momentum along x [N s] that the water has gained, and the time [s] it took."""
-    before, time = state(simulation).momentum[0], simulation.time
+    before, time = particle_state(simulation).momentum[0], simulation.time
     for _ in range(steps):
         simulation.step()
-    return state(simulation).momentum[0] - before, simulation.time - time
+    return particle_state(simulation).momentum[0] - before, simulation.time - time
 
 
 WAVE = {"kind": "delta_sph", "spacing": 0.05, "initial": {"kind": "regular_wave", "height": 0.08, "period": 0.8037}}
@@ -375,7 +375,7 @@ def ends_well(simulation, until: float) -> None:
     except Diverged as stopped:
         assert "try" in str(stopped) or "t = " in str(stopped), stopped
         return
-    water = state(simulation)
+    water = particle_state(simulation)
     assert np.isfinite(water.position).all() and np.isfinite(water.velocity).all()
     low, up = simulation.basin.lower, simulation.basin.upper
     assert (water.position[:, 0] >= low[0]).all() and (water.position[:, 0] <= up[0]).all()

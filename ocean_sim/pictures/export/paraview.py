@@ -88,7 +88,7 @@ def export_surface(
     ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); every ship where she is; and once the
     boxes that stand in the water."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
-    drawn = {key: model.mesh for key, model in scene_file.models(grid).items()}
+    drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in shots(frames, grid, z_up):
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
         if len(shot.gates[0]) or "gates" in files:

@@ -16,7 +16,7 @@ from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
 from ocean_sim.pictures.export.wakes import Wakes, read
 from ocean_sim.pictures.frame_files import frame_files, ships_in
-from ocean_sim.pictures.ships.ship_model import Model, build_model
+from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.water.foam import coarser
 from ocean_sim.pictures.water.water_mesh import triangles
 
@@ -110,18 +110,9 @@ def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return (sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
-def models(grid: dict[str, np.ndarray]) -> dict[str, Model]:
+def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
     """Ships as they are drawn, by key."""
-    return {
-        key: build_model(
-            grid[f"{key}_vertices"],
-            grid[f"{key}_triangles"],
-            float(grid[f"{key}_submerged"]),
-            str(grid[f"{key}_look"]),
-            grid[f"{key}_helm"],
-        )
-        for key in ships_in(grid, "_look")
-    }
+    return {key: kept_model(grid, key) for key in ships_in(grid, "_look")}
 
 
 def blocks(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +164,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
             still(stone, sides.astype(np.int32).ravel(), Vt)
             stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
         bodies = {}
-        for key, model in models(grid).items():
+        for key, model in ship_models(grid).items():
             body = UsdGeom.Xform.Define(stage, f"/sea/{named(key)}")
             bodies[key] = body.AddTransformOp()
             corners = model.mesh.corners.reshape(-1, 3).astype(np.float32)
@@ -264,7 +255,7 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
         made.mesh("obstacles", boxes, sides, STONE)
     gates = {k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE) for k, kept in enumerate(shots) if len(kept.gates[0])}
     made.in_turn(gates, len(shots))
-    for key, model in models(grid).items():
+    for key, model in ship_models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         colour = np.repeat(model.mesh.colour, 3, axis=0)
         node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top
-from ocean_sim.pictures.ships.ship_model import Model, build_model
+from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
 from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
@@ -56,7 +56,7 @@ class PreviewScene:
         self.lengths = {name: self.models[name].length if name in self.models else 0.0 for name in drawn}  # [m]
         self.fastest = MIN_FASTEST_SPEED
 
-    def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> Model:
+    def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
         """The painted model of a ship on her hull."""
         ship, scene = self.simulation.ships[name], self.simulation.scene
         look = scene.ships[name].look(scene.preflight)

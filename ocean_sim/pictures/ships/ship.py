@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.pictures.ships import ship_glsl
-from ocean_sim.pictures.ships.ship_model import Model, build_model
+from ocean_sim.pictures.ships.ship_model import ShipModel
 from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
-from ocean_sim.pictures.stage.render_order import RenderFailed
 from ocean_sim.pictures.stage.sky import Sky
 from ocean_sim.pictures.water import water_glsl, water_shading
 from ocean_sim.pictures.water.water_shading import EXPOSURE, FOG
@@ -17,23 +16,10 @@ MIRROR_SHARE = 2  # pixels of the picture along each side of a pixel of the mirr
 MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
-def kept_model(grid: Any, key: str) -> Model:
-    """The model of a ship that frames keep under a key; raises RenderFailed."""
-    if f"{key}_look" not in grid:
-        raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
-    return build_model(
-        grid[f"{key}_vertices"],
-        grid[f"{key}_triangles"],
-        float(grid[f"{key}_submerged"]),
-        str(grid[f"{key}_look"]),
-        grid[f"{key}_helm"],
-    )
-
-
 class DrawnShip:
     """A model in the light of sun and sky, moved from frame to frame."""
 
-    def __init__(self, stage: Stage, model: Model) -> None:
+    def __init__(self, stage: Stage, model: ShipModel) -> None:
         mesh = model.mesh
         self.corners, self.normals = mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         self.paint, self.gloss = np.repeat(mesh.colour, 3, axis=0), np.repeat(mesh.gloss, 3)[:, None]
@@ -51,7 +37,7 @@ class DrawnShip:
 class ShadedShip:
     """A model in the light of a sea's sun and sky, pixel by pixel."""
 
-    def __init__(self, stage: Stage, model: Model, sky: Sky, above: dict[str, Any]) -> None:
+    def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any]) -> None:
         """`above`: the textures of the sky."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)

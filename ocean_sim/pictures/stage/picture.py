@@ -8,7 +8,8 @@ import numpy as np
 
 from ocean_sim.parts import key_of
 from ocean_sim.pictures.frame_files import Frame, Log, ships_in
-from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip, kept_model
+from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
+from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import antialiasing, overlays, sky
 from ocean_sim.pictures.stage.camera import Camera, Operator, Vessel
 from ocean_sim.pictures.stage.obstacles import Obstacles

@@ -10,7 +10,7 @@ from ocean_sim.basin.points import middles_of
 from ocean_sim.pictures.frame_files import Frame, ships_in
 from ocean_sim.pictures.ships import ship_glsl
 from ocean_sim.pictures.ships.ship import MIRROR_SHARE, Mirror, ShadedShip
-from ocean_sim.pictures.ships.ship_model import Model
+from ocean_sim.pictures.ships.ship_model import ShipModel
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.stage.camera import Vessel
 from ocean_sim.pictures.stage.plotter import Content, Stage
@@ -111,7 +111,7 @@ class Sea(Content):
         for name, value in zip(TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
-    def ship(self, model: Model) -> ShadedShip:
+    def ship(self, model: ShipModel) -> ShadedShip:
         """A ship in the light of this sea, not mirrored yet."""
         self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
         return self.ships[-1]

@@ -12,7 +12,7 @@ from ocean_sim.fluid import Fluid
 from ocean_sim.studies.shared.clocked import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked
 from ocean_sim.studies.shared.scene_run import plain
 from ocean_sim.validation import problems
-from ocean_sim.validation.shared.case import Problem
+from ocean_sim.validation.shared.case import Number, Problem, Promise
 
 MAX_REPEATS = 3  # runs at most; the median time of their parts counts
 SURFACE_FRAMES = WARM_UP_STEPS + 3 * BLOCK_STEPS * TIMED_PARTS  # by which a surface is timed
@@ -30,7 +30,7 @@ def ordered(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[st
 def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
     """A set-up by its name, and by the scheme where it is for some alone."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
-    return next(problem for problem in found if problem.under([scheme]))
+    return next(problem for problem in found if problem.schemes_for([scheme]))
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -55,7 +55,7 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
         try:
             found, reason = problem.measure(simulation).numbers, ""
         except Diverged as failure:
-            found, reason = {}, str(failure)
+            found, reason = [(None, None, None)] * len(problem.promises), str(failure)
         for _ in range(SURFACE_FRAMES if problem.slot == "surface" else 0):
             simulation.frame()
         fluid = simulation.fluid
@@ -67,14 +67,14 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
             "neighbours": neighbours(fluid),
             "time_step_s": simulation.cost()["time_step_s"],
             "threads": simulation.backend.threads,
-            "errors": [row(problem, order, promise, found.get(promise.quantity)) for promise in problem.promises],
+            "errors": [row(order, promise, number) for promise, number in zip(problem.promises, found, strict=True)],
             "costs": simulation.costs(),
         }
 
 
-def row(problem: Problem, order: dict[str, Any], promise: Any, numbers: Any) -> dict[str, Any]:
+def row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
     """The outcome of a promise."""
-    found = promise.row(order["case"], order["scheme"], *(numbers or (None, None, None)))
+    found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     return {key: found[key] for key in kept} | plain({key: found[key] for key in ("value", "reference", "error")})
 

@@ -1,1 +1,1 @@
-"""What the modules of `validation` share; none of it is a kind that a scene may name."""
+"""Modules shared by the cases of `validation`; none is a case."""

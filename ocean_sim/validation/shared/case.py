@@ -1,7 +1,7 @@
-"""What a case consists of, and how it is run under a scheme and judged."""
+"""A validation case: promised numbers, set-ups to run, and the verdict on a run under a scheme."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,41 +10,51 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.parts import kinds
 from ocean_sim.reading.scene import SceneConfig, load, observer_names
 from ocean_sim.simulation import Simulation
+from ocean_sim.validation.shared.tables import coarse_tolerances, too_long_for_gate
 
-KEYS = ("case", "scheme", "quantity", "value", "reference", "error", "unit", "tolerance", "ok", "source")
+ROW_KEYS = ("case", "scheme", "quantity", "value", "reference", "error", "unit", "tolerance", "ok", "source")
+COARSE_BASIS = "coarse: the measured error plus a quarter"
+
+Number = tuple[float | None, float | None, float | None]
+"""Value, reference and error of a promised quantity; None where it could not be measured or has no reference."""
 
 
 @dataclass(frozen=True)
 class Promise:
-    """A number to be measured: the unit of its error, the largest error of each scheme, and where both come from."""
+    """A number to be measured: the unit of its error, the largest error of each scheme, and their source."""
 
     quantity: str
     unit: str
     source: str
     tolerance: Mapping[str, float] = field(default_factory=dict)
-    """By scheme; a scheme that is not named is only reported."""
+    """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """One row of the table; what could not be measured misses its tolerance."""
+        """One row of the table; a number that could not be measured misses its tolerance."""
         tolerance = self.tolerance.get(scheme)
-        ok = tolerance is None or (error is not None and bool(abs(error) <= tolerance))
         numbers = {"value": value, "reference": reference, "error": error}
-        plain = {key: None if number is None else float(number) for key, number in numbers.items()}
-        return (
-            {"case": case, "scheme": scheme, "quantity": self.quantity}
-            | plain
-            | {
-                "unit": self.unit,
-                "tolerance": tolerance,
-                "ok": ok,
-                "source": self.source,
-            }
-        )
+        return {
+            "case": case,
+            "scheme": scheme,
+            "quantity": self.quantity,
+            **{key: None if number is None else float(number) for key, number in numbers.items()},
+            "unit": self.unit,
+            "tolerance": tolerance,
+            "ok": tolerance is None or (error is not None and bool(abs(error) <= tolerance)),
+            "source": self.source,
+        }
+
+    def coarsened(self, case: str) -> "Promise":
+        """The promise at coarse resolution, the fine one unless the table of coarse tolerances has its quantity."""
+        own = coarse_tolerances().get((case, self.quantity))
+        if own is None:
+            return self
+        return replace(self, tolerance={**self.tolerance, **own}, source=f"{self.source}; {COARSE_BASIS}")
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A line (or, where it is not one, points) of a plot."""
+    """A line of a plot, or its points."""
 
     label: str
     x: np.ndarray
@@ -54,9 +64,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a run showed: (value, reference, error) of each promised quantity, and the curves of its plot."""
+    """Results of a run: numbers in the order of the promises (none of a run that diverged), and curves to plot."""
 
-    numbers: Mapping[str, tuple[float | None, float | None, float | None]]
+    numbers: Sequence[Number]
     measured: list[Curve] = field(default_factory=list)
     expected: list[Curve] = field(default_factory=list)
     axes: tuple[str, str] = ("", "")
@@ -69,16 +79,16 @@ class Problem:
     scene: dict[str, Any]
     promises: tuple[Promise, ...]
     measure: Callable[[Simulation], Finding]
-    """Runs a simulation that has just been built, and looks at it."""
+    """Runs a simulation that has just been built, and measures it."""
     name: str = ""
-    """Which of several set-ups of its case."""
+    """Name of the set-up, if its case has several."""
     slow: bool = False
     slot: str = "fluid"
-    """What a scheme is a kind of."""
+    """Slot of the scene that the scheme is a kind of."""
     schemes: tuple[str, ...] = ("delta_sph",)
-    """Those that are run by default."""
+    """Schemes that run by default."""
     only: bool = False
-    """Whether no other scheme has what it is about."""
+    """True if no other scheme has the subject of the set-up."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
         """The scene under a scheme, without observers."""
@@ -86,22 +96,45 @@ class Problem:
         part = self.scene[self.slot] | {"kind": scheme}
         return load(self.scene | quiet | {self.slot: part}, dict(overrides or {}))
 
-    def under(self, asked: list[str]) -> list[str]:
-        """The schemes to run: of those asked for the ones that fit, else its own; a ship's case knows which fit it."""
+    def schemes_for(self, asked: list[str]) -> list[str]:
+        """The fitting ones of the schemes asked for, or the set-up's own if none are asked for."""
         fitting = kinds("fluid") if self.slot == "fluid" and not self.only else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """The rows of the table and what they were read from; a run that diverged gives rows that say so."""
+        """The rows of the table and the finding behind them; the rows of a run that diverged say so."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
         except Diverged as failure:
             missing = [promise.row(case, scheme, None, None, None) for promise in self.promises]
-            return [row | {"source": f"{row['source']}; the run diverged: {failure}"} for row in missing], Finding({})
-        return [promise.row(case, scheme, *found.numbers[promise.quantity]) for promise in self.promises], found
+            return [row | {"source": f"{row['source']}; the run diverged: {failure}"} for row in missing], Finding(())
+        pairs = zip(self.promises, found.numbers, strict=True)
+        return [promise.row(case, scheme, *number) for promise, number in pairs], found
+
+    def coarsened(self, case: str) -> "Problem":
+        """The coarse set-up with its own tolerances; slow if a gate has no time for it or it has none to judge."""
+        promises = tuple(promise.coarsened(case) for promise in self.promises)
+        judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
+        slow = self.slow or not judged or (case, self.name) in too_long_for_gate()
+        return replace(self, promises=promises, slow=slow)
 
 
-def relative(value: float, reference: float) -> tuple[float, float, float]:
+def percent_error(value: float, reference: float) -> Number:
     """Value, reference and error [%]."""
     return value, reference, 100.0 * (value / reference - 1.0)
+
+
+def absolute_error(value: float, reference: float = 0.0) -> Number:
+    """Value, reference and their difference."""
+    return value, reference, value - reference
+
+
+def reported(value: float) -> Number:
+    """A value without reference."""
+    return value, None, None
+
+
+def free_space(length: float, depth: float) -> dict[str, Any]:
+    """A basin [m] without gravity, walls or floor."""
+    return {"length": length, "depth": depth, "gravity": [0.0, 0.0, 0.0], "walls": "none", "floor": "none"}

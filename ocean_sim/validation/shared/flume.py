@@ -4,34 +4,72 @@ from typing import Any
 
 import numpy as np
 
+from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.state import sampled
+from ocean_sim.validation.shared.state import sampled_states
+
+FREQUENCY_DENSITY = 1.25  # fitted frequencies over those of a record's length: waves enter and leave during it
+MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the records could hold
 
 
-def scene(length: float, depth: float, spacing: float, duration: float, waves: dict[str, Any]) -> dict[str, Any]:
-    """So long and deep [m], its particles so far apart [m], for a duration [s]; `waves` are keys of the wavemaker."""
+def flume_scene(length: float, depth: float, spacing: float, duration: float, piston: dict[str, Any]) -> dict[str, Any]:
+    """Scene of a length, depth and spacing [m] and a duration [s]; `piston` has keys of the wavemaker."""
     return {
         "duration": duration,
         "basin": {
             "length": length,
             "depth": depth,
             "walls": {"x_max": "absorbing"},
-            "wavemaker": {"wall": "x_min", **waves},
+            "wavemaker": {"wall": "x_min", **piston},
         },
         "fluid": {"spacing": spacing, "kinematic_viscosity": 1e-6},
     }
 
 
-def records(simulation: Simulation, points: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) times [s], about so far apart [s], and (n, m) elevations [m] at (m, 2) points x, z [m]."""
+def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s], about `every` [s] apart, and elevations (n, m) [m] at points (m, 2) x, z [m]."""
     times, elevation = [], []
-    for water in sampled(simulation, simulation.scene.duration, every):
+    for water in sampled_states(simulation, simulation.scene.duration, every):
         times.append(water.time)
         elevation.append(simulation.fluid.elevations(points))
     return np.array(times), np.array(elevation)
 
 
-def resampled(times: np.ndarray, elevation: np.ndarray, begin: float, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """The same at even times from `begin` on [s]."""
+def resample_evenly(
+    times: np.ndarray, elevation: np.ndarray, begin: float, every: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Interpolate records (n, m) to even times (k,) [s] from `begin` [s] on: the times, and records (k, m)."""
     even = np.arange(begin, times[-1], every)
     return even, np.stack([np.interp(even, times, column) for column in elevation.T], axis=1)
+
+
+def reflection_ratio(
+    every: float, elevation: np.ndarray, positions: np.ndarray, depth: float, band: tuple[float, float]
+) -> float:
+    """Height of the reflected waves over that of the incident ones, from records (n, m) at positions (m,) [m] along the
+    waves, in a band of frequencies [Hz].
+
+    Waves of the dispersion relation that run both ways are fitted to all records at once, by least squares in space and
+    time (three gauges of Mansard & Funke 1980, ICCE, without their Fourier transform): the spectra of records that end
+    differ from gauge to gauge, which looks like 2.5 % of reflection in 20 periods. This finds 0.2 % where none is.
+    """
+    n, m = elevation.shape
+    time = every * np.arange(n)
+    frequency = np.arange(*band, 1.0 / (FREQUENCY_DENSITY * time[-1]))
+    omega = 2.0 * np.pi * frequency
+    k = waves.wavenumber(omega, depth)
+
+    def wave_columns(x: np.ndarray, way: float) -> np.ndarray:
+        """Columns (n * len(x), 2 * frequencies) of waves that run up the positions, or down (`way` -1)."""
+        angle = way * np.outer(x, k)[None] - np.outer(time, omega)[:, None]
+        return np.concatenate([np.cos(angle), np.sin(angle)], axis=2).reshape(n * len(x), -1)
+
+    ahead, astern = wave_columns(positions, 1.0), wave_columns(positions, -1.0)
+    both = np.concatenate([ahead, astern], axis=1)
+    products = both.T @ both + MIN_FIT_SHARE**2 * 0.5 * n * m * np.eye(both.shape[1])
+    found = np.linalg.solve(products, both.T @ (elevation - elevation.mean(axis=0)).ravel())
+    # Leave out the ends of the record, which are known from one side alone.
+    middle, inner = np.array([positions.mean()]), slice(n // 12, -(n // 12))
+    there = wave_columns(middle, 1.0) @ found[: ahead.shape[1]]
+    back = wave_columns(middle, -1.0) @ found[ahead.shape[1] :]
+    return float(back[inner].std() / there[inner].std())

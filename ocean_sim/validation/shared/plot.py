@@ -1,4 +1,4 @@
-"""One picture a case: what was measured over what was expected, a panel for each of its set-ups."""
+"""One picture a case: measured over expected curves, a panel for each of its set-ups."""
 
 from math import ceil
 from pathlib import Path
@@ -7,19 +7,19 @@ from typing import Any
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
-ACROSS = 4  # panels in a row
-LINES, MARKERS = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
+PANELS_IN_ROW = 4
+LINE_STYLES, MARKER_STYLES = ("-", "--", ":", "-."), (".", "^", "s", "x", "+")
 
 
 def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> None:
-    """Runs of one case, (set-up, scheme, what it showed); a run that diverged leaves its panel to the others, and a
-    set-up that has numbers and no curve has none. There may be no panel, and then there is no picture."""
+    """Draw the runs of one case, (set-up, scheme, finding). A run that diverged leaves its panel to the others; a
+    set-up with numbers and no curve has no panel, and a case without panels has no picture."""
     from matplotlib.figure import Figure
 
     panels = list(dict.fromkeys(problem.name for problem, _, found in runs if found.measured or not found.numbers))
     if not panels:
         return
-    across = min(len(panels), ACROSS)
+    across = min(len(panels), PANELS_IN_ROW)
     down = ceil(len(panels) / across)
     schemes = list(dict.fromkeys(scheme for _, scheme, _ in runs))
     figure = Figure(figsize=(6.4 * across, 4.8 * down), layout="constrained")
@@ -28,13 +28,13 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
         here = [(scheme, found) for problem, scheme, found in runs if problem.name == name]
         for scheme, found in here:
             for n, curve in enumerate(found.measured):
-                plotted(axes, curve, f"{scheme}: {curve.label}", f"C{schemes.index(scheme)}", n)
+                plot_curve(axes, curve, f"{scheme}: {curve.label}", f"C{schemes.index(scheme)}", n)
         shown = next((found for _, found in here if found.measured), None)
         if shown is None:
             axes.text(0.5, 0.5, "diverged", ha="center", transform=axes.transAxes)
         else:
             for n, curve in enumerate(shown.expected):
-                plotted(axes, curve, curve.label, "black", n)
+                plot_curve(axes, curve, curve.label, "black", n)
             axes.set_xlabel(shown.axes[0])
             axes.set_ylabel(shown.axes[1])
             axes.legend(fontsize="x-small")
@@ -44,8 +44,8 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
         figure.savefig(draft, dpi=100)
 
 
-def plotted(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
-    """A line, or points; the n-th of its colour."""
-    dots = {"linestyle": "none", "marker": MARKERS[n % len(MARKERS)], "markersize": 3}
-    line = {"linestyle": LINES[n % len(LINES)], "linewidth": 1.2}
+def plot_curve(axes: Any, curve: Curve, label: str, colour: str, n: int) -> None:
+    """Plot a line or points, with the n-th style of a colour."""
+    dots = {"linestyle": "none", "marker": MARKER_STYLES[n % len(MARKER_STYLES)], "markersize": 3}
+    line = {"linestyle": LINE_STYLES[n % len(LINE_STYLES)], "linewidth": 1.2}
     axes.plot(curve.x, curve.y, label=label, color=colour, **(dots if curve.points else line))

@@ -1,21 +1,21 @@
-"""A tile of open sea: its scene, and what is measured on its waves."""
+"""A tile of open sea: its scene, and waves on it."""
 
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 
 if TYPE_CHECKING:
     from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
     from ocean_sim.fluid.spectral_sea import SpectralSea
 
-SCHEMES = ("spectral_sea",)
-G = 9.81
+SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
-def scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Calm water, or what `keys` of the fluid ask for."""
+def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
+    """Scene of a tile of a side [m] and a number of cells along it; calm water unless `keys` of the fluid say more."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -26,34 +26,34 @@ def scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, *
 
 
 def sea_of(simulation: Simulation) -> "SpectralSea":
-    """The water of a scene that has this kind."""
+    """The water of a simulation under `spectral_sea`."""
     return cast("SpectralSea", simulation.fluid)
 
 
-def image(tile: "Tile", centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x (cells, 1) and z (1, rows) of each cell from a centre (2,) [m], by its nearest image."""
+def nearest_image(tile: "Tile", centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x (cells, 1) and z (1, rows) [m] of the nearest image of each cell, from a centre (2,) [m]."""
     x, z = tile.nodes()
     dx, dz = x - centre[0], z - centre[1]
     return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
 
 
-def risen(share: float) -> float:
-    """From 0 to 1 without a jump in speed, for a share from 0; 1 beyond 1."""
+def smooth_ramp(share: float) -> float:
+    """Ramp from 0 to 1 without a jump in speed, over a share from 0 to 1; 1 beyond."""
     part = min(1.0, share)
     return part**2 * (3.0 - 2.0 * part)
 
 
-def going(layer: "Layer", eta: np.ndarray) -> None:
-    """Make an elevation (cells, rows) travel towards +x."""
+def travel_ahead(layer: "Layer", eta: np.ndarray) -> None:
+    """Set an elevation (cells, rows) [m] of a layer and the potential with which it travels towards +x."""
     tile = layer.tile
     e, omega = tile.waves(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
     layer.eta = tile.values(e)
     layer.phi = tile.values(-1j * np.sign(tile.kx) * tile.gravity / omega * e)
 
 
-def stokes(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def stokes_wave(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Elevation [m] and surface potential [m2/s] of a deep-water wave of height 2 steepness / k with a crest at x = 0,
-    and its speed [m/s]: Stokes's series to the fifth order as Fenton has it (1985, J. Waterway 111)."""
+    and its speed [m/s]: Stokes's series to the fifth order after Fenton (1985, J. Waterway 111)."""
     s, angle = steepness, k * x
     first = s - 0.375 * s**3 - 422.0 / 384.0 * s**5
     second, third = 0.5 * s**2 + s**4 / 3.0, 0.375 * s**3 + 297.0 / 384.0 * s**5
@@ -61,4 +61,4 @@ def stokes(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.nd
     eta += s**4 / 3.0 * np.cos(4.0 * angle) + 125.0 / 384.0 * s**5 * np.cos(5.0 * angle)
     phi = (s - 0.5 * s**3 - 37.0 / 24.0 * s**5) * np.exp(eta) * np.sin(angle)
     phi += 0.5 * s**4 * np.exp(2.0 * eta) * np.sin(2.0 * angle) + s**5 / 12.0 * np.exp(3.0 * eta) * np.sin(3.0 * angle)
-    return eta / k, np.sqrt(G / k**3) * phi, float(np.sqrt(G / k) * (1.0 + 0.5 * s**2 + 0.125 * s**4))
+    return eta / k, np.sqrt(GRAVITY / k**3) * phi, float(np.sqrt(GRAVITY / k) * (1.0 + 0.5 * s**2 + 0.125 * s**4))

@@ -1,4 +1,4 @@
-"""A ship in water in closed form: scenes, and setting the ship's state by hand."""
+"""Scenes of a ship in closed-form waves, and access to the state of the ship."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,13 +15,12 @@ if TYPE_CHECKING:
     from ocean_sim.ship.body.floating_ship import FloatingShip
     from ocean_sim.ship.body.rigid_body import RigidBody
 
-G, DENSITY = 9.81, 1000.0
-CORNERS = 8  # of a bilge
-OF_WATER = compared("ship")
+BILGE_CORNERS = 8
+COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
-    """A scene of a ship on a wide and deep sea; calm where no waves are given."""
+    """Scene of a ship of a size [m] on a wide and deep sea, calm unless `waves` are given; step and duration [s]."""
     return {
         "duration": duration,
         "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
@@ -32,12 +31,12 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
     }
 
 
-def section(
+def ship_of_section(
     breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
 ) -> dict[str, Any]:
-    """A ship of one section with round bilges, so high over its keel [m], from a bow to a stern that are flat; its mass
-    [kg] lies kg [m] over the keel."""
-    angles, inner = np.linspace(0.0, pi / 2.0, CORNERS + 1), breadth / 2.0 - bilge
+    """Keys of a ship of one section with round bilges and flat ends: breadth, height over the keel, bilge radius and
+    length [m], mass [kg], height `kg` of its centre over the keel and radius of roll inertia [m]."""
+    angles, inner = np.linspace(0.0, pi / 2.0, BILGE_CORNERS + 1), breadth / 2.0 - bilge
     side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
     points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
     long = mass * (length**2 + height**2) / 12.0
@@ -53,63 +52,63 @@ def section(
 
 
 def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
-    """(k,) amplitudes of records (n, k) over times (n,) [s] at a frequency [rad/s], beside a mean and a trend."""
+    """Amplitudes (k,) of records (n, k) over times (n,) [s] at a frequency [rad/s], fitted with a mean and a trend."""
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
     return np.hypot(fit[0], fit[1])
 
 
 def ship_of(simulation: Simulation) -> "Ship":
-    """The ship of a scene that has one."""
+    """The ship `ship` of a simulation."""
     return simulation.ships["ship"]
 
 
-def floating(simulation: Simulation) -> "FloatingShip":
-    """The ship of a scene that has one of a kind that floats by its volume."""
+def floating_ship(simulation: Simulation) -> "FloatingShip":
+    """The ship `ship`, of a kind that floats by its volume."""
     return cast("FloatingShip", simulation.ships["ship"])
 
 
-def pose(simulation: Simulation, **changes: Any) -> None:
-    """Replace parts of the ship's state; its momentum is 0 unless given."""
+def set_pose(simulation: Simulation, **changes: Any) -> None:
+    """Replace parts of the state of the ship's body; its momentum is 0 unless given."""
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
 
 
-def acting(simulation: Simulation) -> "Load":
-    """The load on the ship where it is."""
+def current_load(simulation: Simulation) -> "Load":
+    """Load on the ship in its present pose."""
     surface = simulation.surface or simulation.fluid
     return ship_of(simulation).load(simulation.wind_on_ship, simulation.fluid, surface)
 
 
-def balanced(simulation: Simulation, orientation: np.ndarray) -> "Load":
-    """The load at an orientation, where weight and buoyancy balance, and the ship there."""
-    ship = floating(simulation)
-    assert ship.shape is not None
-    span = float(np.linalg.norm(np.ptp(ship.shape.bounds(), axis=0)))
+def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
+    """Put the ship at an orientation, at the height where weight and buoyancy balance; the load there."""
+    shape = floating_ship(simulation).shape
+    assert shape is not None
+    span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))
     low, high = -span, span
     for _ in range(40):
         middle = 0.5 * (low + high)
-        pose(simulation, position=np.array([0.0, middle, 0.0]), orientation=orientation)
-        load = acting(simulation)
+        set_pose(simulation, position=np.array([0.0, middle, 0.0]), orientation=orientation)
+        load = current_load(simulation)
         low, high = (middle, high) if load.force[1] > 0.0 else (low, middle)
     return load
 
 
-def turned(axis: int, degrees: float) -> np.ndarray:
-    """Quaternion of a turn about x, y or z."""
+def turn_quaternion(axis: int, degrees: float) -> np.ndarray:
+    """Quaternion of a turn [deg] about axis 0 (x), 1 (y) or 2 (z)."""
     half = np.radians(degrees) / 2.0
     return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
 
 
-def track(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
-    """Time and body after every step."""
+def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
+    """Run, and yield time [s] and body after every step."""
     while simulation.time < until:
         simulation.step()
         yield simulation.time, ship_of(simulation).body
 
 
-def period_of(times: np.ndarray, values: np.ndarray) -> float:
+def zero_crossing_period(times: np.ndarray, values: np.ndarray) -> float:
     """Twice the mean time between crossings of zero [s]."""
     k = np.flatnonzero(values[1:] * values[:-1] < 0.0)
     crossings = times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1])

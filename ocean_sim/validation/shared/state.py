@@ -11,7 +11,7 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.simulation import Simulation
 
-SHAKE = 501  # stream of the random numbers that disturb a lattice
+SHIFT_STREAM = 501  # of the random numbers that disturb a lattice
 
 
 @dataclass(frozen=True)
@@ -28,28 +28,28 @@ class State:
 
     @property
     def kinetic_energy(self) -> float:
-        """[J]"""
+        """Kinetic energy [J]."""
         return 0.5 * self.mass * float((self.velocity**2).sum())
 
     @property
     def momentum(self) -> np.ndarray:
-        """(3,) [N s], summed exactly: the rest of a momentum that cancels is far below the rounding of a plain sum."""
+        """Momentum (3,) [N s], summed exactly: a plain sum would round off more than a momentum that cancels leaves."""
         return self.mass * np.array([fsum(component) for component in self.velocity.T])
 
     @property
     def angular_momentum(self) -> float:
-        """About z [N m s]."""
+        """Angular momentum about z [N m s]."""
         x, v = self.position, self.velocity
         return self.mass * fsum(x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0])
 
     @property
     def max_speed(self) -> float:
-        """[m/s]"""
+        """Largest speed [m/s]."""
         return float(np.sqrt((self.velocity**2).sum(axis=1).max()))
 
 
-def state(simulation: Simulation) -> State:
-    """The particles now."""
+def particle_state(simulation: Simulation) -> State:
+    """State of all particles now."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = np.argsort(particles.id.to_numpy())
@@ -61,7 +61,7 @@ def state(simulation: Simulation) -> State:
 def set_state(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
-    """Start from positions, velocities and, where a scheme steps its density, pressures, in the order of the ids."""
+    """Restart from positions, velocities and, if a scheme steps its density, pressures, in the order of the ids."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = particles.id.to_numpy()
@@ -73,18 +73,18 @@ def set_state(
     simulation.next_dt = simulation.time_step.next(simulation.fluid)
 
 
-def shaken(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Vectors for the particles at these positions: random within a cube of half-width `size`, flat in 2-D."""
-    random = size * numpy_uniform3(simulation.scene.seed, SHAKE, np.arange(len(at)), 0)
+def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
+    """Random vectors (n, 3) for particles at positions (n, 3), within a cube of half-width `size`; flat in 2-D."""
+    random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random
 
 
-def sampled(simulation: Simulation, until: float, every: float) -> Iterator[State]:
-    """The state now and about every `every` seconds; raises Diverged where it is no longer finite."""
-    yield state(simulation)
+def sampled_states(simulation: Simulation, until: float, every: float) -> Iterator[State]:
+    """The state now and about every `every` seconds; raises Diverged once it is no longer finite."""
+    yield particle_state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):
         simulation.run(until=float(moment))
         if not simulation.fluid.status.finite:
             raise Diverged(f"velocities or densities are not finite; t = {simulation.time:.4g} s")
-        yield state(simulation)
+        yield particle_state(simulation)

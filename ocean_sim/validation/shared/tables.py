@@ -1,5 +1,9 @@
-"""Reference tables of `data/`; the comment lines at the head of each give its source."""
+"""Tables of `data/`: references, and tolerances at coarse resolution. The comments at the head of each name its source.
 
+Coarse set-ups are for a gate that shows changes within a minute or two.
+"""
+
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,3 +19,19 @@ def table_path(name: str) -> Path:
 def table(name: str) -> dict[str, np.ndarray]:
     """The columns of data/<name>.csv."""
     return csv_file.Table(table_path(name))
+
+
+@cache
+def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
+    """Tolerances of each scheme that misses its fine one at coarse resolution, by case and quantity."""
+    found: dict[tuple[str, str], dict[str, float]] = {}
+    for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
+        found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
+    return found
+
+
+@cache
+def too_long_for_gate() -> dict[tuple[str, str], float]:
+    """Processor time [s], kernels in the cache, of the set-ups too long for a gate, by case and set-up."""
+    rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
+    return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

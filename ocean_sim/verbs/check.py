@@ -129,7 +129,7 @@ def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
     into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
     nothing, into CARD_BYTES."""
-    from ocean_sim.runtime import BASE_MEMORY, COPIES, GRAPHICS_CARD_CHOICES
+    from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
@@ -141,7 +141,7 @@ def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str
     if config.runtime.arch not in GRAPHICS_CARD_CHOICES:
         seen = sum(part.bytes_a_particle(config.preflight) for part in config.observers.values())
         free = 0.9 * machine.memory_limit() - others - (watched - seen * particles) - BASE_MEMORY
-        taken = each + COPIES + seen
+        taken = each + COPY_BYTES_PER_PARTICLE + seen
     most = min(int(free / taken), config.fluid.most_particles(config.preflight))
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 

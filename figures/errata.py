@@ -24,9 +24,9 @@ from ocean_sim.pictures.water.water_shading import REFRACTIVE_INDEX, fresnel
 from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.reading.scene import load
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.body.rigid_body import RigidBody, advanced, angles, oriented
+from ocean_sim.ship.body.rigid_body import RigidBody, advance_body, euler_angles, euler_quaternion
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.naval.hydrostatics import UP
+from ocean_sim.ship.naval.hydrostatics import UPRIGHT
 from ocean_sim.simulation import Simulation
 from ocean_sim.surface import sheet
 from ocean_sim.wind.shared.air_load import drag, drag_coefficient, lift, stress
@@ -175,7 +175,7 @@ def rigid(force: np.ndarray, torque: np.ndarray, steps: int) -> RigidBody:
     none = np.zeros(3)
     body = RigidBody(1.0, np.diag([1.0, 2.0, 3.0]), none, np.array([1.0, 0.0, 0.0, 0.0]), none, none)
     for _ in range(steps):
-        body = advanced(body, force, torque, STEP)
+        body = advance_body(body, force, torque, STEP)
     return body
 
 
@@ -364,9 +364,9 @@ def of_the_ship() -> list[Erratum]:
     side, place = PARTICLES[0] * SPACING, (10.3, 0.2)
     across = np.linspace(side / 2.0, -side / 2.0, NODES)
     heights = np.tile(0.1 * across, (NODES, 1))
-    still = hull_of("barge20").afloat(16.0, WATER_DENSITY, GRAVITY)
+    still = hull_of("barge20").in_still_water(16.0, WATER_DENSITY, GRAVITY)
     weight, area, deep = still.density * GRAVITY, 20.0 * 8.0, 5.0
-    turned = degrees(angles(oriented(0.0, radians(10.0), 0.0))[1])
+    turned = degrees(euler_angles(euler_quaternion(0.0, radians(10.0), 0.0))[1])
     none, metre = np.zeros(3), 1.0
     return [
         erratum(
@@ -393,7 +393,7 @@ def of_the_ship() -> list[Erratum]:
             "N",
             -WATER_DENSITY * 320.0,
             320.0e3 * GRAVITY,
-            weight * float(still.wet(UP, still.level(UP)).sum()),
+            weight * float(still.wet_volumes(UPRIGHT, still.water_level(UPRIGHT)).sum()),
             "the text leaves gravity out, and what floats is pushed up",
         ),
         erratum(
@@ -402,7 +402,7 @@ def of_the_ship() -> list[Erratum]:
             "N",
             weight * area * deep,
             weight * area * 4.0,
-            weight * float(still.wet(UP, deep).sum()),
+            weight * float(still.wet_volumes(UPRIGHT, deep).sum()),
             "the columns of water over the bottom are not cut at the deck",
         ),
         erratum(

@@ -12,7 +12,7 @@ import numpy as np
 from _options import options
 from _paper import keep, paper
 
-from ocean_sim.surface.shared.isosurface import CORNERS, EDGES, MIDDLES, table
+from ocean_sim.surface.shared.isosurface import CORNERS, EDGE_MIDDLES, EDGES, case_table
 
 WATER, SKIN = "#0b4f6c", "#7fb7d6"
 
@@ -49,7 +49,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
             axes.plot(*CORNERS[list(edge)].T[[0, 2, 1]], color="#999", lw=0.8)
         wet = CORNERS[[c for c in range(8) if case >> c & 1]]
         axes.scatter(*wet.T[[0, 2, 1]], color=WATER, s=40.0, depthshade=False)
-        corners = MIDDLES[cuts[case, : 3 * counts[case]]].reshape(-1, 3, 3)[..., [0, 2, 1]]
+        corners = EDGE_MIDDLES[cuts[case, : 3 * counts[case]]].reshape(-1, 3, 3)[..., [0, 2, 1]]
         axes.add_collection3d(Poly3DCollection(corners, facecolor=SKIN, edgecolor=WATER, alpha=0.8))
         axes.set_title(f"case {case}, {alike} alike", fontsize=9, loc="center")
         axes.set(xlim=(0, 1), ylim=(0, 1), zlim=(0, 1))
@@ -61,7 +61,7 @@ def drawn(found: dict[int, int], counts: np.ndarray, cuts: np.ndarray, path: Pat
 
 def main() -> None:
     out = options(__doc__).out
-    found, (counts, cuts, ambiguous) = patterns(), table()
+    found, (counts, cuts, ambiguous) = patterns(), case_table()
     with (out / "fig3_2.csv").open("w", newline="", encoding="utf-8") as file:
         file.write("# corner c lies at (c & 1, c >> 1 & 1, c >> 2 & 1); edges by their corners\n")
         writer = csv.writer(file)

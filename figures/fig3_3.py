@@ -9,10 +9,10 @@ import numpy as np
 from _options import options
 from _paper import BLUE, GREEN, INK, RED, keep, paper, table
 
-from ocean_sim.surface.cloth import BEND, SHEAR, STRETCH
+from ocean_sim.surface.cloth import BEND_STEPS, SHEAR_STEPS, STRETCH_STEPS
 
 NX, NZ = 5, 4
-KINDS = {"stretch": STRETCH, "shear": SHEAR, "bend": BEND}
+KINDS = {"stretch": STRETCH_STEPS, "shear": SHEAR_STEPS, "bend": BEND_STEPS}
 COLOURS = {"stretch": BLUE, "shear": RED, "bend": GREEN}
 
 

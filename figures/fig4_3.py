@@ -14,9 +14,9 @@ from _options import options
 from _paper import BLUE, GREEN, INK, ORANGE, RED, keep, paper, table
 
 from ocean_sim.conventions import Motions, to_frame
-from ocean_sim.ship.body.rigid_body import matrix, oriented
+from ocean_sim.ship.body.rigid_body import euler_quaternion, rotation_matrix
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.hull.shapes import drawn as drawn_hull
+from ocean_sim.ship.hull.shapes import drawn_mesh as drawn_hull
 
 HULL, SHIFT, TURN = "yacht", 2.0, 15.0  # [m], [deg]
 COLOURS = (RED, GREEN, BLUE)  # of x, y, z
@@ -36,7 +36,7 @@ def moved(motion: int, points: np.ndarray, centre: np.ndarray) -> np.ndarray:
         shift[motion] = SHIFT
     else:
         turn[motion - 3] = np.radians(TURN)
-    return (points - centre) @ matrix(oriented(*turn)).T + shift
+    return (points - centre) @ rotation_matrix(euler_quaternion(*turn)).T + shift
 
 
 def seen(points: np.ndarray) -> np.ndarray:
@@ -95,7 +95,7 @@ def turning(axes: Any, axis: int, radius: float, at: float) -> None:
     )
 
 
-def drawn(points: np.ndarray, triangles: np.ndarray, centre: np.ndarray, path: Path) -> None:
+def drawn_mesh(points: np.ndarray, triangles: np.ndarray, centre: np.ndarray, path: Path) -> None:
     """The axes on the hull at rest; next to it every motion, the hull at rest behind it."""
     figure = paper(14.0, 6.4)
     grid = figure.add_gridspec(2, 5, width_ratios=(1.0, 1.0, 1.0, 1.0, 1.0))
@@ -137,7 +137,7 @@ def main() -> None:
     ]
     columns = ["motion", "axis", "by", "unit", "place", "x_m", "y_m", "z_m", "ned_x", "ned_y", "ned_z"]
     table(out / "fig4_3.csv", head, columns, rows)
-    drawn(points, triangles, centre, out / "fig4_3.png")
+    drawn_mesh(points, triangles, centre, out / "fig4_3.png")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from _options import options
 from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.naval.hydrostatics import UP, Hydrostatics
+from ocean_sim.ship.naval.hydrostatics import UPRIGHT, Hydrostatics
 
 HULL, DENSITY, GRAVITY = "yacht", 1000.0, 9.81  # [kg/m3], [m/s2]
 FEW, CELLS = 3.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # cubes over the draught: of the picture, of the curve
@@ -112,15 +112,15 @@ def drawn(still: Hydrostatics, share: np.ndarray, curve: list[tuple], path: Path
 def main() -> None:
     out = options(__doc__).out
     hull = hull_of(HULL)
-    finest = hull.afloat(24.0, DENSITY, GRAVITY)
-    level = finest.level(UP)
-    still = hull.afloat(FEW, DENSITY, GRAVITY)
-    share = still.shares(UP, still.level(UP))
-    carried = DENSITY * GRAVITY * still.wet(UP, still.level(UP))
+    finest = hull.in_still_water(24.0, DENSITY, GRAVITY)
+    level = finest.water_level(UPRIGHT)
+    still = hull.in_still_water(FEW, DENSITY, GRAVITY)
+    share = still.wet_shares(UPRIGHT, still.water_level(UPRIGHT))
+    carried = DENSITY * GRAVITY * still.wet_volumes(UPRIGHT, still.water_level(UPRIGHT))
     curve = []
     for cells in CELLS:
-        each = hull.afloat(cells, DENSITY, GRAVITY)
-        lift = DENSITY * float(each.wet(UP, level).sum()) / each.matter.mass
+        each = hull.in_still_water(cells, DENSITY, GRAVITY)
+        lift = DENSITY * float(each.wet_volumes(UPRIGHT, level).sum()) / each.matter.mass
         centre = cells_of(hull, each)
         whole = each.voxels.size.prod() * (each.voxels.share >= 0.5) * (centre < level)
         plain = DENSITY * float(whole.sum()) / each.matter.mass

@@ -52,7 +52,7 @@ def flying_edges(cubes: MarchingCubes) -> Callable[[], Any]:
     nodes = cubes.nodes
     origin = tuple(np.array(nodes.lower) - 0.5 * np.array(nodes.width))
     image = pyvista.ImageData(dimensions=nodes.shape, spacing=nodes.width, origin=origin)
-    values = cubes.isosurface.rows.spread(cubes.isosurface.value.to_numpy()).ravel()
+    values = cubes.isosurface.rows.spread_values(cubes.isosurface.value.to_numpy()).ravel()
     return lambda: image.contour([0.0], values, method="flying_edges")
 
 

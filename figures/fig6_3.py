@@ -27,7 +27,7 @@ from _paper import BLUE, INK, ORANGE, PALE, keep, paper, table
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.waves.orbits import circulation
-from ocean_sim.waves.record import evenly, zero_crossing_waves
+from ocean_sim.waves.record import even_samples, zero_crossing_waves
 from ocean_sim.wind import Drawing
 
 SETTLED, LASTS = 5.0, 15.0  # [s]
@@ -36,7 +36,11 @@ PRESETS = ("noise_only", "narrow", "wide", "vortex", "calm", "breeze", "gale", "
 SPECTRAL = {"kind": "spectral_sea", "tile": 80.0, "cells": 64}  # 1.25 m
 PRINTED = {"noise_only": "(a) ", "narrow": "(b) ", "wide": "(c) ", "vortex": "(d) "}
 FETCH, FETCHES, BEACH = "fetch [m]", (20.0, 40.0, 80.0), 40.0  # [m]
-GUST_SPEED, GUST_GAP, STEADY = 8.0, 40.0, 18.0  # [m/s], [m] from gust to gust, [s] when the first have passed
+GUST_SPEED, GUST_GAP, MIN_IRREGULAR_WAVES = (
+    8.0,
+    40.0,
+    18.0,
+)  # [m/s], [m] from gust to gust, [s] when the first have passed
 SLICE = {"kind": "delta_sph", "spacing": 1.25, "kinematic_viscosity": 1.0}
 COUNTED = 20  # waves of all gauges from which a period is told in a picture
 WEAK, LONGEST, TOP = 0.15, 9.0, 2.0  # arrows of which there are crosses instead; the longest [m]; how high they are [m]
@@ -149,7 +153,7 @@ def fetched(fetch: float, blowing: bool, seed: int, lasts: float) -> Waves:
     with Simulation(load(scene)) as simulation:
         while simulation.time < lasts:
             simulation.run(until=simulation.time + 0.1)
-            if simulation.time >= min(STEADY, 0.5 * lasts):
+            if simulation.time >= min(MIN_IRREGULAR_WAVES, 0.5 * lasts):
                 times.append(simulation.time)
                 heights.append(simulation.fluid.elevations(gauges))
     return Waves(*heights_of(times, heights), float("nan"))
@@ -173,7 +177,7 @@ def heights_of(times: list[float], heights: list[np.ndarray]) -> tuple[float, fl
 
 def level(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     """A record at equal intervals [s], less its mean [m]."""
-    interval, even = evenly(time, height)
+    interval, even = even_samples(time, height)
     return interval, even - even.mean()
 
 

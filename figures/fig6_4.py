@@ -21,9 +21,9 @@ from _options import options, progress
 from _paper import BLUE, INK, ORANGE, PALE, RED, keep, paper, table
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.foam import monahan, shares
+from ocean_sim.pictures.water.foam import monahan_cover, white_shares
 from ocean_sim.random_numbers import numpy_uniform
-from ocean_sim.waves import COMPONENTS, Components, Spectrum, wavenumber
+from ocean_sim.waves import SPECTRUM_WAVES, Components, Spectrum, wavenumber
 
 WINDS, SHOWN = np.arange(4.0, 25.0, 1.0), (7.0, 10.0, 15.0, 20.0)  # [m/s]
 PHILLIPS, PEAK = 0.0081, 0.13  # of the spectrum; peak frequency times wind over g
@@ -86,7 +86,7 @@ def seen(winds: Sequence[float], size: tuple[int, int]) -> tuple[np.ndarray, np.
         for wind in winds:
             waves = spreading(wind, SHORTEST_SEEN)
             folder = still_sea(waves, PATCH, Path(place, f"{wind:g}"))
-            given.append({"folder": str(folder), "foam_cover": monahan(wind)})
+            given.append({"folder": str(folder), "foam_cover": monahan_cover(wind)})
         view = VIEW | {"size": size, "quality": "draft" if size[0] < 500 else "final"}
         pictures = shots(Path(given[0]["folder"]), 0.0, given + [one | BARE for one in given], **view)
     return pictures[: len(winds)], pictures[len(winds) :]
@@ -109,7 +109,9 @@ def drawn(rows: list[tuple], winds: Sequence[float], pictures: np.ndarray, path:
     for k, (speed, picture) in enumerate(zip(winds, pictures)):
         panel = figure.add_subplot(grid[1, k])
         panel.imshow(picture)
-        panel.set_title(f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * monahan(speed):.1f} %", fontsize=10)
+        panel.set_title(
+            f"{speed:g} m/s, $H_s$ {developed(speed)[0]:.1f} m: {100 * monahan_cover(speed):.1f} %", fontsize=10
+        )
         panel.set_axis_off()
     keep(figure, path, "A picture shows a piece of the sea whose white part its title names")
 
@@ -122,13 +124,13 @@ def main() -> None:
     for done, wind in enumerate(winds):
         height, period = developed(wind)
         elevation, convergence = sea(wind, points)
-        wanted = monahan(wind)
-        foam = shares(convergence, wanted)
+        wanted = monahan_cover(wind)
+        foam = white_shares(convergence, wanted)
         least = float(convergence[foam > 0.0].min())
         mean = float(by_height(elevation).mean())
         rows.append((wind, height, period, wanted, float(foam.mean()), least, mean, expected_by_height(height)))
         progress(0.5 * (done + 1) / len(winds), f"a sea under {wind:g} m/s")
-    head = [f"fully developed seas of {COMPONENTS} waves, {points} x {points} points over six peak wavelengths"]
+    head = [f"fully developed seas of {SPECTRUM_WAVES} waves, {points} x {points} points over six peak wavelengths"]
     head += ["foam where the convergence of crests is above `convergence`; thesis: height over 0.8 m, cut to 0 and 1"]
     columns = ["u10_m_s", "hm0_m", "tp_s", "measured_at_sea", "drawn", "convergence", "thesis", "thesis_closed_form"]
     table(asked.out / "fig6_4.csv", head, columns, rows)

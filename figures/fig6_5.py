@@ -18,7 +18,7 @@ from _kept import BARE, grey, kept, save, shots
 from _options import options, progress
 from _paper import keep, paper, table
 
-from ocean_sim.pictures.water.foam import monahan
+from ocean_sim.pictures.water.foam import monahan_cover
 
 WIND = 14.0  # [m/s]
 SCENE: dict[str, Any] = {
@@ -71,7 +71,7 @@ def main() -> None:
         run = kept(SCENE, Path(place, "run"))
         progress(0.3, "pictures of it")
         view = VIEW | {"size": size, "quality": "draft" if asked.fast else "final"}
-        cover = monahan(WIND)
+        cover = monahan_cover(WIND)
         orders = [*SWITCHES, *TERMS.values(), BARE]
         pictures = shots(run, SCENE["duration"], orders, foam_cover=cover, **view)
     save(asked.out / "fig6_5_bare.png", pictures[-1])

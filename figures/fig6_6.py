@@ -16,7 +16,7 @@ from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 from fig6_5 import SCENE
 
-from ocean_sim.pictures.frame_files import Log, frame_files
+from ocean_sim.pictures.frame_files import FrameLog, frame_files
 
 EVERY = 1.0 / 30.0  # [s] between frames of the clip
 BEGIN, SHOWN = 6.0, 8.0  # [s] when the clip begins, and the time of the picture
@@ -32,7 +32,7 @@ def voyage(seconds: float) -> dict:
     return SCENE | {"title": "figure 6-6", "duration": seconds, "frames": frames, "ship": ship, "time_step": step}
 
 
-def helm(log: Log) -> np.ndarray:
+def helm(log: FrameLog) -> np.ndarray:
     """Rows: time [s], heave [m], pitch, yaw, roll [deg], speed [m/s], of every frame."""
     track = log.tracks["ship"]
     turn = track.turn
@@ -85,7 +85,7 @@ def main() -> None:
         quality = "draft" if asked.fast else "final"
         view = {"camera": "first_person", "size": size, "quality": quality}
         picture, bare = shots(run, shown, [{}, BARE], **view)
-        log = Log(frame_files(run))
+        log = FrameLog(frame_files(run))
         rows = helm(log)
         for file, time in zip(log.files, log.times):
             if time < begin - 0.5 * EVERY:

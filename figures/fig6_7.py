@@ -17,7 +17,7 @@ from _kept import BARE, kept, save, shots
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 
 MASS, SPEED, DROP = 30_000.0, 6.0, 1.0  # of the yacht [kg], [m/s], [m] above where it floats
 LASTS, EVERY = 3.2, 0.05  # [s]
@@ -109,7 +109,7 @@ def main() -> None:
         run = kept(scene(1.6 if asked.fast else 0.8, lasts), Path(place, "run"))
         progress(0.5, "pictures of it")
         rows = momenta(run)
-        log = Log(frame_files(run))
+        log = FrameLog(frame_files(run))
         with np.load(run / "frames" / "grid.npz") as ground:
             low, up = ground["lower"], ground["upper"]
         frames = [Frame(log.nearest(moment)) for moment in np.linspace(0.0, lasts, PICTURES + 1)[1:]]

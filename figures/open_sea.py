@@ -14,7 +14,7 @@ import numpy as np
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.fluid.patch.relaxation_zone import band
+from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.open_sea_waves import (
@@ -69,9 +69,9 @@ def main() -> None:
         where = f"{speed:+g} group speeds" if speed else "at rest"
         name = where if feed is None else f"{where}, no feed"
         a = measured(config, speed, judged, lambda part, n=number, name=name: progress((n + part) / len(cases), name))
-        model = band(config.fluid.lattice(config.preflight.tank))
+        model = relaxation_band(config.fluid.lattice(config.preflight.tank))
         assert model is not None
-        along = model.along(speed)
+        along = model.height_profile(speed)
         assert along is not None
         style = "-" if feed is None else "--"
         seen = np.abs(along[1]) > LEAST  # a wave that is lost has no phase

@@ -6,7 +6,7 @@ import pytest
 
 from ocean_sim import result as result_module
 from ocean_sim.machine import available_cores
-from ocean_sim.observers.render import FIRST, PICTURE
+from ocean_sim.observers.render import PICTURE_SECONDS, START_SECONDS
 from ocean_sim.reading.scene import load
 from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs import run as run_verb
@@ -107,7 +107,7 @@ def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
 def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, capsys):
     config = load(SEA, {"render.film": film})
     run_verb.pictures(config)
-    wall, alone = picture_time(config), FIRST[3] + drafts * PICTURE[3]["draft"]  # on one core
+    wall, alone = picture_time(config), START_SECONDS[3] + drafts * PICTURE_SECONDS[3]["draft"]  # on one core
     assert alone / available_cores() <= wall <= alone
     time = f"about {wall:.1f} s on an idle machine"
     cure = "--set render=null leaves them out"

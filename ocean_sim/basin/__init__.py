@@ -538,7 +538,9 @@ class Basin:
         motion = self.config.motion
         if motion is None or (omega := motion.mean_frequency) == 0.0:
             return None
-        return waves.regular(1.0, 2.0 * np.pi / omega, np.array([1.0, 0.0]), self.depth, waves.pull(self))
+        return waves.regular_wave(
+            1.0, 2.0 * np.pi / omega, np.array([1.0, 0.0]), self.depth, waves.downward_gravity(self)
+        )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Where walls, floor and lid stand on each axis [m], lower and upper, a piston as far out as it goes; OPEN

@@ -290,7 +290,7 @@ class Wavemaker(waves.WaveTrain):
 
     def problems(self, basin: waves.Tank, side: str) -> Problems:
         """Faults of this wavemaker in this basin, whose wall there is of the kind `side`."""
-        found = [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        found = [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if self.spectrum is not None and self.spectrum.heading_deg is not None:
             found.append((("spectrum", "heading_deg"), "the waves of a piston go away from its wall: leave this out"))
         if basin.dimension == 2 and self.wall.startswith("z"):

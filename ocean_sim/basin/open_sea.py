@@ -60,8 +60,8 @@ class Absorbing(Model):
             yield ("target", "current"), f"a current of this basin is {level}, got {list(u)}"
         if sea is not None:
             for key, sentences in (
-                (sea.height_key, waves.unsuited(basin, *sea.scale)),
-                (sea.heading_key, waves.misdirected(sea.heading, basin)),
+                (sea.height_key, waves.basin_faults(basin, *sea.scale)),
+                (sea.heading_key, waves.heading_faults(sea.heading, basin)),
             ):
                 yield from ((("target", "waves", *key), sentence) for sentence in sentences)
 

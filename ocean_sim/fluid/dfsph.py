@@ -297,7 +297,7 @@ class Forces(Force):
             v_new += fluid.changed(i, BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):
-            a_sea = fluid.rim.push(x, v_new, dt)
+            a_sea = fluid.rim.acceleration(x, v_new, dt)
             v_new += fluid.changed(i, SEA, dt * a_sea)
             a += a_sea
         v_new += fluid.changed(i, WALLS, fluid.walls.relaxed(x, v_new, dt) - v_new)

@@ -10,7 +10,7 @@ from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.open_sea.open_water import (
     POINTS_PER_WAVE,
-    SMOOTH,
+    SMOOTH_STEP_PERIODS,
     OpenWater,
     status_of,
 )
@@ -36,13 +36,13 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
-        found = found or [(self.height_key, sentence) for sentence in waves.unsuited(basin, *self.scale)]
+        found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
+        found = found or [(self.height_key, sentence) for sentence in waves.basin_faults(basin, *self.scale)]
         if basin.obstacles:
             found.append((("kind",), "a sea in closed form goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
             found.append((("kind",), "a sea in closed form has no friction; leave basin.floor out"))
-        return found + list(self.astray(basin))
+        return found + list(self.direction_faults(basin))
 
     def statements(self, preflight: Preflight) -> list[str]:
         return [NO_DRIFT] if preflight.ships and self.scale[0] > 0.0 else []
@@ -50,7 +50,7 @@ class Config(waves.GrowingTrain, FluidConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found: list[str] = []
         if self.scale[0] > 0.0:
-            found += waves.cut_short(preflight.duration, self.growing(self.sea(preflight.tank)).ramp)
+            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea(preflight.tank)).ramp)
         if not preflight.wind.still:
             found.append("closed-form waves do not feel the wind; it reaches only the ship")
         return found
@@ -62,14 +62,14 @@ class Config(waves.GrowingTrain, FluidConfig):
     def smooth(self) -> Limits:
         """A closed form is right at any step; this one keeps the straight lines between steps, by which files are
         sampled, within 0.05 % of the waves."""
-        return Limits(force=SMOOTH * self.scale[1])
+        return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
         return self.apart(preflight.tank)
 
     def apart(self, tank: waves.Tank) -> float:
         """Distance [m] of points that show the waves."""
-        k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.pull(tank))
+        k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
@@ -95,7 +95,7 @@ class LinearWaves(OpenWater):
     """The waves at one time; what they do follows from it."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
-        self.config, sea = config, config.growing(config.sea(basin))
+        self.config, sea = config, config.with_ramp(config.sea(basin))
         self.spacing = config.apart(basin)  # [m]
         self.still = config.smooth
         self.reference_speed = (sea.gravity * basin.depth) ** 0.5
@@ -111,12 +111,12 @@ class LinearWaves(OpenWater):
     def begin(self, sea: waves.Components) -> None:
         """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
         self.time = self.before = 0.0
-        self.waves.begin(self.config.growing(sea))
+        self.waves.begin(self.config.with_ramp(sea))
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]."""
         self.before, self.time = self.time, self.time + dt
-        self.waves.turn(self.time)
+        self.waves.set_time(self.time)
 
     def limits(self) -> Limits:
         return self.still
@@ -124,4 +124,5 @@ class LinearWaves(OpenWater):
     @ti.func
     def pressure(self, position):
         eta, g = self.waves.elevation(position.x, position.z), ti.static(self.waves.sea.gravity)
-        return ti.select(position.y < eta, self.config.rest_density * g * self.waves.head(position, eta), 0.0)
+        head = self.waves.head_at(position, self.waves.stretched(position, eta))
+        return ti.select(position.y < eta, self.config.rest_density * g * head, 0.0)

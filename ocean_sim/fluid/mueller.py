@@ -65,7 +65,7 @@ class Config(SphConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         found, basin = super().warnings(preflight), preflight.tank
         least = STIRRING[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
-        pull = waves.pull(basin)
+        pull = waves.downward_gravity(basin)
         seen = pull > 0.0 and preflight.duration > SOON * sqrt(basin.depth / pull)
         if seen and self.kinematic_viscosity < 0.9 * least:
             found.append(

@@ -20,17 +20,17 @@ from ocean_sim.basin import Basin
 from ocean_sim.conventions import LEAST_DENSITY, LEAST_STEP, WATER_DENSITY, Diverged
 from ocean_sim.fluid import Displacing, Fluid, Limits
 from ocean_sim.fluid.open_sea.air_pressure import AirPressure
-from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, evolving, step_of
+from ocean_sim.fluid.open_sea.high_order import STEPS_PER_WAVE, Breaking, HighOrder, nonlinear_sea, tile_step
 from ocean_sim.fluid.open_sea.open_water import (
     POINTS_PER_WAVE,
-    SMOOTH,
-    Felt,
+    SMOOTH_STEP_PERIODS,
     OpenWater,
+    WaterForShip,
     status_of,
 )
 from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
-from ocean_sim.fluid.open_sea.wave_sheet import WORDS, Sheet
-from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM, Layer, OnTile, Shown, Tile
+from ocean_sim.fluid.open_sea.wave_sheet import WORDS_PER_CELL, Sheet
+from ocean_sim.fluid.open_sea.wave_tile import PER_TILE, RIM_SHARE, Layer, OnTile, Tile, TileModes
 from ocean_sim.fluid.open_sea.wave_window import Window
 from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems, called
@@ -68,7 +68,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
         """The tile, over a basin of this length and width [m]."""
-        side, g = self.tile, waves.pull(basin)
+        side, g = self.tile, waves.downward_gravity(basin)
         if side is None and self.highest is not None:
             side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
         side = max(length, width) if side is None else side
@@ -78,16 +78,16 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         """The tile of a basin."""
         return self.tiled(basin, basin.config.length, basin.config.width or 0.0)
 
-    def step_of(self, tile: Tile) -> float:
+    def tile_step(self, tile: Tile) -> float:
         """Time between steps of the tiles [s]."""
         if self.step is not None:
             return self.step
-        step = step_of(tile)
+        step = tile_step(tile)
         return min(step, self.highest[1] / STEPS_PER_WAVE) if self.order == 3 and self.highest is not None else step
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.impossible(basin)
+        found = self.sea_faults(basin)
         if basin.obstacles:
             found.append((("kind",), "a sea without sides goes through obstacles; leave basin.obstacles out"))
         if basin.rough_bed is not None:
@@ -104,7 +104,9 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
-            sea = train.train(waves.direction(train.heading, basin.dimension), basin.depth, waves.pull(basin))
+            sea = train.train(
+                waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
+            )
             wanted = snapped(sea, tile).wavevector[0]
             if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
@@ -131,7 +133,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         tile = self.tile_of(preflight.tank)
         found = self.like_radians()
         if self.highest is not None:
-            found += waves.cut_short(preflight.duration, self.growing(self.sea_of(preflight.tank)).ramp)
+            found += waves.cut_short(preflight.duration, self.with_ramp(self.sea_of(preflight.tank)).ramp)
         if self.order == 3:
             kept = 4.0 * tile.cell
             if self.highest is None:
@@ -175,8 +177,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         drift = [NO_DRIFT] if preflight.ships and self.highest is not None else []
         return [
             *drift,
-            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.step_of(tile):.3g} s; "
-            f"what ships and winds make fades in their outer {100.0 * RIM:g} %",
+            f"tiles of {tile.side:.4g} m in cells of {tile.cell:.3g} m that step every {self.tile_step(tile):.3g} s; "
+            f"what ships and winds make fades in their outer {100.0 * RIM_SHARE:g} %",
         ]
 
     def still_limits(self, preflight: Preflight) -> Limits:
@@ -186,7 +188,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         """The sea is right at any step; this one keeps the straight lines between steps, by which files are sampled,
         within 0.05 % of the waves, and no step of a tile left out."""
         period = self.highest[1] if self.highest is not None else np.inf
-        return Limits(force=min(SMOOTH * period, 4.0 * self.step_of(tile)))
+        return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
     def point_spacing(self, preflight: Preflight) -> float:
         return spacing(self.sea_of(preflight.tank), self.tile_of(preflight.tank))
@@ -198,15 +200,15 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         n = self.summed(preflight)
         rows = [LedgerRow("fluid", f"{n} plane waves", PlaneWaves.bytes(n, word), "fluid.order 1")]
         if self.order == 3:
-            size = cells * (6 * 8 + WORDS * word)
+            size = cells * (6 * 8 + WORDS_PER_CELL * word)
             rows.append(LedgerRow("fluid", f"a nonlinear sea of {cells} cells", size, why))
         making = [name for name, ship in preflight.ships.items() if ship.look(preflight) is not None]
         several = len(preflight.ships) > 1  # each feels the others
         for name in making:
-            size = cells * (5 * 8 + several * WORDS * word)
+            size = cells * (5 * 8 + several * WORDS_PER_CELL * word)
             rows.append(LedgerRow("fluid", f"{called(name)}'s waves on {cells} cells", size, why))
         if not preflight.wind.still:
-            size = cells * (5 * 8 + WORDS * word) + AirPressure.bytes(cells, word)
+            size = cells * (5 * 8 + WORDS_PER_CELL * word) + AirPressure.bytes(cells, word)
             rows.append(LedgerRow("fluid", f"the wind's waves on {cells} cells", size, why))
         return rows
 
@@ -228,12 +230,12 @@ class Made(OnTile):
         """`ship`: who makes them; None: winds."""
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
 
-    def seen(self, points: np.ndarray) -> np.ndarray:
-        return self.layer.seen(points)
+    def covers(self, points: np.ndarray) -> np.ndarray:
+        return self.layer.covers(points)
 
-    def shown(self, time: float) -> Shown:
-        e, p = self.layer.after(time - self.time)
-        return Shown(e, p, -self.tile.gravity * e)
+    def modes_at(self, time: float) -> TileModes:
+        e, p = self.layer.propagate(time - self.time)
+        return TileModes(e, p, -self.tile.gravity * e)
 
 
 class Steep(OnTile):
@@ -255,13 +257,13 @@ class Steep(OnTile):
         """How far a time [s] lies from the state before to that which is ahead."""
         return time / self.step - (self.number - 1)
 
-    def shown(self, time: float) -> Shown:
-        late, grown = self.share(time), waves.grown(time, self.ramp)
-        return Shown(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*(slot.modes for slot in self.slots))))
+    def modes_at(self, time: float) -> TileModes:
+        late, grown = self.share(time), waves.ramp_share(time, self.ramp)
+        return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*(slot.modes for slot in self.slots))))
 
     def grown(self, slot: int) -> np.ndarray:
         """The modes of the state before (0) or of the one that is ahead (1), as far as they have grown."""
-        return waves.grown(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
+        return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
 
 
 class Kept:
@@ -283,15 +285,15 @@ class SpectralSea(OpenWater):
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
         tile = self.tile
-        self.still, self.step = config.smooth(tile), config.step_of(tile)
+        self.still, self.step = config.smooth(tile), config.tile_step(tile)
         self.rest_density = density = config.rest_density
-        whole = config.growing(config.sea_of(basin))
+        whole = config.with_ramp(config.sea_of(basin))
         self.spacing = spacing(whole, tile)
         self.reference_speed = (tile.gravity * basin.depth) ** 0.5
         self.status = status_of(whole, density)
         self.current, self.drift = config.current, np.zeros(2)
         self.time = self.before = self.then = 0.0
-        self.waves = PlaneWaves(whole if config.order == 1 else waves.together([], tile.depth, tile.gravity))
+        self.waves = PlaneWaves(whole if config.order == 1 else waves.combine([], tile.depth, tile.gravity))
         self.afar = whole
         self.steep, self.air, self.raised = None, None, None
         self.made: list[Made] = []
@@ -301,7 +303,7 @@ class SpectralSea(OpenWater):
             self.afar = replace(fitted, ramp=whole.ramp)
             self.steep = Steep(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
-            self.sheets[0].write(0, *self.steep.grown(0))
+            self.sheets[0].write_modes(0, *self.steep.grown(0))
             self.show_steep(self.steep)
         if wind.blows:
             self.raised, self.air = Made(tile), AirPressure(wind, tile, density)
@@ -314,7 +316,7 @@ class SpectralSea(OpenWater):
     def nonlinear(self, sea: waves.Components) -> HighOrder:
         """The nonlinear sea that these waves grow into."""
         period = self.config.highest[1] if self.config.highest is not None else 0.0
-        return evolving(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
+        return nonlinear_sea(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
 
     @property
     def plane_waves(self) -> waves.Components:
@@ -335,14 +337,14 @@ class SpectralSea(OpenWater):
         if not any(made.ship is not None for made in self.made):
             return elevation
         at = np.asarray(points, dtype=float) - self.drift
-        return self.sum_of(at, [one for one in (self.steep, self.raised) if one is not None])
+        return self.sum_elevations(at, [one for one in (self.steep, self.raised) if one is not None])
 
     def foam(self, points: np.ndarray) -> np.ndarray | None:
         broken = self.breaking
         if broken is None:
             return None
-        white = self.tile.at(broken.white, np.asarray(points, dtype=float) - self.drift)
-        return self.afar.grown(self.time) * np.clip(white, 0.0, 1.0)
+        white = self.tile.interpolate(broken.white, np.asarray(points, dtype=float) - self.drift)
+        return self.afar.ramp_share(self.time) * np.clip(white, 0.0, 1.0)
 
     @property
     def can_be_disturbed(self) -> bool:
@@ -353,7 +355,7 @@ class SpectralSea(OpenWater):
         self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
-        self.afar = self.config.growing(sea)
+        self.afar = self.config.with_ramp(sea)
         self.waves.begin(self.afar)
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
@@ -364,7 +366,7 @@ class SpectralSea(OpenWater):
             return (self,) * len(ships)
         self.felt = [(wake, Sheet(self.tile, repeats=False)) for wake in wakes]
         return tuple(
-            Felt(
+            WaterForShip(
                 self,
                 [tile for tile in self.tiles if not (isinstance(tile, Made) and tile.ship is ship)],
                 (*self.sheets, *(sheet for wake, sheet in self.felt if wake.ship is not ship)),
@@ -377,10 +379,10 @@ class SpectralSea(OpenWater):
         if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
             self.push()
         if self.air is not None and self.raised is not None:
-            self.air.gather(dt, self.drift, self.raised.layer.centre)
+            self.air.collect_impulse(dt, self.drift, self.raised.layer.centre)
         self.before, self.time = self.time, self.time + dt
         self.drift = np.array(self.current) * self.time
-        self.waves.turn(self.time, (float(self.drift[0]), float(self.drift[1])))
+        self.waves.set_time(self.time, (float(self.drift[0]), float(self.drift[1])))
         if self.steep is not None:
             while self.steep.share(self.time) > 1.0 + 1e-9:
                 self.steep.ahead()
@@ -396,21 +398,21 @@ class SpectralSea(OpenWater):
                 self.displace(made, made.ship, dt)
         if self.raised is not None and self.air is not None and dt > 0.0:
             layer = self.raised.layer
-            layer.press(self.air.taken())  # as it was in the mean, before and after
+            layer.set_pressure(self.air.take_pressure())  # as it was in the mean, before and after
             layer.advance(dt, layer.pressure, self.middle())
         self.then = self.time
         if self.raised is not None and self.air is not None:
             if self.air.slope is not None:
-                self.air.lean(*self.leaning(self.raised, self.time + 0.5 * self.step))
+                self.air.set_slopes(*self.leaning(self.raised, self.time + 0.5 * self.step))
             self.show(self.raised, self.sheets[-1])
         for made, sheet in self.felt:
             self.show(made, sheet)
 
     def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Slopes along x and z of the sea from afar and of what winds have made of it, on their tile, at a time [s]."""
-        along, across = (self.tile.values(slope) for slope in self.tile.slopes(raised.shown(time).e))
+        along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
-            afar = [self.steep.tile.values(of) for of in self.steep.tile.slopes(self.steep.shown(self.time).e)]
+            afar = [self.steep.tile.to_values(of) for of in self.steep.tile.slopes(self.steep.modes_at(self.time).e)]
             return along + afar[0], across + afar[1]
         sea = self.waves.sea
         if sea.amplitude.any():
@@ -420,7 +422,7 @@ class SpectralSea(OpenWater):
                     self.tile.nodes(), (self.tile.side, self.tile.width), raised.layer.centre, strict=True
                 )
             )
-            turn = 1j * sea.grown(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
+            turn = 1j * sea.ramp_share(time) * sea.amplitude * np.exp(1j * (sea.phase - sea.omega * time))
             kx, kz = sea.wavevector.T
             rows, columns = turn * np.exp(1j * x[:, None] * kx), np.exp(1j * z[:, None] * kz)
             along = along + np.einsum("in,kn->ik", rows * kx, columns).real  # without BLAS: the same on any threads
@@ -431,7 +433,7 @@ class SpectralSea(OpenWater):
         """A ship's pressure on her own tile, where she is now."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
-        pressure = self.tile.gravity * self.tile.spread(points - self.drift, volumes)
+        pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
         if made.begun:
             made.layer.advance(dt, pressure, centre)
             if not np.isfinite(made.layer.eta).all():
@@ -449,11 +451,11 @@ class SpectralSea(OpenWater):
     def show(self, made: Made, sheet: Sheet) -> None:
         """Waves as they are now and as they will be a step later, for kernels."""
         for slot, time in enumerate((self.time, self.time + self.step)):
-            sheet.write(slot, *made.shown(time))
+            sheet.write_modes(slot, *made.modes_at(time))
 
     def show_steep(self, steep: Steep) -> None:
         """The nonlinear sea as it will be, for kernels, in place of what was before the last state."""
-        self.sheets[0].write(steep.number % 2, *steep.grown(1))
+        self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
         """Where the sheets lie, and between which of their times it is, now and before."""
@@ -485,6 +487,6 @@ def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
     most = ceil(tile.cells / 4) - 1
     kept = (np.abs(steps) <= most).all(axis=1) & steps.any(axis=1) & (sea.amplitude > 0.0)
     if not kept.any():
-        return waves.together([], tile.depth, tile.gravity)
+        return waves.combine([], tile.depth, tile.gravity)
     there = replace(sea, amplitude=sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
-    return waves.merged(there, steps[kept] * np.where(np.isfinite(unit), unit, 0.0))
+    return waves.merge_waves(there, steps[kept] * np.where(np.isfinite(unit), unit, 0.0))

@@ -47,7 +47,7 @@ def orders() -> spaces.Box:
 def spectrum(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
     """A random sea of few plane waves."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
-    whole = sea.components(waves.direction(heading_deg, 3), depth, count=COMPONENTS)
+    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=COMPONENTS)
     return replace(whole, amplitude=height * whole.amplitude)
 
 

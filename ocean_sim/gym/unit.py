@@ -55,7 +55,7 @@ class OceanBoat(Fmi2Slave):
         )
         boat = Boat()
         self.boats = Boats(boat, 1, COMPONENTS, DEPTH)
-        components = sea.components(waves.direction(sea.heading_deg, 3), DEPTH, count=COMPONENTS)
+        components = sea.components(waves.heading_vector(sea.heading_deg, 3), DEPTH, count=COMPONENTS)
         self.boats.begin(np.ones(1, dtype=bool), [components], np.zeros(1), boat.cruise)
         self.tell()
 

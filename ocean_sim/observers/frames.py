@@ -18,7 +18,8 @@ from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
 from ocean_sim.pictures.water import foam
-from ocean_sim.pictures.water.far_sea import raised_by
+from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
+from ocean_sim.pictures.water.waterline import ship_coordinates
 from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
@@ -86,7 +87,7 @@ class Frames(Observer):
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
         open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
-        self.white = foam.Field(self.shape, self.cell) if open_air else None
+        self.white = foam.FoamField(self.shape, self.cell) if open_air else None
         self.wind_speed = simulation.scene.wind.strongest
         self.before = np.zeros(2)  # origin of the frame before [m]
         self.ships: list[Ship] = []
@@ -178,7 +179,7 @@ class Frames(Observer):
             velocity = topmost_velocity(snapshot, points, top, simulation.basin.periods)
         if made is None:
             sea = simulation.fluid.plane_waves
-            wind = self.wind_speed or (0.0 if sea is None else raised_by(sea, simulation.time))
+            wind = self.wind_speed or (0.0 if sea is None else wind_speed_from_sea(sea, simulation.time))
             due = self.white.due(simulation.time)
             crests = self.crests(simulation, points, elevation, origin) if due else None
             self.whiten(simulation.time, crests, velocity, wind)
@@ -200,19 +201,19 @@ class Frames(Observer):
         inside = np.zeros(len(points), bool)
         for ship, size in zip(self.ships, self.sizes, strict=True):
             at = ship.body.position + shifts(ship.body.position, origin, simulation.basin.periods)
-            along, aside = foam.from_ship(points[:, 0], points[:, 1], at, ship.body.matrix)
+            along, aside = ship_coordinates(points[:, 0], points[:, 1], at, ship.body.matrix)
             reach = 0.5 * size + self.cell.max()
             inside |= (along / reach[1]) ** 4 + (aside / reach[0]) ** 4 < 1.0
         widest = 0.5 * max(size[0] for size in self.sizes) + self.cell.max()
-        return foam.levelled(elevation, inside.reshape(self.shape), widest / self.cell)
+        return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_before(self, simulation: Simulation, points: np.ndarray) -> None:
         """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
         that is called for would be born at once, in a stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
-        if sea is None or sea.grown(begins) < 1.0:
+        if sea is None or sea.ramp_share(begins) < 1.0:
             return
-        wind = self.wind_speed or raised_by(sea, begins)
+        wind = self.wind_speed or wind_speed_from_sea(sea, begins)
         for time in begins + np.arange(-FOAM_LEAD_SECONDS, 0.0, FOAM_LEAD_STEP):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
             velocity = waves.surface_velocity(sea, points, float(time)).reshape(*self.shape, 3)
@@ -225,7 +226,7 @@ class Frames(Observer):
         source = None
         if elevation is not None and velocity.any():  # the edge of a column of water that is let go does not break
             source = foam.convergence(elevation, *self.cell)
-        wanted = None if source is None else foam.called_for(source, wind)
+        wanted = None if source is None else foam.wanted_cover(source, wind)
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:

@@ -13,15 +13,15 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, TakesMotion,
 from ocean_sim.parts import ALONE, LedgerRow, Preflight, Problems, called
 from ocean_sim.ship import Ship
 from ocean_sim.ship.body.track import (
-    UNKNOWN,
+    UNKNOWN_VELOCITY,
+    Attitude,
     Between,
     Track,
-    Turned,
-    bend,
-    change,
-    joined,
+    attitude_of,
+    first_derivative,
+    join_moments,
+    second_derivative,
     short_way,
-    turned,
 )
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
@@ -132,7 +132,7 @@ class Log:
         self.multiples, self.gravity = Multiples(config.every), np.array(simulation.basin.gravity)
         self.last = None
         self.moments = np.zeros((MOMENTS, MOMENT.size + 6 * len(ship.parts)))  # seen since rows were written, and the
-        self.seen, self.velocity = 0, UNKNOWN  # one before: how many, and the velocity of the first
+        self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # one before: how many, and the velocity of the first
         self.due: list[tuple[float, int]] = []  # times of rows [s], and which moment completes each
         self.number = 0
         head = heading(
@@ -166,7 +166,7 @@ class Log:
         if self.seen == 1:
             self.set_out(body, 0.5 * (simulation.time - time))
             self.write(simulation)
-            self.velocity = UNKNOWN
+            self.velocity = UNKNOWN_VELOCITY
         elif self.seen == MOMENTS or (self.due and any(taker.at_once for taker in takers(simulation, TakesMotion))):
             self.write(simulation)
 
@@ -174,7 +174,7 @@ class Log:
         """At the first time the velocity is the mean of the one that the body has and that of the next step, of 2 dt
         [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
-        self.velocity = change(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
+        self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
         """Write the rows that are due, and keep the last moment, with which the next ones begin."""
@@ -182,13 +182,16 @@ class Log:
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
-        bends = bend(acceleration, turning, columns[SPIN], columns[QUATERNION])
-        track = joined(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
+        bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])
+        track = join_moments(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
         if self.due:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
-            values = self.values(turned(track), acceleration, turning, moments[:, MOMENT.orders :])
-            motions, others = self.motions(between.passing()).T.tolist(), between.values(values).tolist()
+            values = self.values(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
+            motions, others = (
+                self.motions(between.interpolated_track()).T.tolist(),
+                between.interpolated_values(values).tolist(),
+            )
             rows = []
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
@@ -204,9 +207,9 @@ class Log:
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
-    def values(self, body: Turned, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    def values(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
         """(n, m) all columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
-        felt = body.acceleration(self.arm, acceleration, turning)
+        felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
         total = reduce(np.add, parts.transpose(1, 0, 2))
@@ -217,7 +220,7 @@ class Log:
     def motions(self, track: Track) -> np.ndarray:
         """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles are of
         the quaternion: by themselves they leap where a bow points straight up."""
-        body, signs = turned(track), self.signs[:, None]
+        body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))
         turn = q[:1], to_frame(self.frame, q[1:].T).T

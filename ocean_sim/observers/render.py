@@ -31,43 +31,42 @@ from ocean_sim.observers import report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import (
     Frame,
-    Log,
+    FrameLog,
+    film_frames,
     frame_files,
     frame_path,
-    known,
-    opened,
-    schedule,
-    ships_in,
-    survey,
+    known_film_frames,
+    open_frame,
+    ship_keys,
+    survey_run,
 )
 from ocean_sim.pictures.stage import opengl
-from ocean_sim.pictures.stage.camera import ABOARD, Name
-from ocean_sim.pictures.stage.film_strip import Moments
-from ocean_sim.pictures.stage.picture import MAPS, SAMPLES, Picture, Shot, foreseen
+from ocean_sim.pictures.stage.camera import SHIP_CAMERAS, CameraName
+from ocean_sim.pictures.stage.picture import MAP_CAMERAS, PIXEL_SAMPLES, Moments, Picture, Shot, is_foreseeable
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
-from ocean_sim.pictures.water.sea_state import DRY, FITTINGS, scene_of
+from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, TANK_FITTINGS, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
-PICTURE = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
+PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
     2: {"draft": 0.1, "final": 0.26},
     3: {"draft": 0.7, "final": 1.9},
 }
-FIRST = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
-ALONE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
-DRAWS = {  # bytes of a process that draws, and of each of its pixels, by what it draws; without a graphics card
+START_SECONDS = {2: 3.3, 3: 7.0}  # of starting to draw, and of the pictures next to the film [s]
+SERIAL_SHARE = 0.36  # share of the processor time of a process that draws that one core takes by itself; measured
+PROCESS_BYTES = {  # bytes of a process that draws, and of each of its pixels, by what it draws; without a graphics card
     "particles": (330e6, 50.0),
     "tank": (370e6, 150.0),
     "sea": (600e6, 65.0),
 }
-SEEN = 400  # bytes of each particle in such a process
-ENCODES = (30e6, 60.0)  # bytes of the encoder of a film, and of each pixel of a picture
-GAP = 6  # pixels between the pictures of a strip
-YIELDING = 13  # by which what draws is nicer than a run that goes on: two processes so take of it what one does at 10
-MOMENTS = "moments.png"  # next to the film
-LOOKS_EVERY = 0.1  # [s] between two looks for a new frame
-PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
-SHORT = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
-Moment = Annotated[float, Field(ge=0.0, strict=False)]
+PARTICLE_BYTES = 400  # bytes of each particle in such a process
+ENCODER_BYTES = (30e6, 60.0)  # bytes of the encoder of a film, and of each pixel of a picture
+STRIP_GAP = 6  # pixels between the pictures of a strip
+NICENESS = 13  # by which what draws is nicer than a run that goes on: two processes so take of it what one does at 10
+MOMENTS_FILE = "moments.png"  # next to the film
+LOOK_INTERVAL = 0.1  # [s] between two looks for a new frame
+MAX_PAINTERS = 2  # processes that draw a film by turns: while one leaves all cores but one idle, the other shades
+SHORT_FILM = 24  # pictures of a film for which a second process, which takes seconds to start, is not worth it
+StillTime = Annotated[float, Field(ge=0.0, strict=False)]
 OpenGLMissing = opengl.OpenGLMissing
 probe = opengl.probe
 
@@ -77,7 +76,7 @@ class Config(PeriodicConfig):
     leaves: ClassVar[str] = "film.mp4, drawn during the run, moments.png, preview.png, strip.png, still_*.png"
     every: float = quantity("s", 0.033, gt=0.0)
     """Simulated time between pictures of the film, which runs in real time; there are no more than frames."""
-    camera: Name = "third_person"
+    camera: CameraName = "third_person"
     """`third_person` sees the whole basin, in a long one the ship; `follow` is behind the ship, `first_person` at its
     helm; `orbit` goes around in a film; `fixed` is at `eye`; `top`, `side`."""
     eye: Vector3 | None = quantity("m", None)
@@ -116,7 +115,7 @@ class Config(PeriodicConfig):
     nothing but noise."""
     film: bool = True
     """Make film.mp4."""
-    stills: list[Moment] = Field([], json_schema_extra={"unit": "s"})
+    stills: list[StillTime] = Field([], json_schema_extra={"unit": "s"})
     """Times of further pictures, still_<time>.png each."""
     strip: int = Field(0, ge=0, le=24)
     """Make strip.png of so many pictures side by side, from the beginning to the end."""
@@ -163,12 +162,12 @@ class Config(PeriodicConfig):
 
     def picture_time(self, preflight: Preflight) -> float:
         dimension, pixels = preflight.tank.dimension, self.size[0] * self.size[1] / (1280.0 * 720.0)
-        each, pictures = PICTURE[dimension][self.quality] * pixels, self.pictures(preflight)
+        each, pictures = PICTURE_SECONDS[dimension][self.quality] * pixels, self.pictures(preflight)
         if pictures is None:
             return 0.0
-        by_turns, of = pictures * each, painters(pictures)
-        alone = FIRST[dimension] + (len(self.stills) + self.strip) * each
-        wall, wall_by_turns = (ALONE / n + (1.0 - ALONE) / available_cores() for n in (1, of))
+        by_turns, of = pictures * each, painter_count(pictures)
+        alone = START_SECONDS[dimension] + (len(self.stills) + self.strip) * each
+        wall, wall_by_turns = (SERIAL_SHARE / n + (1.0 - SERIAL_SHARE) / available_cores() for n in (1, of))
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
@@ -176,36 +175,36 @@ class Config(PeriodicConfig):
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
-        fitted = any(getattr(tank.config, key) for key in FITTINGS)
+        fitted = any(getattr(tank.config, key) for key in TANK_FITTINGS)
         area = (tank.upper[0] - tank.lower[0]) * (tank.upper[2] - tank.lower[2])
         mean = tank.depth if water is None else water.n * water.spacing**3 / area
-        at_sea = self.far_sea and self.camera not in MAPS and not fitted and mean > DRY * tank.depth
+        at_sea = self.far_sea and self.camera not in MAP_CAMERAS and not fitted and mean > DRY_DEPTH_SHARE * tank.depth
         return "sea" if at_sea else "tank"
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
         pictures = self.pictures(preflight)
-        return 0 if pictures is None else SEEN * painters(pictures)
+        return 0 if pictures is None else PARTICLE_BYTES * painter_count(pictures)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         """The memory of the processes that draw and of the encoder, without a graphics card."""
         [row], pictures, pixels = super().ledger(preflight), self.pictures(preflight), self.size[0] * self.size[1]
         if pictures is None:
             return [row]
-        of, (base, each) = painters(pictures), DRAWS[self.scenery(preflight)]
-        taken = of * (base + each * pixels * SAMPLES[self.quality] ** 2)
+        of, (base, each) = painter_count(pictures), PROCESS_BYTES[self.scenery(preflight)]
+        taken = of * (base + each * pixels * PIXEL_SAMPLES[self.quality] ** 2)
         taken += self.bytes_a_particle(preflight) * preflight.particles
         why = f"{of} processes that draw" if of > 1 else "a process that draws"
         if self.film:
-            taken, why = taken + ENCODES[0] + ENCODES[1] * pixels, f"{why}, and the encoder of the film"
+            taken, why = taken + ENCODER_BYTES[0] + ENCODER_BYTES[1] * pixels, f"{why}, and the encoder of the film"
         return [row._replace(bytes=int(taken), why=why)]
 
     def build(self, folder: Path, simulation: Simulation) -> "Render":
         return Render(self, folder, simulation)
 
 
-def asked(config: Config, folder: Path) -> dict[str, Any]:
+def config_options(config: Config, folder: Path) -> dict[str, Any]:
     """What a config asks of the frames in a folder, by option of `render_run`: no picture of the film twice."""
-    with opened(folder / "frames" / "grid.npz") as grid:
+    with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
@@ -229,7 +228,7 @@ class Render(OutcomeObserver):
         """Begin to draw once there is a frame; the child does the rest."""
         if self.drawer is None and self.config.film and frame_path(self.folder, 0).exists():
             self.drawer = Drawer(
-                [order_of(self.folder, **asked(self.config, self.folder))], self.progress, goes_on=True
+                [order_of(self.folder, **config_options(self.config, self.folder))], self.progress, goes_on=True
             )
         if self.drawer is not None:
             self.every = float("inf")
@@ -243,13 +242,13 @@ class Render(OutcomeObserver):
             self.stop()
             print(f"no pictures; {later}", file=sys.stderr)
             return
-        missing = without_frame(files, self.config.stills)
+        missing = times_without_frame(files, self.config.stills)
         if missing:
-            print(f"{no_picture(files, missing)}; the other pictures are drawn", file=sys.stderr)
+            print(f"{no_picture_sentence(files, missing)}; the other pictures are drawn", file=sys.stderr)
         kept = tuple(time for time in self.config.stills if time not in missing)
         try:
             if self.drawer is None:
-                options = asked(self.config, self.folder) | {"stills": kept}
+                options = config_options(self.config, self.folder) | {"stills": kept}
                 render_run(self.folder, **options, progress=self.progress)
             else:
                 self.drawer.finish()
@@ -274,14 +273,16 @@ class Drawer:
         self.child: subprocess.Popen[str] | None = None
         self.problem: Exception | None = None
         window = opengl.window()
-        sentence = impossible(Path(orders[0].folder), orders[0].camera, (), orders[0].ship) if goes_on else None
+        sentence = (
+            obstacle_to_pictures(Path(orders[0].folder), orders[0].camera, (), orders[0].ship) if goes_on else None
+        )
         if window is None or sentence is not None:
             self.problem = OpenGLMissing() if window is None else RenderFailed(sentence)
             return
-        self.child = drawing(
+        self.child = start_drawing(
             {"goes_on": goes_on, "orders": [asdict(order) for order in orders], "turn": 0},
             self.errors,
-            env=opengl.environment(window),
+            env=opengl.drawing_environment(window),
             text=True,
             start_new_session=True,  # Ctrl-C is the parent's, which ends the child and its encoder together
         )
@@ -308,7 +309,7 @@ class Drawer:
                 child.stdin.flush()
             self.reader.join()
             if child.wait() != 0:
-                raise failure(child, self.errors)
+                raise drawing_failure(child, self.errors)
         finally:
             self.stop()
 
@@ -329,14 +330,14 @@ class Drawer:
         self.errors.close()
 
 
-def drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
+def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
     """A process that draws what is asked (see `main`) and has its errors written."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
 
 
-def failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
+def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
     """Why a process that draws has ended before it should."""
     if child.returncode < 0:
         opengl.forget()
@@ -353,28 +354,28 @@ def render_run(
     progress: Progress | None = None,
     **asked: Any,
 ) -> list[Path]:
-    """Draw preview.png, and film, stills and strip when asked, into `out`; `asked` as in `order_of`.
+    """Draw preview.png, and film, stills and strip when asked, into `out`; `config_options` as in `order_of`.
 
     Raises OpenGLMissing or RenderFailed.
     """
     order = order_of(folder, out=out, **asked)
-    sentence = impossible(folder, order.camera, order.stills, order.ship)
+    sentence = obstacle_to_pictures(folder, order.camera, order.stills, order.ship)
     if sentence is not None:
         raise RenderFailed(sentence)
     Path(order.out).mkdir(parents=True, exist_ok=True)
     draw_apart([order], progress)
-    return [Path(order.out, name) for name in written(order)]
+    return [Path(order.out, name) for name in order_files(order)]
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
-    """What to draw of a run into `out`, by default its own folder; `asked` as in Order."""
-    by_turns = {"painters": painters(scene_of(folder).get("duration", 0.0) / every)}
+    """What to draw of a run into `out`, by default its own folder; `config_options` as in Order."""
+    by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
     return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
 
 
-def painters(pictures: float) -> int:
+def painter_count(pictures: float) -> int:
     """How many processes draw a film of so many pictures by turns: one where it is short or there is but one core."""
-    return min(PAINTERS, available_cores()) if pictures > SHORT else 1
+    return min(MAX_PAINTERS, available_cores()) if pictures > SHORT_FILM else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
@@ -382,32 +383,34 @@ def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> Non
     Drawer(orders, progress).finish()
 
 
-def impossible(folder: Path, camera: Name, stills: Sequence[float], ship: str | None = None) -> str | None:
+def obstacle_to_pictures(
+    folder: Path, camera: CameraName, stills: Sequence[float], ship: str | None = None
+) -> str | None:
     """Why there is no picture from a camera, of a ship or at a time, or None."""
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
-    with opened(ground) as grid:
-        ships = ships_in(grid, "_vertices")
-    if camera in ABOARD and not ships:
+    with open_frame(ground) as grid:
+        ships = ship_keys(grid, "_vertices")
+    if camera in SHIP_CAMERAS and not ships:
         return f"camera {camera} needs a ship, and this run has none; choose third_person, orbit, fixed, top or side"
     if ship is not None and key_of(ship) not in ships:
         there = ", ".join(key.removeprefix(f"{SEVERAL}.") for key in ships) or "none"
         return f"this run draws no ship {ship!r}; there is {there}"
-    missing = without_frame(files, stills)
-    return no_picture(files, missing) if missing else None
+    missing = times_without_frame(files, stills)
+    return no_picture_sentence(files, missing) if missing else None
 
 
-def without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]:
+def times_without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[float]:
     """The times [s] that are farther than the mean interval between frames from any frame."""
-    start, end = Log([files[0], files[-1]]).span
+    start, end = FrameLog([files[0], files[-1]]).span
     interval = (end - start) / max(1, len(files) - 1) + 1e-6
     return [time for time in stills if not start - interval <= time <= end + interval]
 
 
-def no_picture(files: Sequence[Path], missing: Sequence[float]) -> str:
+def no_picture_sentence(files: Sequence[Path], missing: Sequence[float]) -> str:
     """Why there is no picture at the first of these times [s]."""
-    start, end = Log([files[0], files[-1]]).span
+    start, end = FrameLog([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
 
@@ -419,16 +422,18 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
     given: dict[str, Any] = {"folder": str(folder), "film": False, "preview": False, "stills": (time,)} | options
     with tempfile.TemporaryDirectory() as made:
         orders = [Order(**given | {"out": str(Path(made, str(k)))} | more) for k, more in enumerate(switched)]
-        sentences = [impossible(Path(order.folder), order.camera, order.stills, order.ship) for order in orders]
+        sentences = [
+            obstacle_to_pictures(Path(order.folder), order.camera, order.stills, order.ship) for order in orders
+        ]
         if any(sentences):
             raise RenderFailed(next(filter(None, sentences)))
         for order in orders:
             Path(order.out).mkdir()
         draw_apart(orders)
-        return np.stack([np.asarray(imageio.imread(Path(order.out, still(order.stills[0])))) for order in orders])
+        return np.stack([np.asarray(imageio.imread(Path(order.out, still_name(order.stills[0])))) for order in orders])
 
 
-def side_by_side(pictures: Sequence[np.ndarray], gap: int = GAP) -> np.ndarray:
+def picture_row(pictures: Sequence[np.ndarray], gap: int = STRIP_GAP) -> np.ndarray:
     """Pictures of one size (height, width, 3) in a row, white between them."""
     height, width, _ = pictures[0].shape
     strip = np.full((height, len(pictures) * (width + gap) - gap, 3), 255, np.uint8)
@@ -437,65 +442,65 @@ def side_by_side(pictures: Sequence[np.ndarray], gap: int = GAP) -> np.ndarray:
     return strip
 
 
-def written(order: Order) -> list[str]:
+def order_files(order: Order) -> list[str]:
     """The files of an order."""
     names = ["preview.png"] if order.preview else []
-    names += [still(time) for time in order.stills]
-    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS] * order.film
+    names += [still_name(time) for time in order.stills]
+    return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
 
 
-def still(time: float) -> str:
+def still_name(time: float) -> str:
     """The file of a picture at a time [s]."""
     return f"still_{time:08.3f}.png"
 
 
-def draw(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
+def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
     """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
     `over`: set when the run has written its last frame."""
     out = Path(order.out)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
         others = [stack.enter_context(Painter(order, over, turn)) for turn in turns_of_others]
-        picture, coming = begun(order, over)
+        picture, coming = begin_picture(order, over)
         if order.film:
-            yield from film(out / "film.mp4", order, picture, coming, others)
+            yield from write_film(out / "film.mp4", order, picture, coming, others)
     coming.wait()
     log = coming.log
     if order.preview:
-        save_png(out / "preview.png", picture.draw(survey(some(log.files))[0]))
-    missing = without_frame(log.files, order.stills)
+        save_png(out / "preview.png", picture.draw(survey_run(sample_files(log.files))[0]))
+    missing = times_without_frame(log.files, order.stills)
     for time in (time for time in order.stills if time not in missing):
-        save_png(out / still(time), picture.draw(Frame(log.nearest(time))))
+        save_png(out / still_name(time), picture.draw(Frame(log.nearest(time))))
     if order.strip:
         times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
-        row = side_by_side([picture.draw(Frame(log.nearest(float(time)))) for time in times])
+        row = picture_row([picture.draw(Frame(log.nearest(float(time)))) for time in times])
         save_png(out / "strip.png", row)
     picture.close()
 
 
-def begun(order: Order, over: threading.Event) -> tuple[Picture, "Coming"]:
-    """A picture that is ready to be drawn, and the frames of its run, as `draw`."""
+def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
+    """A picture that is ready to be drawn, and the frames of its run, as `draw_order`."""
     folder = Path(order.folder)
-    with opened(folder / "frames" / "grid.npz") as file:
+    with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
-    if not foreseen(grid, order):
+    if not is_foreseeable(grid, order):
         over.wait()
-    coming = Coming(folder, over)
-    fastest = 0.1 if foreseen(grid, order) else survey(some(coming.log.files))[1]
+    coming = ComingFrames(folder, over)
+    fastest = 0.1 if is_foreseeable(grid, order) else survey_run(sample_files(coming.log.files))[1]
     return Picture(grid, order, Frame(coming.log.files[0]), fastest, coming.log), coming
 
 
-def some(files: list[Path]) -> list[Path]:
+def sample_files(files: list[Path]) -> list[Path]:
     """Of many frames some sixty, from which a run is surveyed."""
     return files[:: max(1, len(files) // 60)]
 
 
-class Coming:
+class ComingFrames:
     """The frames of a run as they come."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
-        self.log, self.ended = Log([]), False
+        self.log, self.ended = FrameLog([]), False
         self.look()
 
     def look(self) -> None:
@@ -522,7 +527,7 @@ class Coming:
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
-            numbers = schedule(self.log.times, every) if ended else known(self.log.times, every)
+            numbers = film_frames(self.log.times, every) if ended else known_film_frames(self.log.times, every)
             for number in numbers[done:] if ended or there > 1 else ():
                 yield self.log.files[number], len(numbers) if ended else 0
                 done += 1
@@ -530,7 +535,7 @@ class Coming:
                 return
             self.look()
             if not self.ended and len(self.log.files) == there:
-                self.over.wait(LOOKS_EVERY)
+                self.over.wait(LOOK_INTERVAL)
 
 
 class Painter:
@@ -538,11 +543,11 @@ class Painter:
     a session of its own, and ends with this one."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """As `draw`; `turn`: which of the processes it is, counted from 0, this one."""
+        """As `draw_order`; `turn`: which of the processes it is, counted from 0, this one."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
         asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
-        self.child = drawing(asked, self.errors)
+        self.child = start_drawing(asked, self.errors)
         assert self.child.stdin is not None and self.child.stdout is not None
         self.told, self.pixels = self.child.stdin, self.child.stdout
         if not over.is_set():
@@ -561,7 +566,7 @@ class Painter:
         pixels = self.pixels.read(size)
         if len(pixels) < size:
             self.child.wait()
-            raise failure(self.child, self.errors)
+            raise drawing_failure(self.child, self.errors)
         return np.frombuffer(pixels, np.uint8).reshape(self.shape)
 
     def __enter__(self) -> "Painter":
@@ -574,7 +579,7 @@ class Painter:
             stream.close()
 
 
-def turns(coming: Coming, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
+def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
     """The frame of each picture of a film, how many pictures there are, or 0, and which of so many processes draws it,
     one after the other; None where it is the picture before."""
     shown, turn = None, 0
@@ -583,16 +588,18 @@ def turns(coming: Coming, every: float, of: int) -> Iterator[tuple[Path, int, in
         turn, shown = turn + (file != shown), file
 
 
-def drawn(
-    order: Order, picture: Picture, coming: Coming, turn: int, put: Callable[[Shot | int | None], None]
+def draw_turns(
+    order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
 ) -> Iterator[tuple[int, int]]:
-    """Draw those pictures of a film whose turn it is, as `draw`; `put` is handed, one after the other, each picture
-    that is drawn here, and of the others their turns. While a picture is drawn, a thread does that for those before:
-    the plotter leaves Python to others meanwhile."""
+    """Draw those pictures of a film whose turn it is, as `draw_order`.
+
+    `put` is handed, one after the other, each picture that is drawn here, and the turns of the others. A thread calls
+    it while the next picture is drawn: the plotter leaves Python to others meanwhile.
+    """
     with ThreadPoolExecutor(1) as beside:
         before: list[Future[None]] = []
         since: list[Future[None]] = []  # the last that was drawn here
-        for k, (file, total, whose) in enumerate(turns(coming, order.every, order.painters)):
+        for k, (file, total, whose) in enumerate(film_turns(coming, order.every, order.painters)):
             made = picture.shot(Frame(file)) if whose == turn else whose
             if isinstance(made, Shot):
                 for left in before:  # so that no more than two that were drawn here wait
@@ -604,13 +611,13 @@ def drawn(
             left.result()
 
 
-def film(
-    path: Path, order: Order, picture: Picture, coming: Coming, others: Sequence[Painter]
+def write_film(
+    path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
     """H.264 that any player shows, in real time, and a row of small pictures of it."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
-        with writer_of(draft, order.every) as writer:
+        with film_writer(draft, order.every) as writer:
 
             def put(made: Shot | int | None) -> None:
                 nonlocal image
@@ -619,21 +626,21 @@ def film(
                 writer.append_data(image)
                 moments.see(image)
 
-            yield from drawn(order, picture, coming, 0, put)
-    save_png(path.with_name(MOMENTS), moments.row())
+            yield from draw_turns(order, picture, coming, 0, put)
+    save_png(path.with_name(MOMENTS_FILE), moments.row())
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
     """Draw the pictures of a film whose turn it is, and write their pixels to the standard output, as Painter."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
-        picture, coming = begun(order, over)
+        picture, coming = begin_picture(order, over)
 
         def put(made: Shot | int | None) -> None:
             if isinstance(made, Shot):
                 pixels.write(made.finished().data)
 
-        for _ in drawn(order, picture, coming, turn, put):
+        for _ in draw_turns(order, picture, coming, turn, put):
             pass
     picture.close()
 
@@ -642,12 +649,12 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
     """The same film of pictures that lie there as files, one for each `every` [s]."""
     import imageio.v2 as imageio
 
-    with atomic_write(path) as draft, writer_of(draft, every) as writer:
+    with atomic_write(path) as draft, film_writer(draft, every) as writer:
         for picture in pictures:
             writer.append_data(imageio.imread(picture))
 
 
-def writer_of(path: Path, every: float) -> Any:
+def film_writer(path: Path, every: float) -> Any:
     """What takes the pictures of a film, one for each `every` [s]."""
     import imageio.v2 as imageio
 
@@ -669,7 +676,7 @@ def save_png(path: Path, image: np.ndarray) -> None:
         imageio.imwrite(draft, image, format="png", compress_level=6)
 
 
-def hurry(over: threading.Event) -> None:
+def hurry_when_over(over: threading.Event) -> None:
     """Yield no more once the run is over."""
     over.wait()
     yield_to_others(0)
@@ -684,15 +691,15 @@ def main() -> None:
     if not asked["goes_on"]:
         over.set()
     elif turn == 0:  # the others are as nice as this one
-        yield_to_others(YIELDING)
-        threading.Thread(target=hurry, args=(over,), daemon=True).start()
+        yield_to_others(NICENESS)
+        threading.Thread(target=hurry_when_over, args=(over,), daemon=True).start()
     try:
         for values in asked["orders"]:
             order = Order(**values | {"size": tuple(values["size"]), "stills": tuple(values["stills"])})
             if turn > 0:
                 hand_over(order, over, turn)
             else:
-                for done, total in draw(order, over):
+                for done, total in draw_order(order, over):
                     print(f"pictures {done} of {total}", flush=True)
     except (RenderFailed, OSError, ValueError) as problem:
         sys.exit(str(problem))

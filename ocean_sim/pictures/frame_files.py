@@ -14,11 +14,21 @@ from ocean_sim.files.input_file import Unreadable, size_of
 from ocean_sim.pictures.stage.camera import Track
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
-DAMAGED = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, MemoryError, BadZipFile, BadStream)
+DAMAGE_ERRORS = (
+    OSError,
+    EOFError,
+    LookupError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    MemoryError,
+    BadZipFile,
+    BadStream,
+)
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[NpzFile]:
+def open_frame(path: Path) -> Iterator[NpzFile]:
     """A file of frames/, its arrays read when asked for; raises Unreadable where it is not whole."""
     try:
         size_of(path, MAX_FRAME_BYTES)
@@ -26,7 +36,7 @@ def opened(path: Path) -> Iterator[NpzFile]:
             if sum(member.file_size for member in file.zip.infolist()) > MAX_FRAME_BYTES:
                 raise ValueError
             yield file
-    except DAMAGED:
+    except DAMAGE_ERRORS:
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
 
 
@@ -39,7 +49,7 @@ def frame_path(folder: Path, number: int) -> Path:
     return folder / "frames" / f"frame_{number:05d}.npz"
 
 
-def ships_in(file: Iterable[str], ending: str) -> list[str]:
+def ship_keys(file: Iterable[str], ending: str) -> list[str]:
     """The keys of the ships that a file has arrays of, by the ending of the names of one."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
@@ -48,7 +58,7 @@ class Frame:
     """One file of frames/, read when asked for."""
 
     def __init__(self, path: Path) -> None:
-        with opened(path) as file:
+        with open_frame(path) as file:
             self.time = float(file["time"])
             self.elevation = file["elevation"].astype(np.float64)
             self.answer = file["answer"].astype(np.float64) if "answer" in file else None  # beyond the plane waves [m]
@@ -59,7 +69,7 @@ class Frame:
             self.position = file["position"] if "position" in file else None
             self.velocity = file["velocity"] if "velocity" in file else None
             self.id = file["id"] if "id" in file else None  # of the particles
-            self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ships_in(file, "_turn")}
+            self.ships = {key: (file[f"{key}_position"], file[f"{key}_turn"]) for key in ship_keys(file, "_turn")}
             self.gates = file["gates"].astype(np.float64) if "gates" in file else np.zeros((0, 2, 3))
             empty = (("lines", (0, 2, 3)), ("tails", (0, 3)), ("arrows", (0, 3)))
             self.wind_lines, self.wind_tails, self.wind_arrows = (  # as in `wind.Drawing`
@@ -83,13 +93,13 @@ class Frame:
         return bool((np.cross(b - a, c - a)[:, 1] <= 0.0).any())
 
 
-def elevation_of(path: Path) -> np.ndarray:
+def read_elevation(path: Path) -> np.ndarray:
     """(nx, nz) heights [m] that a frame keeps; nothing else of it is read."""
-    with opened(path) as file:
+    with open_frame(path) as file:
         return file["elevation"].astype(np.float64)
 
 
-class Log:
+class FrameLog:
     """Times of all frames of a run so far and the positions of the ships in them; no frame is read whole."""
 
     def __init__(self, files: list[Path]) -> None:
@@ -105,9 +115,9 @@ class Log:
             return
         times: list[float] = []
         for path in files:
-            with opened(path) as file:
+            with open_frame(path) as file:
                 times.append(float(file["time"]))
-                for key in ships_in(file, "_turn"):
+                for key in ship_keys(file, "_turn"):
                     self.poses[key].append((file[f"{key}_position"].astype(float), file[f"{key}_turn"].astype(float)))
         self.files, self.times = [*self.files, *files], np.append(self.times, times)
         for key, rows in self.poses.items():
@@ -126,19 +136,19 @@ class Log:
         return self.files[int(np.abs(self.times - time).argmin())]
 
 
-def schedule(times: np.ndarray, every: float) -> list[int]:
+def film_frames(times: np.ndarray, every: float) -> list[int]:
     """Which frame is nearest to each multiple of `every`."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
 
 
-def known(times: np.ndarray, every: float) -> list[int]:
-    """As much of `schedule` as no later frame can change."""
+def known_film_frames(times: np.ndarray, every: float) -> list[int]:
+    """As much of `film_frames` as no later frame can change."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
-    return schedule(times, every)[: int((moments <= times[-1]).sum())]
+    return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 
 
-def survey(files: list[Path]) -> tuple[Frame, float]:
+def survey_run(files: list[Path]) -> tuple[Frame, float]:
     """The frame with the highest waves of the second half of a run, and the speed of its fast particles [m/s]."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large

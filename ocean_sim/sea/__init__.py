@@ -30,7 +30,7 @@ class Written(Seas, SeaConfig):
         return sea if sea.amplitude.any() else None
 
     def problems(self, preflight: Preflight) -> Problems:
-        return self.impossible(preflight.tank) or super().problems(preflight)
+        return self.sea_faults(preflight.tank) or super().problems(preflight)
 
     def warnings(self, preflight: Preflight) -> list[str]:
         return self.like_radians() + super().warnings(preflight)

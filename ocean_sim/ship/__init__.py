@@ -1,4 +1,4 @@
-"""Ships: every module of this folder without a leading underscore is a kind a scene may name."""
+"""Ships: every module of this folder is a kind that a scene may name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ocean_sim.wind import Wind
 
 PARTS = ("gravity", "buoyancy", "wind_drag", "wind_lift", "wave", "damping", "propeller", "rudder")
-NOTHING = np.zeros((2, 3))  # a part that does not act
+NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class Load:
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Of forces and torques by name, (2, 3) each; the other parts are zero. Raises ValueError for a name that is
-        not one of the ship's parts."""
+        """Load of forces and torques by name, (2, 3) each; the other parts are zero. Raises ValueError for a name that
+        is not one of the ship's parts."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
-        return cls(np.concatenate([forces.get(name, NOTHING) for name in names]).reshape(-1, 2, 3))
+        return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
         """The load with (2, 3) more of one of PARTS."""
@@ -58,7 +58,7 @@ class Load:
 
 
 class Look(NamedTuple):
-    """What a picture needs of a ship besides its triangles."""
+    """Data of a ship that a picture needs besides her triangles."""
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
@@ -66,7 +66,7 @@ class Look(NamedTuple):
 
 
 class Afloat(NamedTuple):
-    """How a ship floats in still water."""
+    """A ship at rest in still water."""
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks
@@ -77,15 +77,14 @@ class Afloat(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """The room that a hull takes: its outline from above, and between which heights it lies."""
+    """The room that a hull takes: its outline from above, and the heights between which it lies."""
 
     plan: np.ndarray  # (n, 2) corners of a convex polygon, x and z [m]
     lowest: float  # [m]
     highest: float  # [m]
 
     def overlap(self, other: "Outline") -> float:
-        """How far [m] it and another reach into each other: the shortest way that would part them, 0 where they are
-        apart."""
+        """Depth [m] of the overlap with another outline: the shortest way that would part both, 0 if they are apart."""
         least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
         for polygon in (self.plan, other.plan):
             along = np.roll(polygon, -1, axis=0) - polygon
@@ -96,8 +95,8 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """It or its image that is nearest to another, and the images next to that, where the water repeats itself along
-        x and z after these lengths [m]; 0: not at all."""
+        """This outline, moved by whole periods next to another one, and the images around it. `periods` [m] are the
+        lengths after which the water repeats itself along x, y and z; 0: it does not."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -105,14 +104,14 @@ class Outline(NamedTuple):
         return [self._replace(plan=self.plan + (nearest + way)) for way in next_to]
 
     def middle(self, other: "Outline") -> np.ndarray:
-        """(2,) x and z [m] of the middle of what the boxes around both share."""
+        """(2,) x and z [m] of the middle of the overlap of both bounding boxes."""
         low = np.maximum(self.plan.min(axis=0), other.plan.min(axis=0))
         high = np.minimum(self.plan.max(axis=0), other.plan.max(axis=0))
         return 0.5 * (low + high)
 
 
 class Ship(Protocol):
-    """A floating body; `shared.vessel.Vessel` is the base class that has all of this."""
+    """A floating body; `ship.body.vessel.Vessel` is the base class that has all of this."""
 
     @property
     def name(self) -> str:
@@ -120,7 +119,7 @@ class Ship(Protocol):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Of its load: PARTS first, then what a kind adds; columns of motion.csv."""
+        """Names of the parts of its load: PARTS first, then those of the kind; columns of motion.csv."""
 
     body: "RigidBody"
     points: dict[str, np.ndarray]  # named points, body axes from the centre of mass [m]
@@ -142,11 +141,11 @@ class Ship(Protocol):
         """(4.22) to (4.25); raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """A person takes the helm: what `give(throttle, rudder)` orders replaces the controls of the scene."""
+        """Let a person take the helm: `give(throttle, rudder)` replaces the controls of the scene."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
-        """A pilot takes the helm and sails along waypoints x, z [m] at a speed [m/s], in place of the controls of the
-        scene; one is reached a length of the ship before it."""
+        """Let a pilot take the helm and sail along waypoints x, z [m] at a speed [m/s], in place of the controls of the
+        scene; a waypoint is reached a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
@@ -155,8 +154,8 @@ class Ship(Protocol):
         """The room that it takes; None where it has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where it displaces water, x and z (m, 2) [m], and how much there (m,) [m3], as in its last load; m is 0 where
-        its law of motion does not say."""
+        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that it displaces, as in its last load; m is
+        0 if its law of motion does not say."""
 
     def limits(self) -> "Limits":
-        """What the time step must stay a fraction of."""
+        """Upper bounds of the time step, by the fastest motion."""

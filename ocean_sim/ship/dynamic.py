@@ -23,16 +23,16 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
 from ocean_sim.ship.body.rigid_body import to_world
-from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, reaction
+from ocean_sim.ship.forces.added_mass import AddedMass, Slamming, water_reaction
 from ocean_sim.ship.forces.damping import Damping, Resistance
 from ocean_sim.ship.forces.radiation import Memory, Radiation, Scattering, columns_of
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
-OTHER = 0.02  # of a wavenumber, by which the water of a table may differ without a word
-OFF = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
-DEEPEST = 1.0e5  # [m] as deep as any water
-ALIKE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
-COUPLED = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
+WAVENUMBER_TOLERANCE = 0.02  # of a wavenumber, by which the water of a table may differ without a word
+AXIS_TOLERANCE = 0.05  # of a draught, by which the axis of a table may lie off the centre of mass
+DEEP_WATER = 1.0e5  # [m] as deep as any water
+END_TOLERANCE = 0.02  # share of breadth, draught and length by which both ends of a hull may differ and count as alike
+COUPLED_MOTIONS = (("sway", "roll"), ("surge", "pitch"))  # of any hull that is alike on both sides
 COUPLED_BY_ENDS = (("heave", "pitch"), ("sway", "yaw"), ("yaw", "roll"), ("heave", "surge"))  # unless they are alike
 
 
@@ -52,14 +52,14 @@ class SeakeepingConfig(FloatingConfig):
 
     @field_validator("radiation")
     @classmethod
-    def _complete(cls, file: str | None) -> str | None:
+    def _enough_for_radiation(cls, file: str | None) -> str | None:
         if file is not None:
             Radiation(file)
         return file
 
     @cached_property
     def table(self) -> Radiation | None:
-        """What the file of `radiation` gives."""
+        """Radiation table in the file of `radiation`, if any."""
         return None if self.radiation is None else Radiation(self.radiation)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
@@ -69,14 +69,14 @@ class SeakeepingConfig(FloatingConfig):
         """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
         added = self.moved_along(still)
         if self.table is not None:
-            added[self.table.numbers] = np.diag(self.table.response.added)
+            added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None where a table has none."""
+        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None if a table has none."""
         if self.table is None:
             return None
-        own, found = self.table.response.added, np.zeros((6, 6))
+        own, found = self.table.impulse_response.added, np.zeros((6, 6))
         found[np.ix_(self.table.numbers, self.table.numbers)] = own - np.diag(np.diag(own))
         return found if found.any() else None
 
@@ -87,7 +87,7 @@ class SeakeepingConfig(FloatingConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found = super().mismatches(preflight)
         if self.table is not None:
-            still = self.still(preflight)
+            still = self.hydrostatics_of(preflight)
             own = [still.matter.mass] * 3 + np.diag(still.matter.inertia).tolist()
             for motion, mass, water in zip(Motions._fields, own, self.moved_at_once(still)):
                 if mass + water <= 0.0:
@@ -101,20 +101,24 @@ class SeakeepingConfig(FloatingConfig):
     def warnings(self, preflight: Preflight) -> list[str]:
         deep = "a hull that feels only the surface of the water is lifted too much by short waves"
         found = super().warnings(preflight) + ([deep] if preflight.surface is not None else [])
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         if self.table is None or isinf(still.draught):
             return found
-        said = [*self.of_table(self.table, preflight.tank, still), *self.table.doubts, *self.unsaid(self.table, still)]
+        said = [
+            *self.table_differences(self.table, preflight.tank, still),
+            *self.table.unphysical_entries,
+            *self.coverage_warnings(self.table, still),
+        ]
         return found + [f"radiation: {sentence}" for sentence in said]
 
-    def unsaid(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
-        """Forces on motions that are free of which the table says nothing."""
+    def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
+        """Sentences on forces on free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
         ends = max(ends, abs(float(still.matter.centre[2] - still.voxels.centre[:, 2].mean())) / still.length)
-        for a, b in COUPLED + (COUPLED_BY_ENDS if ends > ALIKE else ()):
-            if a in names and b in names and not table.couples(a, b):
+        for a, b in COUPLED_MOTIONS + (COUPLED_BY_ENDS if ends > END_TOLERANCE else ()):
+            if a in names and b in names and not table.has_coupling(a, b):
                 neither = f"the table has {a} and {b}, and nothing of what they do to each other"
                 yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
         periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
@@ -136,8 +140,8 @@ class SeakeepingConfig(FloatingConfig):
     def feels_bed(self, depth: float) -> bool:
         return self.table is not None and self.table.depth == depth
 
-    def of_table(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
-        """Differences between the case of a table and this one."""
+    def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
+        """Sentences on differences between the case of the table and this one."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
             found.append(
@@ -146,10 +150,10 @@ class SeakeepingConfig(FloatingConfig):
             )
         if table.depth is not None and table.depth != tank.depth:
             here, there = (
-                waves.wavenumber(float(table.omega[0]), min(depth, DEEPEST), -tank.gravity[1])
+                waves.wavenumber(float(table.omega[0]), min(depth, DEEP_WATER), -tank.gravity[1])
                 for depth in (tank.depth, table.depth)
             )
-            if abs(there / here - 1.0) > OTHER:
+            if abs(there / here - 1.0) > WAVENUMBER_TOLERANCE:
                 deep = "deep water" if isinf(table.depth) else f"water {table.depth:g} m deep"
                 found.append(
                     f"the table is of {deep}, here it is {tank.depth:g} m: its longest waves, of "
@@ -158,7 +162,7 @@ class SeakeepingConfig(FloatingConfig):
                 )
         if table.axis is not None:
             centre = float(still.matter.centre[1]) - still.keel - still.draught
-            if abs(table.axis - centre) > OFF * still.draught:
+            if abs(table.axis - centre) > AXIS_TOLERANCE * still.draught:
                 about = f"the table turns about a point {table.axis:.3g} m over the still water"
                 found.append(f"{about}, the centre of mass lies at {centre:.3g} m")
         return found
@@ -192,21 +196,21 @@ class SeakeepingShip(FloatingShip):
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)
         if self.memory is not None:
-            self.made = now.motion + (now.wet.velocity - self.drift(now))
+            self.made = now.motion + (now.wet.velocity - self.drift_velocity(now))
             resisted = resisted + self.memory.load(self.actuators.time, self.made)
         return now.share * to_world(resisted, now.body)
 
-    def drift(self, now: Immersion) -> np.ndarray:
-        """(6,) velocity of the water in body axes [m/s], [rad/s] through which each motion counts: where the table has
-        what waves do to it, the current alone."""
+    def drift_velocity(self, now: Immersion) -> np.ndarray:
+        """(6,) water velocity in body axes [m/s], [rad/s] that counts for each motion: the current alone where the
+        table has the force of waves on it."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The water's answer to the hull's own acceleration is part of `damping`, what its own acceleration does, of
-        `wave`."""
+        """The forces with the reaction of moved water: its reaction to the hull's acceleration is part of `damping`,
+        that of its own acceleration part of `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:
@@ -215,14 +219,16 @@ class SeakeepingShip(FloatingShip):
             scattered = now.share * self.scattering.load(self.sea.arriving(float(x), float(z)), float(yaw), through)
             forces = forces | {"wave": forces["wave"] + scattered}
             force, torque = force + scattered[0], torque + scattered[1]
-        drift, surge = self.drift(now), self.through * wet.acceleration
+        drift, surge = self.drift_velocity(now), self.through * wet.acceleration
         between = None if self.between is None else now.share * self.between
-        moved, carried = reaction(now.body, now.share * self.added, between, force, torque, drift, surge, self.free)
+        moved, carried = water_reaction(
+            now.body, now.share * self.added, between, force, torque, drift, surge, self.free
+        )
         return forces | {"wave": forces["wave"] + carried, "damping": forces["damping"] + moved}
 
     def advance(self, load: Load, dt: float) -> None:
         if self.memory is not None:
-            self.memory.keep(self.actuators.time, self.made)
+            self.memory.remember(self.actuators.time, self.made)
         super().advance(load, dt)
 
 

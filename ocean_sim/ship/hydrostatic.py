@@ -1,9 +1,9 @@
-"""A ship that floats by its volume: the pressure of the water on cubes; no added mass.
+"""A ship that floats by its volume: water pressure on cubes; no added mass.
 
-In a sea in closed form that is the pressure at each cube's own depth, and what damps the hull acts on its motion
-through the water, which moves too. Over particles the push is along the normal of the surface, not straight up, which
-keeps long waves from turning the hull further than their slope. Without water that moves along, heave and pitch are too
-quick for a broad hull: `dynamic` has it.
+In a sea in closed form the pressure is that at each cube's own depth, and damping acts on the hull's motion relative to
+the water. Over particles the push is along the normal of the surface, not straight up, which keeps long waves from
+turning the hull further than their slope. Without added mass, heave and pitch of a broad hull are too quick; `dynamic`
+has it.
 """
 
 from typing import ClassVar, Literal
@@ -38,7 +38,7 @@ class Config(FloatingConfig):
 
 
 class Hydrostatic(FloatingShip):
-    """A hull of cubes that is damped."""
+    """A damped hull of cubes."""
 
     samples_depth: ClassVar[bool] = True
 

@@ -1,9 +1,9 @@
 """A ship that floats by the pressure of the particles and nothing else: no law gives the height of the water.
 
-The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. To a body
-that speeds up, water near it answers at once, with a mass that can exceed the body's own; given its acceleration of the
-step before, an explicit step would overshoot. So the water is given an acceleration that follows by the share that the
-body has of both masses, which is where the two meet (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
+The hull is sampled as any solid body in the water; the water's laws push it as strongly as it pushes them. The water
+near an accelerated body reacts at once, with an added mass that can exceed the body's own. With the body's acceleration
+of the step before, an explicit step would overshoot. So the water is given an acceleration that follows by the body's
+share of both masses, the value at which both agree (under-relaxation as in Kuttler & Wall 2008, Comput. Mech. 43).
 """
 
 from math import isinf
@@ -16,7 +16,7 @@ from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.parts import LedgerRow, Preflight
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
-from ocean_sim.ship.body.rigid_body import RigidBody, held, to_world
+from ocean_sim.ship.body.rigid_body import RigidBody, hold_motions, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
@@ -24,8 +24,8 @@ from ocean_sim.ship.water.solid import Solid
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-IN_A_SLICE = np.array([True, True, False, False, False, True])  # sway, heave and roll
-FEWEST = 2.0  # spacings across a hull
+SLICE_MOTIONS = np.array([True, True, False, False, False, True])  # sway, heave and roll
+MIN_SPACINGS = 2.0  # spacings across a hull
 REST_SWING = 0.13  # [spacings] of heave in still water at most, measured with boxes in delta_sph at draughts from 2 on
 STATED_SWING = 0.02  # of the draught, from which on it is said
 
@@ -42,35 +42,35 @@ class Config(FloatingConfig):
     """The laws of the water itself act between particles and this hull."""
 
     def solid(self, preflight: Preflight) -> Solid:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         flat = preflight.tank.dimension == 2
-        body = self.unsettled(self.start(still, flat), preflight)
+        body = self.above_unsettled_water(self.starting_body(still, flat), preflight)
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """By rule: the particles that she moves have it, no law of hers."""
+        """Added mass by rule. No law of hers has it: the particles that she moves do."""
         return by_rule(still)
 
-    def start(self, still: Hydrostatics, flat: bool) -> RigidBody:
+    def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
         """The body at the beginning; in 2-D a metre of it."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
             matter = Matter(share * matter.mass, matter.centre, share * matter.inertia)
-        return self.body(matter, *afloat_pose(still))
+        return self.body_at_start(matter, *afloat_pose(still))
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, spacing = super().warnings(preflight), preflight.spacing
         if not preflight.wind.still:
             found.append("a ship of kind pressure feels only the water; wind does not act on it")
         lower, upper = self.whole_hull.shape.bounds()
-        if spacing is not None and (upper - lower).min() < FEWEST * spacing:
+        if spacing is not None and (upper - lower).min() < MIN_SPACINGS * spacing:
             thin = (upper - lower).min() / spacing
             found.append(f"the hull is {thin:.2g} spacings thin: water on either side acts on that on the other")
         return found
 
     def statements(self, preflight: Preflight) -> list[str]:
-        draught, spacing = self.still(preflight).draught, preflight.spacing
+        draught, spacing = self.hydrostatics_of(preflight).draught, preflight.spacing
         if spacing is None or isinf(draught) or REST_SWING * spacing < STATED_SWING * draught:
             return []
         swing = REST_SWING * spacing / draught
@@ -96,20 +96,20 @@ class Pressure(Vessel):
         felt = [ship for ship, other in basin.afloat.items() if other.felt]
         self.boundary, self.number = water.boundary, len(basin.obstacles) + felt.index(name)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
-        super().__init__(name, config, config.lowered(solid.body, fluid), actuators, basin.lower[1])
+        super().__init__(name, config, config.settled_body(solid.body, fluid), actuators, basin.lower[1])
         self.shape = solid.shape
         self.moor(config.moorings, config.points)
         if solid.flat:
-            self.free &= IN_A_SLICE
+            self.free &= SLICE_MOTIONS
         self.density = float(water.particles.rest_density)
         self.weight = np.array([[0.0, self.body.mass * basin.gravity[1], 0.0], [0.0, 0.0, 0.0]])
         near = self.density * float(self.boundary.bodies[self.number].volume.sum())  # [kg] of water near it, at most
         self.share = self.body.mass / (self.body.mass + near)
         self.known = np.zeros((2, 3))  # acceleration and turning that the water knows [m/s2], [rad/s2]
-        self.place()
+        self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """(4.27); all that the water does is under `buoyancy`."""
+        """(4.27); everything that the water does is under `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])
@@ -123,11 +123,11 @@ class Pressure(Vessel):
     def advance(self, load: Load, dt: float) -> None:
         super().advance(load, dt)
         self.known += self.share * (np.stack([self.acceleration, self.turning]) - self.known)
-        self.place()
+        self.place_hull()
 
-    def place(self) -> None:
-        """Put the hull in the water where it is now, with its motion."""
-        body = held(self.body, self.free)
+    def place_hull(self) -> None:
+        """Put the hull in the water at its present pose, with its motion."""
+        body = hold_motions(self.body, self.free)
         linear, turning = self.known
         self.boundary.place(
             self.number, body.position, body.matrix, body.velocity, body.angular_velocity, linear, turning

@@ -1,9 +1,9 @@
 """The ship of the thesis as printed, errors and all, for comparison: column buoyancy and forward Euler.
 
 Every piece of the hull's bottom carries a column of water as high as the water stands over it, at the nearest node of
-the surface, deeper than the deck if need be; its push acts on the vertical through the bottom, half as deep (5.3,
-`addBuoyancy`), so of the metacentric height only BM - KG remains. Damping is 0.2 and 0.4 a second, of what PhysX calls
-linear and angular damping; it hides what forward Euler adds.
+the surface, deeper than the deck if need be. Its push acts on the vertical through the bottom, half as deep (5.3,
+`addBuoyancy`), so of the metacentric height only BM - KG remains. Damping is 0.2 and 0.4 a second, as PhysX's linear
+and angular damping; it hides the energy that forward Euler adds.
 """
 
 from typing import Literal
@@ -18,12 +18,12 @@ from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship import Load, Ship
 from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.floating_ship import FloatingShip, Immersion
-from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advanced
+from ocean_sim.ship.body.rigid_body import RigidBody, thesis_advance
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.ship.water.water_samples import SurroundingSea, SurroundingWater
 from ocean_sim.surface import Surface
 
-NODES = 32  # along the basin, as `getWaveHeight` counts them
+THESIS_NODES = 32  # along the basin, as `getWaveHeight` counts them
 
 
 class Config(FloatingConfig):
@@ -49,19 +49,22 @@ class Thesis(FloatingShip):
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         surface = now.surface if self.contact is None else self.water
-        return super().forces(now) | {"buoyancy": self.columns.push(surface, self.body), "wave": np.zeros((2, 3))}
+        return super().forces(now) | {
+            "buoyancy": self.columns.buoyancy_load(surface, self.body),
+            "wave": np.zeros((2, 3)),
+        }
 
     def damping(self, now: Immersion) -> np.ndarray:
         body = self.body
         return -self.lost[:, None] * np.stack([body.mass * body.velocity, body.angular_momentum])
 
-    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        return thesis_advanced(body, load.force, load.torque, dt)
+    def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        return thesis_advance(body, load.force, load.torque, dt)
 
 
 @in_kernels
 class Columns:
-    """The bottom of a hull in squares."""
+    """The bottom of a hull in squares, each with its column of water."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
         cubes, size = still.voxels, still.voxels.size
@@ -77,7 +80,7 @@ class Columns:
         middle /= volume[:, None]
         self.n, self.weight = n, still.density * still.gravity
         self.height = float(np.ptp(cubes.centre[:, 1]) + size[1])
-        self.cell = (basin.config.length / NODES, (basin.config.width or basin.config.length) / NODES)
+        self.cell = (basin.config.length / THESIS_NODES, (basin.config.width or basin.config.length) / THESIS_NODES)
         self.bottom, self.area = ti.Vector.field(3, float, shape=n), ti.field(float, shape=n)
         self.out = ti.Vector.field(6, ti.f64, shape=n)
         real = self.area.to_numpy().dtype
@@ -85,13 +88,15 @@ class Columns:
         self.bottom.from_numpy(arms.astype(real))
         self.area.from_numpy((volume / self.height).astype(real))  # _segVolume / _shipSize.y
 
-    def push(self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m]."""
-        self.lift(surface, body.position, body.matrix)
+    def buoyancy_load(
+        self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody
+    ) -> np.ndarray:
+        """(2, 3) force [N] and torque [N m] of all columns."""
+        self.sum_columns(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 
     @ti.kernel
-    def lift(self, surface: Template, position: tm.vec3, turn: tm.mat3):
+    def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

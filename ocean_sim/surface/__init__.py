@@ -49,13 +49,13 @@ def sheet(x: np.ndarray, z: np.ndarray, height: np.ndarray) -> Mesh:
     positions = np.meshgrid(x, z, indexing="ij")
     return Mesh(
         vertices=np.stack([positions[0], height, positions[1]], axis=-1).reshape(-1, 3),
-        triangles=halves(*height.shape),
+        triangles=cell_triangles(*height.shape),
         normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
     )
 
 
 @lru_cache(maxsize=4)  # a sheet that moves keeps them
-def halves(nx: int, nz: int) -> np.ndarray:
+def cell_triangles(nx: int, nz: int) -> np.ndarray:
     """(m, 3) corners of two triangles a cell of a grid of nx x nz points; not to be written to."""
     number = np.arange(nx * nz, dtype=np.int32).reshape(nx, nz)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))

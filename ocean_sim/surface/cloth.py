@@ -22,19 +22,19 @@ from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
-from ocean_sim.surface.shared.heights import Heights, columns
+from ocean_sim.surface.shared.heights import Heights, column_counts
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-CONTACTS = 8  # the most moves of a node towards the surface in one update
-NEAR = 0.01  # [thicknesses] a smaller move is the last
-MOST_NODES = 2**24
-FURTHEST = 0.5  # [thicknesses] that its speed carries a node in one update
-OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
-HEIGHTS = 241
+MAX_MOVES = 8  # the most moves of a node towards the surface in one update
+LAST_MOVE = 0.01  # [thicknesses] a smaller move is the last
+MAX_NODES = 2**24
+MAX_CARRY = 0.5  # [thicknesses] that its speed carries a node in one update
+LATTICE_OFFSETS = 12  # positions of a node between the particles of a lattice, along an axis
+LATTICE_HEIGHTS = 241
 # Springs as steps along x and z from a node to the other end (thesis figure 3-3).
-STRETCH, SHEAR, BEND = ((1, 0), (0, 1)), ((1, 1), (1, -1)), ((2, 0), (0, 2))
+STRETCH_STEPS, SHEAR_STEPS, BEND_STEPS = ((1, 0), (0, 1)), ((1, 1), (1, -1)), ((2, 0), (0, 2))
 
 
 class Config(SurfaceConfig):
@@ -77,8 +77,8 @@ class Config(SurfaceConfig):
         least, most = preflight.spacing, preflight.support
         assert least is not None
         nx, nz = self.completed(preflight).nodes(preflight.tank)
-        if nx * nz > MOST_NODES:
-            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MOST_NODES}")]
+        if nx * nz > MAX_NODES:
+            return [(("spacing",), f"would make {nx} x {nz} nodes, more than {MAX_NODES}")]
         if self.thickness is None or 0.999 * least < self.thickness < 1.001 * most:
             return []
         why = "less, and the sheet falls between them" if self.thickness < least else "water is looked for no further"
@@ -93,7 +93,7 @@ class Config(SurfaceConfig):
     def nodes(self, basin: Basin) -> tuple[int, int]:
         """Along x and z; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
-        return columns(basin, self.spacing)
+        return column_counts(basin, self.spacing)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         nx, nz = self.completed(preflight).nodes(preflight.tank)
@@ -112,14 +112,16 @@ class Cloth:
         water = with_particles(fluid)
         self.config, self.around, particles = config, water.around, water.particles
         self.nodes, self.flat, self.bed = config.nodes(basin), basin.dimension == 2, basin.lower[1]
-        self.heights = Heights.over(basin, self.nodes)
+        self.heights = Heights.over_basin(basin, self.nodes)
         size = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         assert config.thickness is not None
         self.thickness = config.thickness
         self.contact = Contact(basin.dimension, self.thickness, size)
         self.at_surface, self.steepness = self.contact.at_surface, self.contact.steepness
         stretching, bending = config.stretching_stiffness, config.bending_stiffness
-        steps = [(*step, stretching) for step in STRETCH + SHEAR] + [(*step, bending) for step in BEND]
+        steps = [(*step, stretching) for step in STRETCH_STEPS + SHEAR_STEPS] + [
+            (*step, bending) for step in BEND_STEPS
+        ]
         self.springs = [*steps, *((-di, -dk, stiffness) for di, dk, stiffness in steps)]  # both ways from a node
         count = self.nodes[0] * self.nodes[1]
         self.height = self.heights.height  # [m]
@@ -128,14 +130,14 @@ class Cloth:
         self.edges = max(config.edges or 0.0, self.bed)
         self.age = 0.0  # [s] since the last update
         self.measured = {} if self.flat else AREA_AND_VOLUME
-        self.lay(particles)
+        self.lay_down(particles)
 
-    def lay(self, particles: "Particles") -> None:
+    def lay_down(self, particles: "Particles") -> None:
         """Let the sheet down on the water from above."""
         top = float(particles.snapshot().position[:, 1].max()) + self.thickness
         self.height.fill(top)
-        moves = 4.0 * (top - self.bed) / self.thickness + CONTACTS
-        for _ in range(int(moves / CONTACTS) + 1):
+        moves = 4.0 * (top - self.bed) / self.thickness + MAX_MOVES
+        for _ in range(int(moves / MAX_MOVES) + 1):
             self.update(0.0)
 
     def follow(self, particles: "Particles", dt: float) -> None:
@@ -150,10 +152,10 @@ class Cloth:
         """Carry on, move to the water, pull; dt 0 lays the sheet down at rest."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
-            most = ti.static(FURTHEST * self.thickness)
-            self.on_water[n] = self.moved(n, self.height[n] + tm.clamp(way, -most, most))
+            most = ti.static(MAX_CARRY * self.thickness)
+            self.on_water[n] = self.moved_to_water(n, self.height[n] + tm.clamp(way, -most, most))
         for n in self.height:
-            height = self.on_water[n] + dt * dt * self.pull(n, dt)
+            height = self.on_water[n] + dt * dt * self.spring_pull(n, dt)
             if ti.static(self.held):
                 if self.on_edge(n):
                     height = self.edges
@@ -170,31 +172,31 @@ class Cloth:
         return side
 
     @ti.func
-    def moved(self, n, y):
+    def moved_to_water(self, n, y):
         """The height [m] of node n, from y on, moved towards the surface of the water: Newton's steps, never longer
         than at a flat surface, so they do not overshoot."""
-        p, start, moves = self.heights.column(n), y, 0
-        while moves < CONTACTS:
-            move = self.move(tm.vec3(p.x, y, p.y))
-            y, moves = y + move, ti.select(ti.abs(move) < NEAR * self.thickness, CONTACTS, moves + 1)
+        p, start, moves = self.heights.column_place(n), y, 0
+        while moves < MAX_MOVES:
+            move = self.newton_move(tm.vec3(p.x, y, p.y))
+            y, moves = y + move, ti.select(ti.abs(move) < LAST_MOVE * self.thickness, MAX_MOVES, moves + 1)
             if y < self.bed:
-                y, moves = self.bed, CONTACTS
+                y, moves = self.bed, MAX_MOVES
         return start + ti.static(self.config.response) * (y - start)
 
     @ti.func
-    def move(self, x):
+    def newton_move(self, x):
         """How far the surface is above x [m], judged by the water within a thickness."""
         share = self.around.total(x, self.contact, 0.0)
         return (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
 
     @ti.func
-    def pull(self, n, dt):
+    def spring_pull(self, n, dt):
         """Upward acceleration [m/s2] by the springs at the end of a step of dt: -sum k C C' / (1 + 2 dt^2 sum k (C'^2 +
         C C'')) for C the stretch of a spring and C', C'' its derivatives by the height of one end."""
         i, k = n // self.nodes[1], n % self.nodes[1]
         force, hessian = 0.0, 0.0
         for di, dk, stiffness in ti.static(self.springs):
-            there = self.neighbour(i + di, k + dk)
+            there = self.neighbour_node(i + di, k + dk)
             if there >= 0:
                 rest = tm.length(self.heights.width * tm.vec2(di, dk))
                 rise = self.on_water[n] - self.on_water[there]
@@ -205,7 +207,7 @@ class Cloth:
         return force / (1.0 + 2.0 * dt * dt * hessian)
 
     @ti.func
-    def neighbour(self, i, k):
+    def neighbour_node(self, i, k):
         """The number of a node, through periodic sides; -1 beyond the others."""
         nx, nz = ti.static(self.heights.cells)
         if ti.static(self.heights.periodic[0]):
@@ -218,7 +220,7 @@ class Cloth:
     @ti.func
     def elevation(self, x, z):
         """Bilinear between nodes [m]."""
-        return self.heights.at(x, z)
+        return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
@@ -256,8 +258,8 @@ class Contact:
         weight of each position: of those that mirror each other only one is there."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
-        height = np.linspace(-n, n, HEIGHTS)
-        offset = (np.arange(OFFSETS // 2) + 0.5) / OFFSETS
+        height = np.linspace(-n, n, LATTICE_HEIGHTS)
+        offset = (np.arange(LATTICE_OFFSETS // 2) + 0.5) / LATTICE_OFFSETS
         x = np.square(offset[:, None] - np.arange(-n, n + 1))
         across_squared, weight = x, np.ones(len(x))
         if self.dimension == 3:
@@ -273,12 +275,12 @@ class Contact:
         shares = self.constant * self.spacing**6 * np.array([summed(across) for across in across_squared])
         return height * self.spacing, shares, weight / weight.sum()
 
-    def height(self, share: float) -> float:
+    def surface_height(self, share: float) -> float:
         """Where water on a lattice has this share, seen from above [m], on an average over all positions between the
         particles."""
         height, shares, weight = self.over_a_lattice
-        k = HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
-        k = np.minimum(k, HEIGHTS - 2)
+        k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
+        k = np.minimum(k, LATTICE_HEIGHTS - 2)
         inside, outside = (np.take_along_axis(shares, column[:, None], axis=1)[:, 0] for column in (k, k + 1))
         above = height[k] + (height[1] - height[0]) * (inside - share) / np.maximum(inside - outside, 1.0e-12)
         return float(weight @ above)
@@ -289,7 +291,7 @@ class Contact:
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.height(middle) > 0.0 else (low, middle)
+            low, high = (middle, high) if self.surface_height(middle) > 0.0 else (low, middle)
         return 0.5 * (low + high)
 
     @cached_property

@@ -19,17 +19,17 @@ from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.density_map import DensityMap, flat_share
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
-from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes
+from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-FINE, SMOOTH = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
-MEASURED = AREA_AND_VOLUME | {
+NODE_SPACINGS, RADIUS_SPACINGS = 0.5, 2.0  # [spacings of the particles] between nodes, and of the radius
+MEASURED_COLUMNS = AREA_AND_VOLUME | {
     "surface_ambiguous": "share of the cells with surface whose wet corners are kept apart by choice",
     "surface_outside": "particles above the grid",
 }
-WIDEST = 6.0  # [spacings] radius at most: a node then counts 900 particles
+MAX_RADIUS = 6.0  # [spacings] radius at most: a node then counts 900 particles
 
 
 class Config(SurfaceConfig):
@@ -47,7 +47,7 @@ class Config(SurfaceConfig):
     """Smoothed share of water at the surface; null: what it is where flat water ends."""
     height: float | None = quantity("m", None, gt=0.0)
     """How far above the still water the grid ends (the listing's range); null: as far as the bed lies below."""
-    most_nodes: int = quantity("nodes", 2**23, ge=1, le=MOST_NODES)
+    most_nodes: int = quantity("nodes", 2**23, ge=1, le=MAX_NODES)
     """Largest number of nodes near water that are kept at a time; more stop the run."""
     most_triangles: int = quantity("triangles", 4_000_000, ge=1)
     """Largest number of triangles of a mesh; more stop the run."""
@@ -55,8 +55,8 @@ class Config(SurfaceConfig):
     def completed(self, preflight: Preflight) -> Self:
         assert preflight.spacing is not None
         found = {
-            "spacing": self.spacing or FINE * preflight.spacing,
-            "radius": self.radius or SMOOTH * preflight.spacing,
+            "spacing": self.spacing or NODE_SPACINGS * preflight.spacing,
+            "radius": self.radius or RADIUS_SPACINGS * preflight.spacing,
             "height": self.height or preflight.tank.depth,
         }
         return self.model_copy(update=found)
@@ -72,12 +72,12 @@ class Config(SurfaceConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, apart = Problems(), preflight.spacing
         assert apart is not None
-        if self.radius is not None and not 1.2 * apart <= self.radius <= WIDEST * apart:
-            span = f"{self.radius:g} m must be 1.2 to {WIDEST:g} spacings of the particles, {apart:.4g} m"
+        if self.radius is not None and not 1.2 * apart <= self.radius <= MAX_RADIUS * apart:
+            span = f"{self.radius:g} m must be 1.2 to {MAX_RADIUS:g} spacings of the particles, {apart:.4g} m"
             found.append((("radius",), f"{span}: less shows them one by one, more smooths the waves away"))
-        if (count := self.completed(preflight).count(preflight.tank)) > MOST_NODES:
-            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MOST_NODES} there can be"))
-        fine = self.spacing or FINE * apart
+        if (count := self.completed(preflight).count(preflight.tank)) > MAX_NODES:
+            found.append((("spacing",), f"makes {count:.3g} nodes, more than the {MAX_NODES} there can be"))
+        fine = self.spacing or NODE_SPACINGS * apart
         if (wet := preflight.particles * (apart / fine) ** 3) > self.most_nodes:
             message = f"{self.most_nodes} is less than the {wet:.3g} or so that the water at rest fills"
             found.append((("most_nodes",), message))
@@ -137,7 +137,7 @@ class MarchingCubes:
         self.outside = 0  # particles that the grid does not reach, in the field that was built last
         self.moment, self.sampled, self.levelled = 0, -1, -1  # steps taken; those that field and heights show
         self.followed, self.read_by_kernel = False, False  # whether it has seen a step; whether a kernel reads heights
-        self.measured = MEASURED
+        self.measured = MEASURED_COLUMNS
         self.goes_on = sum(
             1 << 2 * axis + side
             for axis in range(3)
@@ -150,42 +150,42 @@ class MarchingCubes:
         them, and in the first step that it sees, in which one may be compiled."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
-            self.level()
+            self.update_heights()
         self.followed = True
 
-    def sample(self) -> None:
+    def update_field(self) -> None:
         """Make the field current."""
         if self.sampled != self.moment:
-            self.outside = self.map.sort()
-            self.map.mark(self.isosurface.rows)
-            self.isosurface.rows.keep()
-            self.map.fill(self.isosurface.rows, self.isosurface.value, self.isovalue)
+            self.outside = self.map.sort_particles()
+            self.map.mark_rows(self.isosurface.rows)
+            self.isosurface.rows.keep_rows()
+            self.map.fill_rows(self.isosurface.rows, self.isosurface.value, self.isovalue)
             self.sampled = self.moment
 
-    def level(self) -> None:
+    def update_heights(self) -> None:
         """Make the heights current."""
         if self.levelled != self.moment:
-            self.sample()
+            self.update_field()
             self.find_heights()
             self.levelled = self.moment
 
     def mesh(self) -> Mesh:
         """The water's whole skin, closed along walls and bed."""
-        return self.cut(0)[0]
+        return self.cut_surface(0)[0]
 
     def free_surface(self) -> Mesh:
         """The side that faces the air: the skin without its parts along walls and bed, open there."""
-        return self.cut(self.goes_on)[0]
+        return self.cut_surface(self.goes_on)[0]
 
     def measures(self) -> list[float]:
-        mesh, counts = self.cut(self.goes_on)
+        mesh, counts = self.cut_surface(self.goes_on)
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
-    def cut(self, goes_on: int) -> tuple[Mesh, Counts]:
+    def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
         """The surface, going on through the sides whose bits are set; raises Diverged where it is too large."""
-        self.sample()
-        self.isosurface.pad(goes_on)
-        counts = self.isosurface.count()
+        self.update_field()
+        self.isosurface.pad_field(goes_on)
+        counts = self.isosurface.count_surface()
         if counts.triangles > self.config.most_triangles:
             raise Diverged(
                 f"the surface has {counts.triangles} triangles, more than surface.most_triangles "
@@ -195,7 +195,7 @@ class MarchingCubes:
 
     def spray(self) -> np.ndarray:
         """(n,) whether a particle, in storage order, is lonely: outside the surface drawn."""
-        self.sample()
+        self.update_field()
         lonely = np.empty(self.map.particles.count.now, dtype=np.int32)
         self.find_spray(lonely)
         return lonely.astype(bool)
@@ -204,7 +204,7 @@ class MarchingCubes:
     def find_spray(self, lonely: Array):
         for i in range(lonely.shape[0]):
             p = self.map.particles.position
-            lonely[i] = int(self.map.shares(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
+            lonely[i] = int(self.map.shares_along(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
 
     @ti.kernel
     def find_heights(self):
@@ -214,11 +214,11 @@ class MarchingCubes:
             i, k = n // self.heights.count[1], n % self.heights.count[1]
             height, j = self.bed, ny
             while j > 0:
-                here = value[self.isosurface.at(i + 1, j, k + 1)]
+                here = value[self.isosurface.node_at(i + 1, j, k + 1)]
                 if here >= 0.0:
                     height = self.top
                     if j < ny:
-                        above = value[self.isosurface.at(i + 1, j + 1, k + 1)]
+                        above = value[self.isosurface.node_at(i + 1, j + 1, k + 1)]
                         height = self.bed + self.nodes.width[1] * (j - 0.5 + here / (here - above))
                     j = 0
                 j -= 1
@@ -235,9 +235,9 @@ class MarchingCubes:
     def elevation(self, x, z):
         """Highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
         ti.static(self.read_by_a_kernel())
-        return self.heights.at(x, z)
+        return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
-        self.level()
+        self.update_heights()
         return self.heights.elevations(points)

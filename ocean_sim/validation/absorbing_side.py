@@ -33,7 +33,7 @@ def problems(coarse: bool) -> list[Problem]:
 def theoretical_reflection() -> float:
     """Reflection of the zone in linear theory."""
     rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
-    return float(absorption.reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
+    return float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
 
 
 def measure(simulation: Simulation) -> Finding:

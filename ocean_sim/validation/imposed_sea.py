@@ -15,7 +15,7 @@ from ocean_sim import waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.flume import flume_scene, gauge_records, reflection_ratio, resample_evenly
-from ocean_sim.waves.record import measured
+from ocean_sim.waves.record import measure_record
 
 DEPTH, HEIGHT, PERIOD, SEED = 0.5, 0.04, 1.5, 3  # [m], [m], [s]
 WAVELENGTH = 2.0 * pi / float(waves.wavenumber(2.0 * pi / PERIOD, DEPTH))  # 2.827 m
@@ -48,7 +48,7 @@ def measure(simulation: Simulation) -> Finding:
     records = gauge_records(simulation, away + [simulation.basin.lower[0], 0.0], SAMPLE_INTERVAL)
     time, found = resample_evenly(*records, RECORD_START, SAMPLE_INTERVAL)
     theory = np.array([waves.elevation(piston.sea, away[:1], t)[0] for t in time])
-    sea, wanted = measured(time, found[:, 0]), measured(time, theory)
+    sea, wanted = measure_record(time, found[:, 0]), measure_record(time, theory)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, FREQUENCY_BAND)
     pairs = ((sea.hm0_m, wanted.hm0_m), (sea.tm02_s, wanted.tm02_s), (sea.hs_m, wanted.hs_m))
     numbers = [percent_error(a, b) for a, b in pairs if a is not None and b is not None]

@@ -81,8 +81,8 @@ def heaving_problem() -> Problem:
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
             simulation.step()
-            phase, share = omega * simulation.time, waves.grown(simulation.time, RAMP_TIME)
-            rate = waves.growth(simulation.time, RAMP_TIME)
+            phase, share = omega * simulation.time, waves.ramp_share(simulation.time, RAMP_TIME)
+            rate = waves.ramp_rate(simulation.time, RAMP_TIME)
             moved = ImposedMotion(
                 began + HEAVE_STROKE * share * sin(phase),
                 HEAVE_STROKE * (omega * share * cos(phase) + rate * sin(phase)),
@@ -173,7 +173,7 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
     if any(solid.felt for solid in simulation.basin.afloat.values()):
         pressed = cast("Pressure", ship)
         pressed.known[0, axis] = moved.acceleration
-        pressed.place()
+        pressed.place_hull()
 
 
 @dataclass(frozen=True)
@@ -202,9 +202,9 @@ def follow_motions(simulation: Simulation, speed: float) -> Motions:
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:
-            now = speed * waves.grown(time, RAMP_TIME)
+            now = speed * waves.ramp_share(time, RAMP_TIME)
             x, before = x + 0.5 * (before + now) * (time - last), now
-            impose_motion(simulation, 0, ImposedMotion(x, now, speed * waves.growth(time, RAMP_TIME)))
+            impose_motion(simulation, 0, ImposedMotion(x, now, speed * waves.ramp_rate(time, RAMP_TIME)))
             last = time
         rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (WAVENUMBER * AMPLITUDE)))
     found = np.array(rows)

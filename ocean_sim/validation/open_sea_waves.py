@@ -22,8 +22,8 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.fluid import with_particles
-from ocean_sim.fluid.patch.relaxation_zone import band
-from ocean_sim.fluid.patch.sea_patch import nodes
+from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
+from ocean_sim.fluid.patch.sea_patch import table_nodes
 from ocean_sim.fluid.patch.sources import Depths
 from ocean_sim.fluid.sph.initial_state import carried, of_patch
 from ocean_sim.simulation import Simulation
@@ -128,13 +128,16 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
     """Complex height of the sea around the patch over that of its linear waves, at rising times (n,) [s]."""
-    around_it = band(with_particles(simulation.fluid).config.lattice(simulation.basin))
+    around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
     from ocean_sim.fluid.patch.sources import SteepSource
 
     depths = Depths(DEPTH, around_it.sea.significant_height, DEPTH)
-    source, crests = SteepSource(around_it, around_it.sea, depths, nodes(around_it, around_it.sea)), round(PATCH_LENGTH)
+    source, crests = (
+        SteepSource(around_it, around_it.sea, depths, table_nodes(around_it, around_it.sea)),
+        round(PATCH_LENGTH),
+    )
     began = source.modes(0.0)[1, 0, crests, 0]
     return np.array([source.modes(t)[1, 0, crests, 0] / began * np.exp(1j * OMEGA * t) for t in time])
 

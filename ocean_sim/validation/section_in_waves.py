@@ -177,7 +177,7 @@ def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
     clock: Any = simulation.time_step  # of kind fixed
     rest = np.array([0.0, KG - floating_ship(simulation).hydrostatics.draught, 0.0])
     set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
-    fluid.begin(waves.regular(2.0 * AMPLITUDE, period, waves.direction(90.0, 3), DEPTH, GRAVITY))
+    fluid.begin(waves.regular_wave(2.0 * AMPLITUDE, period, waves.heading_vector(90.0, 3), DEPTH, GRAVITY))
     simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
     clock.config = clock.config.model_copy(update={"dt": period / WAVE_STEPS})
     rows = [(t, *b.position[:2], b.angles[2]) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]

@@ -45,7 +45,7 @@ def measure_drift(simulation: Simulation, phases: int) -> Finding:
     """Mean speed along the ship for each phase at the start."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     rest = np.array([0.0, floating_ship(simulation).first_body.position[1], 0.0])
-    train = waves.regular(HEIGHT, PERIOD, waves.direction(180.0, 3), simulation.basin.depth, GRAVITY)
+    train = waves.regular_wave(HEIGHT, PERIOD, waves.heading_vector(180.0, 3), simulation.basin.depth, GRAVITY)
     at, speeds = 2.0 * np.pi * np.arange(phases) / phases, []
     until, judged = (PASSED_PERIODS + JUDGED_PERIODS) * PERIOD - 1e-9, JUDGED_PERIODS * PERIOD_STEPS
     for phase in at:

@@ -110,7 +110,7 @@ def wave_response(simulation: Simulation, omega: float, length: float, heading: 
     set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
     depth = simulation.basin.depth
     amplitude = STEEPNESS * length
-    fluid.begin(waves.regular(2.0 * amplitude, period, waves.direction(heading, 3), depth, GRAVITY))
+    fluid.begin(waves.regular_wave(2.0 * amplitude, period, waves.heading_vector(heading, 3), depth, GRAVITY))
     simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
     clock.config = clock.config.model_copy(update={"dt": period / WAVE_STEPS})
     rows = [(t, b.position[1], *b.angles) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]

@@ -42,14 +42,14 @@ def conservation_problem() -> Problem:
         tile = sea_of(simulation).tile
         layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
         mode, random_ = (6, 5), np.random.default_rng(1).normal(size=tile.shape)
-        e = tile.waves(random_) * np.exp(-((tile.k * tile.cell * 4.0) ** 2))
+        e = tile.to_modes(random_) * np.exp(-((tile.k * tile.cell * 4.0) ** 2))
         e[0, 0] = 0.0
-        travel_ahead(layer, tile.values(e))
+        travel_ahead(layer, tile.to_values(e))
         first, omega = tile.energy(layer.eta, layer.phi), tile.omega[mode]
-        before, dt = tile.waves(layer.eta)[mode], 2.0 * np.pi / omega / PERIOD_STEPS
+        before, dt = tile.to_modes(layer.eta)[mode], 2.0 * np.pi / omega / PERIOD_STEPS
         for _ in range(PERIOD_COUNT * PERIOD_STEPS):
             layer.advance(dt, still, np.zeros(2))
-        turn = float(abs(np.angle(tile.waves(layer.eta)[mode] / before)))
+        turn = float(abs(np.angle(tile.to_modes(layer.eta)[mode] / before)))
         change = tile.energy(layer.eta, layer.phi) / first - 1.0
         return Finding([absolute_error(change), absolute_error(turn)])
 
@@ -86,7 +86,7 @@ def radiated_amplitude(tile: "Tile", k: float, rim: bool) -> np.ndarray:
     from ocean_sim.fluid.open_sea.wave_tile import Layer
 
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
-    dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.waves(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
+    dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
     for n in range(1, 30 * PERIOD_STEPS + 1):
         layer.advance(dt, smooth_ramp(n / (4.0 * PERIOD_STEPS)) * np.cos(omega * n * dt) * source, np.zeros(2))
@@ -112,7 +112,7 @@ def random_sea_problem(order: int) -> Problem:
         t = 2.0 * np.pi * float(np.sqrt(np.mean(eta**2) / np.mean(rise**2)))
         flux = -(rise[:, None] * slope).mean(axis=0)
         ahead = float(np.degrees(np.arctan2(*flux)))
-        f = np.linspace(waves.LOWEST, asked.cut_off, waves.RESOLVED) / asked.peak_period
+        f = np.linspace(waves.LOWEST_FREQUENCY, asked.cut_off, waves.SPECTRUM_POINTS) / asked.peak_period
         s = asked.density(f)
         mean = float(np.sqrt(np.trapezoid(s, f) / np.trapezoid(s * f**2, f)))
         off = (ahead - SEA_KEYS["heading_deg"] + 180.0) % 360.0 - 180.0
@@ -134,9 +134,9 @@ def surface_samples(simulation: Simulation, order: int) -> tuple[np.ndarray, np.
 
         sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, DRAWN), fluid.tile))
         tile = sea.tile
-        e, p = tile.waves(sea.eta), tile.waves(sea.phi)
+        e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         modes = np.array([e, tile.k * np.tanh(tile.k * tile.depth) * p, *tile.slopes(e)])
-        eta, rise, along, across = tile.values(modes).reshape(4, -1)
+        eta, rise, along, across = tile.to_values(modes).reshape(4, -1)
         return eta, rise, np.stack([along, across], axis=1)
     found = []
     draw = np.random.default_rng(5)

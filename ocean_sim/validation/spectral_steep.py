@@ -43,10 +43,10 @@ def stokes_problem() -> Problem:
             eta, phi, speed = stokes_wave(s, k, tile.nodes()[0][:, None])
             sea, dt = HighOrder(tile, 0.0), 2.0 * np.pi / (k * speed) / PERIOD_STEPS
             sea.begin(eta, phi)
-            first, turns = sea.energy(), [np.angle(tile.waves(sea.eta)[WAVE_COUNT, 0])]
+            first, turns = sea.energy(), [np.angle(tile.to_modes(sea.eta)[WAVE_COUNT, 0])]
             for _ in range(PERIOD_COUNT * PERIOD_STEPS):
                 sea.advance(dt)
-                turns.append(np.angle(tile.waves(sea.eta)[WAVE_COUNT, 0]))
+                turns.append(np.angle(tile.to_modes(sea.eta)[WAVE_COUNT, 0]))
             time = dt * np.arange(len(turns))
             speeds.append(percent_error(-np.polyfit(time, np.unwrap(turns), 1)[0] / k, speed))
             energies.append(absolute_error(100.0 * (sea.energy() / first - 1.0)))
@@ -77,7 +77,7 @@ def side_band_problem() -> Problem:
         size = []
         for _ in range(GROWTH_PERIODS * PERIOD_STEPS):
             sea.advance(dt)
-            e = np.abs(tile.waves(sea.eta)[:, 0])
+            e = np.abs(tile.to_modes(sea.eta)[:, 0])
             size.append(np.log(np.hypot(e[CARRIER_COUNT - 1], e[CARRIER_COUNT + 1])))
         time = dt * np.arange(1, len(size) + 1)
         of = slice(JUDGED_PERIODS[0] * PERIOD_STEPS, JUDGED_PERIODS[1] * PERIOD_STEPS)

@@ -64,9 +64,9 @@ def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
         centre = np.array([u * n * TIME_STEP, 0.0])
         x, z = nearest_image(tile, centre)
         patch = PRESSURE_PEAK * np.exp(-((x / WIDTH_ALONG) ** 2) - (z / WIDTH_ACROSS) ** 2)
-        layer.advance(TIME_STEP, tile.waves(smooth_ramp(n * TIME_STEP / RAMP_TIME) * patch / WATER_DENSITY), centre)
+        layer.advance(TIME_STEP, tile.to_modes(smooth_ramp(n * TIME_STEP / RAMP_TIME) * patch / WATER_DENSITY), centre)
         if n > (1.0 - JUDGED_SHARE) * steps:
-            slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
+            slope = tile.to_values(tile.slopes(tile.to_modes(layer.eta))[0])
             found.append((patch * slope).sum() * tile.cell**2)
     return float(np.mean(found)), layer.eta
 
@@ -77,7 +77,7 @@ def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
     points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)
-    line = tile.at(eta, points)
+    line = tile.interpolate(eta, points)
     k = np.flatnonzero(line[1:] * line[:-1] < 0.0)
     zeros = behind[k]
     return behind, line, 2.0 * float((zeros[-1] - zeros[0]) / (len(zeros) - 1))

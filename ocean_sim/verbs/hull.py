@@ -101,7 +101,7 @@ def hull(
     as_json: Json = False,
 ) -> int:
     """Describe a hull; the exit code is 2 where it is not one."""
-    from ocean_sim.ship.hull.hull import explained
+    from ocean_sim.ship.hull.hull import error_sentence
     from ocean_sim.ship.hull.mesh import BadMesh
 
     at = number_list("--cg", cg)
@@ -124,7 +124,7 @@ def hull(
     except ValueError as error:
         if isinstance(error, console.Refused):
             raise
-        problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {explained(error)}"]
+        problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {error_sentence(error)}"]
         if not as_json:
             raise console.Refused("\n".join(problems)) from None
         console.answer({"error": problems[0], **EMPTY, "gz": [], "periods_s": {}, "problems": problems})
@@ -143,12 +143,12 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, the density of
     its water [kg/m3], and length and breadth of its bilge keels [m]; raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
-    from ocean_sim.ship.hull.hull import MESHES, hull_of
+    from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
 
     scene = Path(name).suffix in (".yaml", ".yml") or (library("scenes") / f"{name}.yaml").is_file()
     if ship is not None and not scene:
         raise console.Refused(f"--ship names one of the ships of a scene, and {name} is none")
-    is_file = Path(name).suffix.lower() in MESHES
+    is_file = Path(name).suffix.lower() in MESH_ENDINGS
     given = [f"--{key}" for key in ("up", "bow", "scale") if getattr(asked, key) is not None]
     if given and not is_file:
         raise console.Refused(f"{', '.join(given)} say how a mesh file is read, and {name} is none")
@@ -163,7 +163,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
         meant = likeliest(name, dict.fromkeys([*named("hull"), *named("ship"), *packaged_scenes()]))
         there = f"; there are the hulls {hulls}, and those of the ships {ships}"
         raise console.Refused(
-            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESHES)} file"
+            f"there is no hull {name!r}, and it is neither a scene nor a {', '.join(MESH_ENDINGS)} file"
             f"{there if meant is None else f'; did you mean {meant!r}?'}"
         )
     if scene:
@@ -179,7 +179,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
     if ship is not None and ship not in floating:
         raise console.Refused(f"--ship: there is no {ship!r} with a hull; there are {', '.join(floating)}")
     chosen = floating[ship] if ship is not None else next(iter(floating.values()))
-    resistance = chosen.resistance(chosen.afloat(GRAVITY, config.fluid.rest_density))
+    resistance = chosen.resistance(chosen.in_still_water(GRAVITY, config.fluid.rest_density))
     keels = None if resistance is None or resistance.rolling is None else resistance.rolling.keels
     return chosen.whole_hull, config.fluid.rest_density, None if keels is None else (keels.length, keels.breadth)
 
@@ -211,9 +211,9 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
         mass = mass_at(shape, asked)
         notes.append(f"at a draught of {asked.draught:g} m it carries {mass:.5g} kg")
     if mass is None:
-        from ocean_sim.ship.hull.hull import COARSE
+        from ocean_sim.ship.hull.hull import FIRST_GUESS_CUBES
 
-        mass = HALF * density_of(asked) * voxels(shape.shape, height / COARSE).volume
+        mass = HALF * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
         notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
     if asked.cg is not None:
         centre = asked.cg
@@ -231,31 +231,31 @@ def density_of(asked: Asked) -> float:
 
 def mass_at(shape: "Hull", asked: Asked) -> float:
     """Mass that the hull carries upright at the draught asked for [kg]; raises Refused."""
-    from ocean_sim.ship.naval.hydrostatics import UP
+    from ocean_sim.ship.naval.hydrostatics import UPRIGHT
 
     assert asked.draught is not None
     height = float(np.ptp(shape.shape.bounds(), axis=0)[1])
     if not asked.draught < height:
         raise console.Refused(f"--draught: the hull is {height:g} m high, less than the draught")
     some = shape.model_copy(update={"mass": 1.0})
-    still = some.floating(max(asked.draught / asked.cells, some.finest), density_of(asked), GRAVITY, 1.0)
-    return density_of(asked) * float(still.wet(UP, still.keel + asked.draught).sum())
+    still = some.in_cubes(max(asked.draught / asked.cells, some.smallest_side), density_of(asked), GRAVITY, 1.0)
+    return density_of(asked) * float(still.wet_volumes(UPRIGHT, still.keel + asked.draught).sum())
 
 
 def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """Answer of `hull`, and sentences for people."""
-    from ocean_sim.ship.hull.hull import ENOUGH
+    from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights
     from ocean_sim.ship.naval.stability import Stability
 
     notes: list[str] = []
     problems: list[str] = []
-    solid = shape.shape.closed()
+    solid = shape.shape.closed_mesh()
     if solid is not None:
-        notes += [solid.sentence(), *solid.remarks]
+        notes += [solid.size_sentence(), *solid.remarks]
     whole = loaded(shape, asked, condition, notes)
-    afloat = whole.afloat(asked.cells, density_of(asked), GRAVITY)
+    afloat = whole.in_still_water(asked.cells, density_of(asked), GRAVITY)
     notes += outlying(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
@@ -269,7 +269,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
         return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "notes": notes, "problems": problems}, notes
     resolved = afloat.draught / float(cubes.size[1])
     if resolved < 0.9 * asked.cells:
-        most = f"no more than {ENOUGH:g} cubes are made"
+        most = f"no more than {CUBE_BUDGET:g} cubes are made"
         notes.append(f"{resolved:.3g} cubes over the draught, not {asked.cells:g}: {most}")
     if condition is not None:
         afloat = replace(afloat, lost=condition.lost)
@@ -290,7 +290,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
 def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
     """Sentences on a weight, an opening or a centre of mass outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
-    centre, found = afloat.matter.centre, [] if condition is None else condition.beyond(lower, upper)
+    centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
         box = ", ".join(f"{a + 0.0:.3g} to {b:.3g}" for a, b in zip(lower, upper))
         at = ", ".join(f"{value:.3g}" for value in centre)
@@ -300,17 +300,17 @@ def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None")
 
 def troubles(stability: "Stability") -> list[str]:
     """Why a ship would not stay as she is put into the water, in words."""
-    from ocean_sim.ship.body.floating import LEAN, at_rest
+    from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
 
     found = []
     if stability.gm <= 0.0:
-        ends = "no lever rights her" if stability.rest is None else f"she lolls to {stability.rest:.1f} deg"
+        ends = "no lever rights her" if stability.rest_heel is None else f"she lolls to {stability.rest_heel:.1f} deg"
         found.append(f"unstable upright: GM = {stability.gm:.3g} m; {ends}")
-    elif at_rest(stability.still) is None:
+    elif rest_angles(stability.still) is None:
         found.append(
-            f"within {LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
+            f"within {MAX_LEAN:g} degrees of trim and heel she has no pose at rest: her centre of mass is too far out"
         )
-    angle, opening = stability.flooding
+    angle, opening = stability.flooding_heel
     if angle == 0.0:
         found.append(f"water comes in upright: openings.{opening} lies under the water")
     return found
@@ -332,7 +332,11 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
         return [], []
     scale = found.scale / found.critical
     rows = [
-        {"amplitude_deg": a, **{part: scale * b for part, b in found.parts[a]._asdict().items()}, "sum": found.share(a)}
+        {
+            "amplitude_deg": a,
+            **{part: scale * b for part, b in found.parts[a]._asdict().items()},
+            "sum": found.critical_share(a),
+        }
         for a in SWINGS
     ]
     return rows, found.warnings
@@ -343,19 +347,19 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     theory is not for her. Raises Refused."""
     from math import degrees, sqrt
 
-    from ocean_sim.ship.naval.hydrostatics import slender, squat
+    from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
 
     if depth is None:
         return [], []
     if depth <= afloat.draught:
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
-    law, rows = slender(afloat), []
+    law, rows = slender_squat(afloat), []
     names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
     for froude in FROUDE:
         speed = froude * sqrt(GRAVITY * depth)
-        at = law.at(speed, depth)
-        bow = squat(afloat.wanted, afloat.length, speed, depth)
-        under_keel = depth - afloat.draught - max(bow, at.deepest)
+        at = law.at_speed(speed, depth)
+        bow = bow_squat(afloat.needed_volume, afloat.length, speed, depth)
+        under_keel = depth - afloat.draught - max(bow, at.end_sinkage)
         rows.append(dict(zip(names, (froude, speed, at.sinkage, degrees(at.trim), bow, under_keel))))
     blunt = "squat: sinkage and trim are of a slender hull; her ends are blunt, and they grow slowly with --cells"
     return rows, [blunt] if law.blunt else []
@@ -364,17 +368,17 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
 def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
     """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
     from ocean_sim.ship.forces.added_mass import by_rule
-    from ocean_sim.ship.naval.hydrostatics import HEELS
-    from ocean_sim.ship.naval.stability import CROSS
+    from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
+    from ocean_sim.ship.naval.stability import CROSS_HEELS
 
     kb = afloat.kb
     added = by_rule(afloat)
     extra = {"heave": added[1], "pitch": added[3], "roll": added[5]}
     kg = float(afloat.matter.centre[1]) - afloat.keel
-    heels = [0.0, *HEELS]
+    heels = [0.0, *LEVER_HEELS]
     by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
     levers = [by_heel[heel] for heel in heels]
-    angle, opening = stability.flooding
+    angle, opening = stability.flooding_heel
     found: dict[str, Any] = {
         "draught_m": afloat.draught,
         **resting(afloat),
@@ -385,9 +389,9 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
         "kg_m": kg,
         "free_surface_m": afloat.lost[0],
         "waterplane_m2": afloat.waterplane,
-        "gz_to": "port" if stability.side < 0.0 else "starboard",
+        "gz_to": "port" if stability.heeling_side < 0.0 else "starboard",
         "gz": [{"heel_deg": heel, "gz_m": lever} for heel, lever in zip(heels, levers)],
-        "vanishing_deg": stability.vanishing,
+        "vanishing_deg": stability.vanishing_heel,
         "flooding_deg": None if isinf(angle) else angle,
         "flooding_at": opening or None,
         "criteria": [{**row._asdict(), "ok": row.ok} for row in stability.criteria],
@@ -397,7 +401,7 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
     if cross:
         curves = stability.cross_curves()
         found["cross"] = [
-            {"displacement_kg": mass, "kn": [{"heel_deg": h, "kn_m": kn} for h, kn in zip(CROSS, levers)]}
+            {"displacement_kg": mass, "kn": [{"heel_deg": h, "kn_m": kn} for h, kn in zip(CROSS_HEELS, levers)]}
             for mass, levers in curves.items()
         ]
     return found
@@ -408,13 +412,13 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
     she has no pose at rest."""
     from math import asin, degrees
 
-    from ocean_sim.ship.body.floating import at_rest, matrix_of
+    from ocean_sim.ship.body.floating import lean_matrix, rest_angles
 
-    angles, names = at_rest(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
+    angles, names = rest_angles(afloat), ("draught_fore_m", "draught_aft_m", "trim_deg", "heel_deg")
     if angles is None:
         return dict.fromkeys(names)
-    up = matrix_of(angles)[1]
-    level, (stern, bow) = afloat.level(up), afloat.ends
+    up = lean_matrix(angles)[1]
+    level, (stern, bow) = afloat.water_level(up), afloat.waterline_ends
     ends = [(level - up[2] * end) / up[1] - afloat.keel for end in (bow, stern)]
     trim, heel = (round(degrees(asin(float(tilt))), 9) + 0.0 for tilt in (-up[2], up[0]))
     return dict(zip(names, [*map(float, ends), trim, heel]))  # bow down, starboard down
@@ -422,7 +426,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """Print the answer of `hull` for people."""
-    from ocean_sim.ship.naval.stability import LAST
+    from ocean_sim.ship.naval.stability import LAST_HEEL
 
     console.say(name)
     for note in notes:
@@ -434,7 +438,7 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
         stem, _, unit = key.rpartition("_")
         if isinstance(value, float) and unit in units:
             where = f", {found['flooding_at']}" if key == "flooding_deg" else ""
-            where += " or more" if key == "vanishing_deg" and value == LAST else ""
+            where += " or more" if key == "vanishing_deg" and value == LAST_HEEL else ""
             if key in sides and value != 0.0:
                 where, value = f" {sides[key][value > 0.0]}", abs(value)
             rows.append([stem.replace("_", " "), f"{figures(value)} {units[unit]}{where}"])

@@ -70,10 +70,10 @@ def render(
     if config is None:
         raise SceneError(problems)
     require_frames(run)
-    sentence = drawing.impossible(run, config.camera, config.stills, config.ship)
+    sentence = drawing.obstacle_to_pictures(run, config.camera, config.stills, config.ship)
     if sentence is not None:
         raise console.Refused(sentence)
-    options = drawing.asked(config, run) | ({} if fps is None else {"every": 1.0 / fps})
+    options = drawing.config_options(config, run) | ({} if fps is None else {"every": 1.0 / fps})
     progress = Drawing(quiet=as_json)
     before = {*(out or run).glob("*")}
     with console.claim(out or run):

@@ -40,14 +40,14 @@ def sea(
     if swd is not None:
         swd.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(swd) as draft:
-            draft.write_bytes(exchange.swd(waves, title))
+            draft.write_bytes(exchange.to_swd(waves, title))
         files.append(swd)
     if openfast is not None:
         time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([point]), t) for t in time.tolist()])
         openfast.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(openfast) as draft:
-            draft.write_text(exchange.openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
+            draft.write_text(exchange.to_openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
         files.append(openfast)
     answer: dict[str, Any] = {
         "waves": len(waves.amplitude),

@@ -11,28 +11,28 @@ import typer
 
 from ocean_sim.files import run_files
 from ocean_sim.files.atomic_file import atomic_write
-from ocean_sim.pictures.frame_files import Frame, frame_files, opened
-from ocean_sim.pictures.water.sea_state import scene_of
+from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
+from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.waves.orbits import BREAKING, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
+from ocean_sim.waves.orbits import BREAKING_ACCELERATION, Grid, Motion, SurfaceRecord, surface_record, tracer_motion
 from ocean_sim.waves.record import (
-    CUT_OFF,
-    REGULAR,
-    RESOLVED,
-    STEADY,
+    CUT_OFF_PEAKS,
+    MIN_IRREGULAR_WAVES,
+    RECORD_PERIODS,
+    REGULAR_ERROR,
     Sea,
     Treatment,
     Unmeasurable,
-    elevations,
-    evenly,
-    measured,
+    even_samples,
+    gauge_elevations,
+    linear_trend,
+    measure_record,
     missing_samples,
+    record_spectra,
     sampling_error,
     slow_part,
-    spectra,
-    trend,
 )
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
@@ -70,7 +70,7 @@ def waves(
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
     path = record(run)
     try:
-        time, heights = elevations(path, begin)
+        time, heights = gauge_elevations(path, begin)
         found = {name: measured_as(name, time, height, treatment) for name, height in heights.items()}
     except Unmeasurable as why:
         raise console.Refused(f"{path}: {why}") from None
@@ -81,7 +81,7 @@ def waves(
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
     write_table(files[0], found, treatment.notes())
-    frequency, densities = spectra(time, heights, treatment)
+    frequency, densities = record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.drawn(draw, files[2], time, heights, frequency, densities):
         files.pop()
@@ -97,8 +97,8 @@ def waves(
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
     show(found, path, treatment, time)
-    steady = [height for name, height in heights.items() if found[name].waves >= STEADY]
-    for sentence in sampling([sampling_error(treatment.deviation(evenly(time, height)[1])) for height in steady]):
+    steady = [height for name, height in heights.items() if found[name].waves >= MIN_IRREGULAR_WAVES]
+    for sentence in sampling([sampling_error(treatment.deviation(even_samples(time, height)[1])) for height in steady]):
         console.say(sentence)
     for name, done in treated.items():
         for warning in done.get("warnings", ()):
@@ -120,7 +120,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
-        with opened(folder / "frames" / "grid.npz") as file:
+        with open_frame(folder / "frames" / "grid.npz") as file:
             x, z, lower, upper = (file[name] for name in ("x", "z", "lower", "upper"))
             grid = Grid(x, z, lower, upper, float(file["depth"]), float(file["spacing"]))
         return surface_record(grid, map(Frame, frame_files(folder)), begin)  # one at a time: frames are large
@@ -133,7 +133,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
 def surface_sentence(surface: SurfaceRecord) -> str:
     """Means over time, for people."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
-    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING:g} g "
+    cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING_ACCELERATION:g} g "
     cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"
     turn = surface.circulation
     if turn is None:
@@ -175,8 +175,8 @@ def record(run: Path) -> Path:
 
 def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
     """Numbers of what was done to a record, and warnings of what it lacks; nothing of a whole one as it was."""
-    warnings = [*filter(None, (missing_samples(time), slow_part(*evenly(time, height), treatment)))]
-    found: dict[str, Any] = {"trend_m_s": trend(*evenly(time, height))} if treatment.detrended else {}
+    warnings = [*filter(None, (missing_samples(time), slow_part(*even_samples(time, height), treatment)))]
+    found: dict[str, Any] = {"trend_m_s": linear_trend(*even_samples(time, height))} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
     return found | ({"warnings": warnings} if warnings else {})
 
@@ -184,14 +184,14 @@ def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
     """The waves of a gauge; raises Unmeasurable with its name."""
     try:
-        return measured(time, height, treatment)
+        return measure_record(time, height, treatment)
     except Unmeasurable as why:
         raise Unmeasurable(f"the record of gauge {name!r} {why}") from None
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
     """The wind of the scene, by the manifest next to the record."""
-    wind = scene_of(path.parent).get("wind")
+    wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
@@ -229,14 +229,16 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
         for sentence in shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
-    console.say(f"moments up to {CUT_OFF:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}")
+    console.say(
+        f"moments up to {CUT_OFF_PEAKS:g} peak frequencies; H1/3, Tz and Hmax between zero up-crossings{beyond}"
+    )
     if (wind := wind_of(path)) is not None:
         console.say(wind)
 
 
 def sampling(errors: list[float]) -> list[str]:
     """Sentences on the sampling error of records as long as these; none for regular waves."""
-    irregular = sorted(error for error in errors if error < REGULAR)
+    irregular = sorted(error for error in errors if error < REGULAR_ERROR)
     if not irregular:
         return []
     share = " to ".join(dict.fromkeys(f"{100.0 * error:.2g}" for error in (irregular[0], irregular[-1])))
@@ -251,11 +253,11 @@ def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
         why = "constant" if sea.hm0_m == 0.0 else "shorter than a wave: it does not cross its mean upwards twice"
         return [f"the record is {why}, so no wave is counted"]
     found = []
-    if sea.waves < STEADY:
+    if sea.waves < MIN_IRREGULAR_WAVES:
         count = "1 wave" if sea.waves == 1 else f"{sea.waves} waves"
-        found.append(f"the record holds {count}; statistics of irregular waves need at least {STEADY}")
+        found.append(f"the record holds {count}; statistics of irregular waves need at least {MIN_IRREGULAR_WAVES}")
     if sea.tp_s is None:
-        why = f"the record is shorter than {RESOLVED:g} periods of its spectral peak"
+        why = f"the record is shorter than {RECORD_PERIODS:g} periods of its spectral peak"
         found.append(f"{why}, so Tp, Tm01 and Tm02 cannot be resolved")
     return found
 
@@ -305,7 +307,7 @@ def draw(
     below.set_ylabel("spectral density [m2 s]")
     highest = max((float(frequency[np.argmax(density)]) for density in densities.values()), default=0.0)
     if highest > 0.0:  # beyond it the moments of a spectrum end, too
-        below.set_xlim(0.0, min(CUT_OFF * highest, float(frequency[-1])))
+        below.set_xlim(0.0, min(CUT_OFF_PEAKS * highest, float(frequency[-1])))
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")

@@ -10,8 +10,8 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_json
-from ocean_sim.pictures.frame_files import Frame, frame_files, opened, ships_in
-from ocean_sim.pictures.water.foam import coarser
+from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame, ship_keys
+from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
 from ocean_sim.viewer.still import Setting, Vessel, page, sky_packet
 from ocean_sim.viewer.watch import CELLS, elevation_gauges
@@ -45,7 +45,7 @@ class Recorded:
         files = frame_files(folder)
         if not files or not (folder / "frames" / "grid.npz").is_file():
             raise Refused(f"{folder}: this run kept no frames to replay; run it without frames=null")
-        with opened(folder / "frames" / "grid.npz") as file:
+        with open_frame(folder / "frames" / "grid.npz") as file:
             self.grid = {name: file[name] for name in file.files}
         self.files = thinned(files, float(self.grid.get("every", 0.033)))
         self.title = self.scene.get("title") or folder.name
@@ -56,7 +56,7 @@ class Recorded:
         return tuple(-(-len(self.grid[axis]) // CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def keys(self) -> list[str]:
-        return [key for key in ships_in(self.grid, "_vertices") if f"{key}_look" in self.grid]
+        return [key for key in ship_keys(self.grid, "_vertices") if f"{key}_look" in self.grid]
 
     def still(self) -> bytes:
         """What is told once, with the names of what is plotted."""
@@ -112,10 +112,10 @@ class Recorded:
             origins.append(frame.origin)
             heights.append(frame.elevation[::i, ::j].ravel())
             if frame.foam is not None:
-                foams.append(coarser(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
+                foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
             poses.append([self.pose(*frame.ships[key]) for key in self.keys()])
             if frame.position is not None and k % SHARE == 0:
-                with opened(path) as file:
+                with open_frame(path) as file:
                     order = file["id"].astype(int)
                 particles.append(self.in_order(frame.position, order))
                 assert frame.velocity is not None

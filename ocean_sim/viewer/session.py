@@ -179,7 +179,7 @@ class Session:
         """Say how far along their routes ships are; at the end of one the rudder goes amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
-            if pilot.arrived(simulation.ships[name].body):
+            if pilot.has_arrived(simulation.ships[name].body):
                 self.amidships(name)
                 self.say(f"{name}: the end of the route")
                 self.report()

@@ -21,9 +21,9 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_hull import Hull
 from ocean_sim.pictures.ships.ship_model import build_model
-from ocean_sim.pictures.stage import light, sky
-from ocean_sim.pictures.water import foam, water_glsl, water_shading
-from ocean_sim.pictures.water.sea_state import wind_of
+from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.water import water_glsl, water_shading, waterline
+from ocean_sim.pictures.water.sea_state import ripple_wind
 from ocean_sim.viewer.protocol import VERSION, boxed, packet
 from ocean_sim.waves import Components
 
@@ -112,9 +112,7 @@ class Setting(NamedTuple):
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
             "speeds": plain(SPEED_COLOURS),
-            "light": {
-                name: plain(getattr(light, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
-            },
+            "light": {name: plain(getattr(sky, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")},
             "shaders": shaders(len(ships)),
             "uniforms": uniforms,
         }
@@ -131,13 +129,13 @@ class Setting(NamedTuple):
         paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
         hull = Hull(vessel.vertices, vessel.triangles, vessel.submerged)
-        line = foam.waterline(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
+        line = waterline.waterline_segments(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
         wet = len(line) > 2
         if wet:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
             share = (np.arange(GAP_CELLS) + 0.5) / GAP_CELLS
             x, z = (near[a] + share * (far[a] - near[a]) for a in (0, 1))
-            gap = foam.distance(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
+            gap = waterline.distance_to_line(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
             boxes[f"gap{k}"] = {"near": plain(near), "far": plain(far)}
         return {
@@ -152,7 +150,7 @@ class Setting(NamedTuple):
     def sea(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """The plane waves around the basin, and the numbers for the program of water."""
         height = self.waves.significant_height if self.waves is not None else 0.5
-        wind = wind_of(dict(self.scene), self.waves, height)
+        wind = ripple_wind(dict(self.scene), self.waves, height)
         if self.waves is not None:
             most = np.argsort(self.waves.amplitude)[::-1][:FAR_WAVES]
             energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
@@ -162,7 +160,9 @@ class Setting(NamedTuple):
         else:
             rows = invented(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
-        uniforms = water_glsl.plain(len(self.vessels)) | water_glsl.switched(water_shading.Terms())
+        uniforms = water_glsl.neutral_uniforms(len(self.vessels)) | water_glsl.term_uniforms(
+            water_shading.ShadingTerms()
+        )
         uniforms |= {
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
@@ -192,19 +192,19 @@ def invented(angle: float, length: float, spacing: float) -> np.ndarray:
 def shaders(ships: int) -> dict[str, str]:
     """The programs of the pictures, to which a page adds the declarations of another GLSL."""
     return {
-        "common": water_glsl.COMMON,
+        "common": water_glsl.COMMON_FUNCTIONS,
         "functions": water_glsl.WATER_FUNCTIONS,
-        "water": water_glsl.water(ships),
-        "sky": water_glsl.SKY,
+        "water": water_glsl.water_program(ships),
+        "sky": water_glsl.SKY_PROGRAM,
     }
 
 
 @cache
 def sky_packet(side: int = SKY_SIDE) -> bytes:
     """The sky and its smaller copies, and its haze, in shared-exponent colours; deflated."""
-    seen = sky.cloudy(side=side)
+    seen = sky.cloudy_sky(side=side)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
-    lit = {name: plain(value) for name, value in water_glsl.lit_by(seen).items()}
+    lit = {name: plain(value) for name, value in water_glsl.sky_uniforms(seen).items()}
     return zlib.compress(packet("sky", {name: shared_exponent(image) for name, image in images.items()}, lit=lit), 6)
 
 

@@ -1,9 +1,9 @@
-"""Linear (Airy) waves on water of finite depth: dispersion, spectra, and the sea that a sum of plane waves makes.
+"""Linear (Airy) waves on water of finite depth: dispersion, spectra, and seas as sums of plane waves.
 
 Formulae as in Dean & Dalrymple (1991), Water Wave Mechanics for Engineers and Scientists, chapters 3, 4 and 6. Linear
-theory ends at the still surface; above it the column is stretched (Wheeler 1970, J. Petroleum Tech. 22): what linear
-theory has at y' = h (y - eta) / (h + eta) holds at y. So pressure is zero on the surface itself, and nothing grows
-without bound under a crest; the velocity is then free of divergence to second order in the steepness.
+theory ends at the still surface; the column up to the real surface is stretched (Wheeler 1970, J. Petroleum Tech. 22):
+the values of linear theory at y' = h (y - eta) / (h + eta) hold at y. So pressure is zero on the surface itself, and
+nothing grows without bound under a crest; the velocity is free of divergence to second order in the steepness.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,16 +19,16 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform
 
-COMPONENTS = 200  # plane waves that stand for a spectrum
-RAMP = 2.0  # [periods] in which waves grow from calm water
-LOWEST = 0.5  # [peak frequencies] where they begin; up to 4 they cover all but 0.5 % of the variance
-RESOLVED = 4000  # points at which a spectrum is integrated over the band
-FREQUENCY, PHASE, DIRECTION = 0x3_0000, 0x3_0001, 0x3_0002  # streams of random numbers
-GOLDEN = 0.5 * (sqrt(5.0) - 1.0)  # whose multiples fill (0, 1) evenly however many there are
+SPECTRUM_WAVES = 200  # plane waves that stand for a spectrum
+RAMP_PERIODS = 2.0  # [periods] time in which waves grow from calm water
+LOWEST_FREQUENCY = 0.5  # [peak frequencies] low end of a band; up to 4 it covers all but 0.5 % of the variance
+SPECTRUM_POINTS = 4000  # points at which a spectrum is integrated over the band
+FREQUENCY_STREAM, PHASE_STREAM, DIRECTION_STREAM = 0x3_0000, 0x3_0001, 0x3_0002  # streams of random numbers
+GOLDEN_RATIO = 0.5 * (sqrt(5.0) - 1.0)  # whose multiples fill (0, 1) evenly however many there are
 Values = float | np.ndarray  # one value, or an array of any shape
-STEEPEST = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
-MANY = 256  # points from which it pays to find out whether they are a lattice
-AT_ONCE = 2**15  # angles of waves at points that are computed together
+BREAKING_STEEPNESS = 0.142  # height over wavelength, over tanh(kh), at which a wave breaks (Miche 1944)
+MIN_LATTICE_POINTS = 256  # points from which the test for a lattice pays
+ANGLES_AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
@@ -64,7 +64,7 @@ def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray
 def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
     """Height [m] at which a wave of this period breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
-    return STEEPEST * 2.0 * pi / k * float(np.tanh(k * depth))
+    return BREAKING_STEEPNESS * 2.0 * pi / k * float(np.tanh(k * depth))
 
 
 def piston_transfer(kh: Values) -> np.ndarray:
@@ -83,35 +83,35 @@ def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gr
 def jonswap(
     frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
 ) -> np.ndarray:
-    """S(f) [m2 s] of Hasselmann et al. (1973): the former with its peak raised by gamma, over a width of 0.07 below
-    the peak and 0.09 above it."""
+    """S(f) [m2 s] of Hasselmann et al. (1973): that of Pierson & Moskowitz with its peak raised by gamma, over a width
+    of 0.07 below the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
     return peak * pierson_moskowitz(frequency, peak_frequency, alpha, gravity)
 
 
-def grown(time: float, ramp: float) -> float:
-    """Share of their height that waves have which grow over a ramp [s] from time 0 on: s - sin(2 pi s) / (2 pi), s from
-    0 to 1 over the ramp.
+def ramp_share(time: float, ramp: float) -> float:
+    """Share of their height of waves that grow over a ramp [s] from time 0 on: s - sin(2 pi s) / (2 pi), s from 0 to 1
+    over the ramp.
 
-    The rate at which it grows is Hann's window, of which a wave with a whole number of periods in the ramp, two or
-    more, sees nothing: what floated at rest when it began then goes to and fro about one place, whatever its phase.
+    Its rate is Hann's window, which has no part at the frequency of a wave with two or more whole periods in the ramp:
+    a body that floats at rest at first then moves to and fro about one place, whatever the phase of the wave.
     """
     s = min(max(time / ramp, 0.0), 1.0) if ramp > 0.0 else 1.0
     return s - sin(2.0 * pi * s) / (2.0 * pi)
 
 
-def growth(time: float, ramp: float) -> float:
-    """The rate of it [1/s]."""
+def ramp_rate(time: float, ramp: float) -> float:
+    """Rate of the share that waves have over a ramp [1/s]."""
     s = time / ramp if ramp > 0.0 else 1.0
     return (1.0 - cos(2.0 * pi * s)) / ramp if 0.0 < s < 1.0 else 0.0
 
 
 def cut_short(duration: float, ramp: float) -> Iterator[str]:
-    """What a run of this duration [s] is warned of whose waves grow over a longer ramp [s]."""
+    """Warn of a run of this duration [s] whose waves grow over a longer ramp [s]."""
     if duration < ramp:
-        share = 100.0 * grown(duration, ramp)
+        share = 100.0 * ramp_share(duration, ramp)
         yield (
             f"the waves grow from calm water over the first {ramp:.4g} s, and the run ends at {duration:.4g} s, when "
             f"they have {share:.2g} % of their height; take a longer duration or a shorter ramp"
@@ -131,32 +131,32 @@ class Components:
 
     @cached_property
     def wavenumber(self) -> np.ndarray:
-        """(n,) [rad/m]."""
+        """(n,) wavenumbers [rad/m]."""
         return np.hypot(*self.wavevector.T)
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """(n,) [rad/s]."""
+        """(n,) frequencies [rad/s]."""
         return angular_frequency(self.wavenumber, self.depth, self.gravity)
 
     @property
     def highest(self) -> int:
-        """Number of the highest of them."""
+        """Index of the highest wave."""
         return int(np.argmax(self.amplitude))
 
     @property
     def wavelength(self) -> float:
-        """Of the highest of them [m]."""
+        """Wavelength of the highest wave [m]."""
         return 2.0 * pi / float(self.wavenumber[self.highest])
 
     @property
     def period(self) -> float:
-        """Of the highest of them [s]."""
+        """Period of the highest wave [s]."""
         return 2.0 * pi / float(self.omega[self.highest])
 
     @property
     def heading_deg(self) -> float:
-        """Where the highest of them goes to [deg]: 0 along +z, 90 along +x."""
+        """Heading of the highest wave [deg]: 0 along +z, 90 along +x."""
         return float(np.degrees(np.arctan2(*self.wavevector[self.highest])))
 
     @property
@@ -166,34 +166,34 @@ class Components:
 
     @property
     def random(self) -> bool:
-        """Whether they have more than one frequency."""
+        """True if the waves have more than one frequency."""
         return bool(np.ptp(self.omega) > 0.0)
 
-    def only(self, there: np.ndarray) -> "Components":
-        """Those of (n,), and the longest in any case."""
+    def select(self, there: np.ndarray) -> "Components":
+        """Waves for which (n,) is true, and the longest in any case."""
         kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
-    def grown(self, time: float) -> float:
-        """Share of their height at a time [s]."""
-        return grown(time, self.ramp)
+    def ramp_share(self, time: float) -> float:
+        """Share of their height that the waves have at a time [s]."""
+        return ramp_share(time, self.ramp)
 
-    def growth(self, time: float) -> float:
-        """Its rate [1/s]."""
-        return growth(time, self.ramp)
+    def ramp_rate(self, time: float) -> float:
+        """Rate of the share of their height at a time [1/s]."""
+        return ramp_rate(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
-        """The components by and by, a slice of n of them, and their k . (x, z) - omega t + phase [rad], (n, m), at m
-        points whose first column is x and last is z."""
+        """Yield slices of n components, and their angles k . (x, z) - omega t + phase [rad], (n, m), at m points whose
+        first column is x and last is z."""
         x, z = points[:, 0], points[:, -1]
-        n = max(1, AT_ONCE // max(1, len(points)))
+        n = max(1, ANGLES_AT_ONCE // max(1, len(points)))
         for some in (slice(first, first + n) for first in range(0, len(self.amplitude), n)):
             (kx, kz), turned = self.wavevector[some].T, self.phase[some] - self.omega[some] * time
             yield some, np.outer(kx, x) + np.outer(kz, z) + turned[:, None]
 
 
-def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) -> Components:
-    """Several seas on the same water as one; calm water where there are none."""
+def combine(seas: Sequence[Components], depth: float, gravity: float = GRAVITY) -> Components:
+    """Combine several seas on the same water; calm water where there are none."""
     if not seas:
         return Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth, gravity)
     return Components(
@@ -205,9 +205,9 @@ def together(seas: Sequence[Components], depth: float, gravity: float = GRAVITY)
     )
 
 
-def merged(sea: Components, wavevector: np.ndarray) -> Components:
-    """The sea with other wavevectors (n, 2) [rad/m]; waves that fall on the same one become one, with the variance of
-    all and the phase of the greatest."""
+def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
+    """Move the waves of a sea to other wavevectors (n, 2) [rad/m]; waves on one wavevector become one, with the
+    variance of all and the phase of the greatest."""
     unique, which = np.unique(wavevector.round(9), axis=0, return_inverse=True)
     members = [np.flatnonzero(which.ravel() == k) for k in range(len(unique))]
     greatest = [own[np.argmax(sea.amplitude[own])] for own in members]
@@ -221,18 +221,18 @@ def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
 
-def summed(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
+def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
     """(m,) sum of waves (n, m), each with its weight, in one order whatever the number of threads."""
     return np.einsum("n,nm->m", weight, waves)
 
 
-def turning(
+def orbital_sum(
     wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
 ) -> np.ndarray:
-    """(m, 3) sum over waves of what goes around: `level` (n, m) along the wavevector (n, 2), `upright` (n, m) along y,
-    both times k times the reach (n,)."""
-    along = [summed(wavevector[:, axis] * reach, level) for axis in (0, 1)]
-    return np.stack([along[0], summed(k * reach, upright), along[1]], axis=1)
+    """(m, 3) sum of orbital motions over waves: `level` (n, m) along the wavevector (n, 2) and `upright` (n, m) along
+    y, both times k times the reach (n,)."""
+    along = [weighted_sum(wavevector[:, axis] * reach, level) for axis in (0, 1)]
+    return np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
 
 
 def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -241,17 +241,17 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
     if rows is not None:
         columns = len(points) // rows
         parts = [(sea.amplitude, np.zeros_like(sea.amplitude))]
-        return sea.grown(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, -1], time)[:, 0]
+        return sea.ramp_share(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, -1], time)[:, 0]
     eta = np.zeros(len(points))
     for some, angle in sea.angles(points, time):
-        eta += summed(sea.amplitude[some], np.cos(angle))
-    return sea.grown(time) * eta
+        eta += weighted_sum(sea.amplitude[some], np.cos(angle))
+    return sea.ramp_share(time) * eta
 
 
 def lattice_rows(points: np.ndarray) -> int | None:
-    """How many rows of equal x there are in points that are every pair of some x and some z, z the faster; None where
-    they are not, or so few that it does not matter."""
-    if len(points) < MANY:
+    """Number of rows of equal x in points that are all pairs of some x and some z, z the faster; None where they are
+    not, or are too few to matter."""
+    if len(points) < MIN_LATTICE_POINTS:
         return None
     x, z = points[:, 0], points[:, -1]
     columns = int(np.argmax(x != x[0])) or len(x)
@@ -264,8 +264,8 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """(len(x) len(z), k) sums over waves of k pairs of (n,) times cosine and sine of the angle a + b at every pair of x
-    and z: cos(a + b) = cos a cos b - sin a sin b and so on, so that a cosine is needed for each row and column only."""
+    """(len(x) len(z), k) sums over waves of k pairs of (n,) times cosine and sine of the angle a + b at all pairs of x
+    and z, by the addition theorem: cosines are taken for each row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
@@ -277,40 +277,40 @@ def _on_lattice(
     return np.stack([summed_up(cosine, sine) for cosine, sine in parts], axis=1)
 
 
-def stretched(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """(m,) where linear theory is asked for points (m, 3) under an elevation of (m,): Wheeler's y' [m]."""
+def stretched_height(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """(m,) heights y' [m] in the unstretched column of points (m, 3) under elevations (m,) (Wheeler)."""
     return np.minimum(sea.depth * (points[:, 1] - eta) / np.maximum(sea.depth + eta, 1e-9 * sea.depth), 0.0)
 
 
 def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) velocity [m/s] by linear theory itself at points (m, 3): free of divergence and rotation."""
+    """(m, 3) velocity [m/s] by unstretched linear theory at points (m, 3): free of divergence and rotation."""
     rows = None if points[:, 1].any() else lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
         none, (kx, kz) = np.zeros_like(sea.amplitude), sea.wavevector.T
         along = sea.amplitude * sea.gravity / sea.omega
         parts = [(along * kx, none), (none, sea.amplitude * sea.omega), (along * kz, none)]
-        return sea.grown(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, 2], time)
+        return sea.ramp_share(time) * _on_lattice(sea, parts, points[::columns, 0], points[:columns, 2], time)
     v = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]
         c, s = profiles(k[:, None], points[:, 1], sea.depth)
-        v += turning(
+        v += orbital_sum(
             sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega, c * np.cos(angle), s * np.sin(angle)
         )
-    return sea.grown(time) * v
+    return sea.ramp_share(time) * v
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) how far water that rests at points (m, 3) is moved [m], by linear theory: free of divergence too."""
+    """(m, 3) displacement [m] of water that rests at points (m, 3), by linear theory: free of divergence."""
     moved = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]
         c, s = profiles(k[:, None], points[:, 1], sea.depth)
-        moved += turning(
+        moved += orbital_sum(
             sea.wavevector[some], k, sea.amplitude[some] * sea.gravity / omega**2, -c * np.sin(angle), s * np.cos(angle)
         )
-    return sea.grown(time) * moved
+    return sea.ramp_share(time) * moved
 
 
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
@@ -318,13 +318,13 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
     head = np.zeros(len(points))
     for some, angle in sea.angles(points, time):
         c, _ = profiles(sea.wavenumber[some, None], points[:, 1], sea.depth)
-        head += summed(sea.amplitude[some], c * np.cos(angle))
-    return sea.grown(time) * head
+        head += weighted_sum(sea.amplitude[some], c * np.cos(angle))
+    return sea.ramp_share(time) * head
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m, 3) velocity [m/s] of the stretched column at points (m, 3); above the water that of its surface."""
-    y = stretched(sea, points, elevation(sea, points, time))
+    y = stretched_height(sea, points, elevation(sea, points, time))
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 
 
@@ -336,18 +336,20 @@ def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> 
 def pressure(sea: Components, points: np.ndarray, time: float, density: float) -> np.ndarray:
     """(m,) pressure [Pa] of the stretched column at points (m, 3): hydrostatic and that of the waves; 0 above."""
     eta = elevation(sea, points, time)
-    below = np.stack([points[:, 0], stretched(sea, points, eta), points[:, 2]], axis=1)
+    below = np.stack([points[:, 0], stretched_height(sea, points, eta), points[:, 2]], axis=1)
     head = pressure_head(sea, below, time) - points[:, 1]
     return np.where(points[:, 1] < eta, density * sea.gravity * head, 0.0)
 
 
-def direction(heading_deg: float | None, dimension: int) -> np.ndarray:
-    """Unit vector along x and z of where waves go to: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
+def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
+    """Unit vector of a heading along x and z: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)
     return np.array([sin(heading), 0.0 if dimension == 2 else cos(heading)])
 
 
-def regular(height: float, period: float, towards: np.ndarray, depth: float, gravity: float = GRAVITY) -> Components:
+def regular_wave(
+    height: float, period: float, towards: np.ndarray, depth: float, gravity: float = GRAVITY
+) -> Components:
     """One plane wave with a crest at the origin at time 0; `towards` is a unit vector along x and z."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return Components(np.array([height / 2.0]), k * towards[None, :], np.zeros(1), depth, gravity)
@@ -364,9 +366,9 @@ class Spectrum(Model):
     peak_period: float = quantity("s", gt=0.0)
     """Period at which the spectrum is highest."""
     gamma: float | None = quantity("1", None, ge=1.0, le=20.0)
-    """How far JONSWAP raises the peak; by default 3.3."""
+    """Factor by which JONSWAP raises the peak; by default 3.3."""
     heading_deg: float | None = quantity("deg", None)
-    """Where the waves go to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
+    """Direction of travel: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
     seed: int = quantity("1", 0, ge=0, lt=2**31)
     """Seed of the phases."""
     cut_off: float = quantity("1", 4.0, ge=1.2, le=10.0)
@@ -381,32 +383,31 @@ class Spectrum(Model):
 
     @property
     def enhancement(self) -> float:
-        """How far the peak is raised [1]."""
+        """Factor by which the peak is raised [1]."""
         return 1.0 if self.kind == "pierson_moskowitz" else 3.3 if self.gamma is None else self.gamma
 
     def density(self, frequency: Values) -> np.ndarray:
         """S(f) [m2 s] at f [Hz]; its variance over the band that the components cover is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
-        band = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
+        band = np.linspace(LOWEST_FREQUENCY, self.cut_off, SPECTRUM_POINTS) * peak
         raw = np.trapezoid(jonswap(band, peak, 1.0, self.enhancement), band)
         return self.significant_wave_height**2 / 16.0 / raw * jonswap(frequency, peak, 1.0, self.enhancement)
 
     def components(
-        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
+        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Plane waves going along a unit vector in x and z, one in each of `count` equal slices of the band and
-        carrying its variance; their frequencies are scattered inside the slices, so that the sea does not repeat
-        itself."""
+        """Plane waves along a unit vector in x and z, one in each of `count` equal slices of the band, with its
+        variance; frequencies are scattered inside the slices, so that the sea does not repeat itself."""
         peak = 1.0 / self.peak_period
-        edges = np.linspace(LOWEST, self.cut_off, count + 1) * peak
+        edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
         n = np.arange(count)
-        frequency = edges[:-1] + np.diff(edges) * numpy_uniform(self.seed, FREQUENCY, n, 0)
-        fine = np.linspace(LOWEST, self.cut_off, RESOLVED) * peak
+        frequency = edges[:-1] + np.diff(edges) * numpy_uniform(self.seed, FREQUENCY_STREAM, n, 0)
+        fine = np.linspace(LOWEST_FREQUENCY, self.cut_off, SPECTRUM_POINTS) * peak
         density = self.density(fine)
         grown = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine)))
         variance = np.diff(np.interp(edges, fine, grown))
         k = wavenumber(2.0 * pi * frequency, depth, gravity)
-        phase = 2.0 * pi * numpy_uniform(self.seed, PHASE, n, 0)
+        phase = 2.0 * pi * numpy_uniform(self.seed, PHASE_STREAM, n, 0)
         return Components(np.sqrt(2.0 * variance), k[:, None] * towards, phase, depth, gravity)
 
 
@@ -418,16 +419,18 @@ class SpreadSpectrum(Spectrum):
     & Smith 1963): about 10 for a wind sea, 50 for swell; null: long crests."""
 
     def components(
-        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = COMPONENTS
+        self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Those of the spectrum, each with a direction of its own; the mean direction of their energy is the
+        """Plane waves of the spectrum, each with its own direction; the mean direction of their energy is the
         heading."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea
-        angle = np.linspace(-pi, pi, RESOLVED)
+        angle = np.linspace(-pi, pi, SPECTRUM_POINTS)
         share = np.cumsum(np.cos(0.5 * angle) ** (2.0 * self.spreading))
-        drawn = (GOLDEN * np.arange(count) + numpy_uniform(self.seed, DIRECTION, np.arange(count), 0) / count) % 1.0
+        drawn = (
+            GOLDEN_RATIO * np.arange(count) + numpy_uniform(self.seed, DIRECTION_STREAM, np.arange(count), 0) / count
+        ) % 1.0
         turn = np.interp(drawn, share / share[-1], angle)
         turn -= np.angle((sea.amplitude**2 * np.exp(1j * turn)).sum())
         c, s = np.cos(turn), np.sin(turn)
@@ -462,21 +465,21 @@ class WaveTrain(Model):
 
     @property
     def height_key(self) -> tuple[str, ...]:
-        """Where the height is written."""
+        """Path of the key of the height."""
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
     def train(self, towards: np.ndarray, depth: float, gravity: float) -> Components:
-        """The waves, going along a unit vector in x and z."""
+        """Waves that travel along a unit vector in x and z."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity)
-        return regular(*self.scale, towards, depth, gravity)
+        return regular_wave(*self.scale, towards, depth, gravity)
 
 
 class HeadedTrain(WaveTrain):
-    """Waves that go somewhere."""
+    """Waves with a heading."""
 
     heading_deg: float | None = quantity("deg", None)
-    """Where regular waves go to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
+    """Direction of travel of regular waves: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     @model_validator(mode="after")
     def _one_heading(self) -> "HeadedTrain":
@@ -486,17 +489,17 @@ class HeadedTrain(WaveTrain):
 
     @property
     def heading(self) -> float | None:
-        """Where the waves go to [deg]."""
+        """Heading of the waves [deg]."""
         return self.heading_deg if self.spectrum is None else self.spectrum.heading_deg
 
     @property
     def heading_key(self) -> tuple[str, ...]:
-        """Where the heading is written."""
+        """Path of the key of the heading."""
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
     def sea(self, basin: "Tank") -> Components:
-        """The waves of a basin."""
-        return self.train(direction(self.heading, basin.dimension), basin.depth, pull(basin))
+        """Waves of this train on a basin."""
+        return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin))
 
 
 class OpenTrain(HeadedTrain):
@@ -505,26 +508,26 @@ class OpenTrain(HeadedTrain):
     spectrum: SpreadSpectrum | None = None
     """Random waves, instead of `height` and `period`."""
 
-    def astray(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
-        """What is wrong with their direction in this basin: where it is written, and a sentence."""
-        yield from ((self.heading_key, sentence) for sentence in misdirected(self.heading, basin))
+    def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
+        """Faults of the directions in this basin: path of the key, and a sentence."""
+        yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
             yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
 
 
 class GrowingTrain(OpenTrain):
-    """The same, from calm water on."""
+    """Waves of a sea without sides that grow from calm water."""
 
     ramp: float | None = quantity("s", None, ge=0.0)
     """Time over which the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
 
-    def growing(self, sea: Components) -> Components:
-        """The waves as they grow from time 0 on."""
-        return replace(sea, ramp=RAMP * sea.period if self.ramp is None else self.ramp)
+    def with_ramp(self, sea: Components) -> Components:
+        """Let waves grow from time 0 on."""
+        return replace(sea, ramp=RAMP_PERIODS * sea.period if self.ramp is None else self.ramp)
 
 
 class Tank(Protocol):
-    """What linear theory asks of the basin that holds the water."""
+    """Properties of a basin that linear theory needs."""
 
     @property
     def dimension(self) -> int:
@@ -532,36 +535,36 @@ class Tank(Protocol):
 
     @property
     def depth(self) -> float:
-        """Of the still water [m]."""
+        """Depth of the still water [m]."""
 
     @property
     def gravity(self) -> tuple[float, float, float]:
-        """[m/s2]."""
+        """Acceleration of gravity [m/s2]."""
 
     @property
     def closed(self) -> bool:
-        """Whether there is no room for a free surface."""
+        """True if there is no room for a free surface."""
 
 
-def pull(basin: Tank) -> float:
+def downward_gravity(basin: Tank) -> float:
     """Gravity [m/s2] of a basin in which it points straight down."""
     return -basin.gravity[1]
 
 
-def unsuited(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
-    """Why this basin cannot have waves, or not waves of this height [m] and period [s]."""
+def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
+    """Reasons for which this basin cannot have waves, or not waves of this height [m] and period [s]."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
     elif basin.closed:
         yield "waves need a free surface; this basin has none"
-    elif period is not None and height > (most := breaking_height(period, basin.depth, pull(basin))):
+    elif period is not None and height > (most := breaking_height(period, basin.depth, downward_gravity(basin))):
         yield (
             f"a wave of {period:g} s and {height:g} m would break: on {basin.depth:g} m of water it is at most "
             f"{most:.3g} m high"
         )
 
 
-def misdirected(heading_deg: float | None, basin: Tank) -> Iterator[str]:
-    """Why waves cannot go to this heading in this basin."""
+def heading_faults(heading_deg: float | None, basin: Tank) -> Iterator[str]:
+    """Reasons for which waves cannot have this heading in this basin."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in 2-D waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

@@ -22,51 +22,64 @@ from ocean_sim.conventions import number, row_array, whole_number
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.input_file import Rule, Unreadable
 
-MAGIC, FORMAT, AIRY = 37.0221, 100, 6
-BEGIN = struct.pack("<fi", MAGIC, FORMAT)
-HEAD, SIZES, TAIL = struct.Struct("<fiii30s20si"), struct.Struct("<ffiifi"), struct.Struct("<if")
-NAME = b"ocean-sim"
-SWD = Rule(
-    f"a .swd file is of format {FORMAT} and has plane waves (shape {AIRY}) of finite numbers, wavenumbers above 0"
+SWD_MAGIC, SWD_FORMAT, AIRY_SHAPE = 37.0221, 100, 6
+SWD_BEGIN = struct.pack("<fi", SWD_MAGIC, SWD_FORMAT)
+SWD_HEAD, SWD_SIZES, SWD_TAIL = struct.Struct("<fiii30s20si"), struct.Struct("<ffiifi"), struct.Struct("<if")
+PROGRAM_NAME = b"ocean-sim"
+SWD_RULE = Rule(
+    f"a .swd file is of format {SWD_FORMAT} and has plane waves (shape {AIRY_SHAPE}) of finite numbers, "
+    "wavenumbers above 0"
 )
-EVEN = Rule("an .Elev file has two or more rows of time [s] and elevation [m], evenly spaced in time, under its head")
+ELEV_RULE = Rule(
+    "an .Elev file has two or more rows of time [s] and elevation [m], evenly spaced in time, under its head"
+)
 MIN_SQUARE_SIDE = 1e-6  # side of a square [m]
 
 
-def swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
+def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
     """A sea as the content of a .swd file; `note` is whatever text describes it. It has grown to its full height."""
     text = note.encode("ascii", "replace") or b"-"
     heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
     rows = np.stack([sea.amplitude, sea.wavenumber, heading, -sea.phase], axis=1).astype("<f4")
-    head = HEAD.pack(MAGIC, FORMAT, AIRY, 1, NAME.ljust(30), date.encode().ljust(20), len(text))
-    return head + text + SIZES.pack(sea.gravity, 1.0, 0, 0, -1.0, 1) + TAIL.pack(len(rows), sea.depth) + rows.tobytes()
+    head = SWD_HEAD.pack(
+        SWD_MAGIC, SWD_FORMAT, AIRY_SHAPE, 1, PROGRAM_NAME.ljust(30), date.encode().ljust(20), len(text)
+    )
+    return (
+        head
+        + text
+        + SWD_SIZES.pack(sea.gravity, 1.0, 0, 0, -1.0, 1)
+        + SWD_TAIL.pack(len(rows), sea.depth)
+        + rows.tobytes()
+    )
 
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
     """The sea in a .swd file of plane waves; raises Unreadable."""
     data = input_file.read_bytes(path)
-    if not data.startswith(BEGIN):
-        raise SWD.broken(path, "it begins otherwise")
+    if not data.startswith(SWD_BEGIN):
+        raise SWD_RULE.broken(path, "it begins otherwise")
     try:
-        _, _, shape, _, _, _, length = HEAD.unpack_from(data)
-        if shape != AIRY:
-            raise SWD.broken(path, f"its waves are of shape {shape}")
-        at = HEAD.size + length + SIZES.size
-        count, depth = TAIL.unpack_from(data, at)
-        rows = np.frombuffer(data, "<f4", 4 * count, at + TAIL.size).reshape(count, 4).astype(float)
+        _, _, shape, _, _, _, length = SWD_HEAD.unpack_from(data)
+        if shape != AIRY_SHAPE:
+            raise SWD_RULE.broken(path, f"its waves are of shape {shape}")
+        at = SWD_HEAD.size + length + SWD_SIZES.size
+        count, depth = SWD_TAIL.unpack_from(data, at)
+        rows = np.frombuffer(data, "<f4", 4 * count, at + SWD_TAIL.size).reshape(count, 4).astype(float)
     except (struct.error, ValueError) as error:
         if isinstance(error, Unreadable):
             raise
-        raise SWD.broken(path, "it ends too early") from None
+        raise SWD_RULE.broken(path, "it ends too early") from None
     amplitude, k, heading, phase = rows.T
     if not (np.isfinite(rows).all() and (k > 0.0).all()):
-        raise SWD.broken(path, f"component {int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0))) + 1} is none")
+        raise SWD_RULE.broken(
+            path, f"component {int(np.argmin(np.isfinite(rows).all(axis=1) & (k > 0.0))) + 1} is none"
+        )
     deep = depth if depth > 0.0 else 1e3 * 2.0 * np.pi / float(k.min())  # infinite where it is below 0
     wavevector = k[:, None] * np.stack([np.sin(heading), np.cos(heading)], axis=1)
     return waves.Components(amplitude, wavevector, -phase, deep, gravity)
 
 
-def openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
+def to_openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
     """A series of elevations (n,) [m] at (n,) even times [s] as the text of an .Elev file."""
     head = f"! Surface elevation by ocean-sim{': ' if note else ''}{note}\nTime WaveElev\n(s) (m)\n"
     return head + "".join(f"{t:.6f} {eta:.9e}\n" for t, eta in zip(time.tolist(), elevation.tolist()))
@@ -79,14 +92,14 @@ def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     table = np.array([[csv_file.parse_number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if len(wrong):
-        raise EVEN.broken(path, f"row {wrong[0] + 1} is {' '.join(rows[wrong[0]])!r:.60}")
+        raise ELEV_RULE.broken(path, f"row {wrong[0] + 1} is {' '.join(rows[wrong[0]])!r:.60}")
     if len(rows) < 2:
-        raise EVEN.broken(path, f"it has {len(rows)}")
+        raise ELEV_RULE.broken(path, f"it has {len(rows)}")
     steps = np.diff(table[:, 0])
     uneven = np.flatnonzero((steps <= 0.0) | (np.abs(steps - np.median(steps)) > 0.01 * np.median(steps)))
     if len(uneven):
         k, before = int(uneven[0]) + 1, table[uneven[0], 0]
-        raise EVEN.broken(path, f"row {k + 1} has {table[k, 0]:.12g} s after {before:.12g} s")
+        raise ELEV_RULE.broken(path, f"row {k + 1} has {table[k, 0]:.12g} s after {before:.12g} s")
     return table[:, 0], table[:, 1]
 
 
@@ -106,8 +119,8 @@ class WaveField:
         slope = np.zeros((len(at), 2))
         for some, angle in self.sea.angles(at, time):
             steepness = self.sea.amplitude[some, None] * self.sea.wavevector[some]
-            slope -= np.stack([waves.summed(steepness[:, axis], np.sin(angle)) for axis in (0, 1)], axis=1)
-        slope *= self.sea.grown(time)
+            slope -= np.stack([waves.weighted_sum(steepness[:, axis], np.sin(angle)) for axis in (0, 1)], axis=1)
+        slope *= self.sea.ramp_share(time)
         found = np.stack([-slope[:, 0], np.ones(len(at)), -slope[:, 1]], axis=1)
         return found / np.linalg.norm(found, axis=1, keepdims=True)
 
@@ -123,7 +136,7 @@ class WaveField:
         still = ~fitting.any(axis=1)  # waves longer than the square become as long as it is
         axis = np.abs(self.sea.wavevector[still]).argmax(axis=1)
         fitting[np.flatnonzero(still), axis] = np.sign(self.sea.wavevector[still, axis])
-        return WaveField(waves.merged(self.sea, fitting * unit))
+        return WaveField(waves.merge_waves(self.sea, fitting * unit))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
         """(cells, cells) heights [m] over x and z of a square that repeats itself, its first corner at the origin."""

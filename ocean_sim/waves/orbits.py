@@ -1,5 +1,5 @@
-"""How water moves under waves: the orbits of tagged particles, the drift that they leave, and over time its circulation
-about the vertical and its cover of white caps.
+"""Motion of water under waves: orbits and drift of tagged particles, and over time the circulation about the vertical
+and the cover of white caps.
 
 Formulae of linear theory as in Dean & Dalrymple (1991), chapters 4 and 10.
 """
@@ -14,9 +14,11 @@ import numpy as np
 
 from ocean_sim.files import csv_file
 
-BREAKING = 0.4  # of gravity: downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.)
-BAND = 2.0  # [spacings] width of the ring of particles on whose circle circulation is taken
-SHORTEST = 4.0  # [points of the grid] waves that count: shorter ones are the particles themselves
+BREAKING_ACCELERATION = (
+    0.4  # of gravity: downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.)
+)
+RING_SPACINGS = 2.0  # [spacings] width of the ring of particles on whose circle circulation is taken
+MIN_WAVE_POINTS = 4.0  # [points of the grid] waves that count: shorter ones are the particles themselves
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Orbit:
         return self.up_m / self.along_m
 
 
-def orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
+def fit_orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
     """The orbit of a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
     and z: the first harmonic next to a mean and a drift. Raises ValueError where it is shorter than two periods."""
     if time[-1] - time[0] < 2.0 * period:
@@ -63,7 +65,7 @@ def circulation(
     return 2.0 * np.pi * radius * float(around.mean())
 
 
-def falling(
+def surface_fall(
     elevation: np.ndarray, spacing_x: float, spacing_z: float, depth: float = inf, shortest: float = 0.0
 ) -> np.ndarray:
     """(nx, nz) downward acceleration of a surface over gravity by linear theory: each wave in it times k tanh(k depth).
@@ -83,7 +85,7 @@ def falling(
 
 def breaking_cover(falling: np.ndarray) -> float:
     """Part of a surface that falls by more than BREAKING times gravity: where its crests break."""
-    return float(np.mean(falling > BREAKING))
+    return float(np.mean(falling > BREAKING_ACCELERATION))
 
 
 @dataclass(frozen=True)
@@ -98,12 +100,12 @@ class Motion:
     """Fall of the logarithm of the orbits' length per metre downwards; k on deep water. None: all at one level."""
 
 
-def motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Motion:
+def fit_motion(time: np.ndarray, paths: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Motion:
     """Orbits of paths (n, m, 3) [m] at times (m,) [s] under waves of a period [s], over the whole periods that the
     record holds; raises ValueError where it is shorter than two."""
     whole = time <= time[0] + period * np.floor((time[-1] - time[0]) / period + 1e-6)
     level = paths[:, whole, 1].mean(axis=1)
-    found = [orbit(time[whole], path[whole], period, towards) for path in paths]
+    found = [fit_orbit(time[whole], path[whole], period, towards) for path in paths]
     decay = None
     if np.ptp(level) > 1e-6:
         decay = float(np.polyfit(level, np.log([each.along_m for each in found]), 1)[0])
@@ -122,9 +124,9 @@ def read_tracers(path: Path) -> tuple[list[int], np.ndarray, np.ndarray, np.ndar
     return names, table["time_s"], np.array(positions), np.array(velocities)
 
 
-def towards(positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
-    """Unit vector in x and z of where waves go to, by the water in them, (n, m, 3) each: the axis along which it moves
-    most, to the side to which it goes when it is high."""
+def wave_direction(positions: np.ndarray, velocities: np.ndarray) -> tuple[float, float]:
+    """Unit vector of the waves in x and z, from positions and velocities of the water, (n, m, 3) each: the axis along
+    which it moves most, in the sense in which it moves when it is high."""
     level = velocities[..., [0, 2]] - velocities[..., [0, 2]].mean(axis=1, keepdims=True)
     flat = level.reshape(-1, 2)
     axis = np.linalg.eigh(flat.T @ flat)[1][:, -1]
@@ -138,8 +140,8 @@ def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], M
     OSError, ValueError or IndexError."""
     names, time, positions, velocities = read_tracers(path)
     kept = time >= begin
-    along = towards(positions[:, kept], velocities[:, kept])
-    return names, motion(time[kept], positions[:, kept], period, along)
+    along = wave_direction(positions[:, kept], velocities[:, kept])
+    return names, fit_motion(time[kept], positions[:, kept], period, along)
 
 
 class Frame(Protocol):
@@ -170,18 +172,18 @@ class Grid:
     upper: np.ndarray
     """(3,) highest corner of the basin [m]."""
     depth: float
-    """Of the still water [m]."""
+    """Depth of the still water [m]."""
     spacing: float
-    """Of the particles [m]."""
+    """Spacing of the particles [m]."""
 
     @property
     def is_slice(self) -> bool:
-        """Whether the water is a vertical slice in x-y."""
+        """True if the water is a vertical slice in x-y."""
         return len(self.z) == 1
 
     @property
     def intervals(self) -> tuple[float, float]:
-        """Between points along x and z [m]; 1 where there is one point."""
+        """Intervals between points along x and z [m]; 1 where there is one point."""
         dx, dz = (float(points[1] - points[0]) if len(points) > 1 else 1.0 for points in (self.x, self.z))
         return dx, dz
 
@@ -189,16 +191,16 @@ class Grid:
     def shortest(self) -> float:
         """Wavelength [m] of the shortest waves that count."""
         dx, dz = self.intervals
-        return SHORTEST * (dx if self.is_slice else max(dx, dz))
+        return MIN_WAVE_POINTS * (dx if self.is_slice else max(dx, dz))
 
     @property
     def radius(self) -> float:
-        """Of the circle along which circulation is taken [m]: a quarter of the narrower side of the basin."""
+        """Radius of the circle of the circulation [m]: a quarter of the narrower side of the basin."""
         return 0.25 * float(min((self.upper - self.lower)[[0, 2]]))
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Of the basin, in x and z [m]."""
+        """Middle of the basin in x and z [m]."""
         x, z = 0.5 * (self.upper + self.lower)[[0, 2]]
         return float(x), float(z)
 
@@ -210,7 +212,7 @@ class SurfaceRecord:
     time: np.ndarray
     """(n,) [s]."""
     radius: float
-    """Of the circle about the middle of the basin, or of a patch as it is kept around its ships [m]."""
+    """Radius of the circle about the middle of the basin, or of a patch around its ships [m]."""
     circulation: np.ndarray | None
     """(n,) [m2/s] closed integral of the velocity along that circle, by the right hand about the vertical: the mean
     velocity along it of the particles in a ring, over all depths, times its length. None in 2-D, or where frames
@@ -227,13 +229,13 @@ class SurfaceRecord:
 
 
 def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> SurfaceRecord | None:
-    """Of the frames from a time [s] on; None where there are none."""
+    """Circulation and cover of the frames from a time [s] on; None where there are none."""
     times, cover, turning = [], [], []
     for frame in frames:
         if frame.time >= begin:
             times.append(frame.time)
-            cover.append(breaking_cover(falling(frame.elevation, *grid.intervals, grid.depth, grid.shortest)))
-            turning.append(turn(grid, frame))
+            cover.append(breaking_cover(surface_fall(frame.elevation, *grid.intervals, grid.depth, grid.shortest)))
+            turning.append(frame_circulation(grid, frame))
     if not times:
         return None
     known = bool(np.isfinite(turning).all())
@@ -242,12 +244,12 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
     )
 
 
-def turn(grid: Grid, frame: Frame) -> float:
+def frame_circulation(grid: Grid, frame: Frame) -> float:
     """Circulation of the particles of a frame [m2/s]; not a number in 2-D, or where none are on the circle."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:
         x, z = np.array(grid.middle) + frame.origin
-        return circulation(frame.position, frame.velocity, grid.radius, BAND * grid.spacing, (x, z))
+        return circulation(frame.position, frame.velocity, grid.radius, RING_SPACINGS * grid.spacing, (x, z))
     except ValueError:
         return np.nan

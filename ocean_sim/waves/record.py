@@ -1,4 +1,4 @@
-"""Waves in a record of the water's height at one point: their heights and periods, and their spectrum.
+"""Heights, periods and spectrum of the waves in a record of the water's height at one point.
 
 Waves are counted between zero up-crossings of the record less its mean, as in IAHR (1989), List of Sea-State
 Parameters; on request less the straight line through it, and with a hysteresis. Crests and troughs between samples are
@@ -24,30 +24,32 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.input_file import Checked, Rule
 from ocean_sim.waves import exchange
 
-SUFFIX = "_m"  # of an elevation gauge's column
-FEWEST = 16  # samples of a record
-CUT_OFF = 5.0  # [peak frequencies] up to which moments are taken
-SEGMENTS = 8  # of the record at most, in Welch's estimate
-ENOUGH = 6.0  # periods of the peak in each of several segments, at least
-RESOLVED = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
-STEADY = 20  # waves in a record that statistics of irregular waves need at least
-REGULAR = 0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
-STILL = 1e-9  # [m] a range within which a record counts as constant
-TALLEST = 50.0  # [m] from the median; 29 m is the highest measured (Holliday et al. 2006, Geophys. Res. Lett. 33)
-UNLIKE = 10.0  # times the usual distance from the median: a wave is within 6
-RAISED = 2.0**0.5  # times the height of the waves alone: beyond it half of the variance is a trend or a tide
-MISSING = 1.5  # intervals of a record from one sample to the next: beyond it one is missing
+ELEVATION_SUFFIX = "_m"  # of an elevation gauge's column
+MIN_SAMPLES = 16  # samples of a record
+CUT_OFF_PEAKS = 5.0  # [peak frequencies] up to which moments are taken
+MAX_SEGMENTS = 8  # of the record at most, in Welch's estimate
+SEGMENT_PERIODS = 6.0  # periods of the peak in each of several segments, at least
+RECORD_PERIODS = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
+MIN_IRREGULAR_WAVES = 20  # waves in a record that statistics of irregular waves need at least
+REGULAR_ERROR = (
+    0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
+)
+STILL_RANGE = 1e-9  # [m] a range within which a record counts as constant
+MAX_ELEVATION = 50.0  # [m] from the median; 29 m is the highest measured (Holliday et al. 2006, Geophys. Res. Lett. 33)
+OUTLIER_RATIO = 10.0  # times the usual distance from the median: a wave is within 6
+TREND_RATIO = 2.0**0.5  # times the height of the waves alone: beyond it half of the variance is a trend or a tide
+GAP_INTERVALS = 1.5  # intervals of a record from one sample to the next: beyond it one is missing
 SLOWEST_WAVE = 300.0  # [s] period beyond which the water's level moves, not its waves
 
 LIKE_A_SEA = Rule(
-    f"heights are in metres, within {TALLEST:g} m of each other, and none stands for a value that is missing"
+    f"heights are in metres, within {MAX_ELEVATION:g} m of each other, and none stands for a value that is missing"
 )
-FILES = "A wave record, `ocean-sim waves FILE`: a table over time, or OpenFAST's .Elev"
-CHECKS = (Checked(FILES, (exchange.EVEN, LIKE_A_SEA)),)
+RECORD_FILES = "A wave record, `ocean-sim waves FILE`: a table over time, or OpenFAST's .Elev"
+CHECKS = (Checked(RECORD_FILES, (exchange.ELEV_RULE, LIKE_A_SEA)),)
 
 
 class Unmeasurable(ValueError):
-    """Why a record cannot be measured."""
+    """Reason for which a record cannot be measured."""
 
 
 @dataclass(frozen=True)
@@ -68,46 +70,46 @@ class Sea:
         return asdict(self)
 
 
-def elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times (n,) [s] of a gauges.csv or an .Elev file from `begin` on, and the heights (n,) [m] of each elevation
     gauge; raises ValueError."""
     if path.suffix.lower() == ".elev":
         time, height = exchange.of_openfast(path)
-        table = {f"WaveElev{SUFFIX}": height}
+        table = {f"WaveElev{ELEVATION_SUFFIX}": height}
     else:
         table = csv_file.Table(path)
         time = table.series()[0]
-    names = [name for name in table if name.endswith(SUFFIX)]
+    names = [name for name in table if name.endswith(ELEVATION_SUFFIX)]
     if not names:
-        raise ValueError(f"{path}: has no elevation gauge (a column <name>{SUFFIX}); pressures are not waves")
+        raise ValueError(f"{path}: has no elevation gauge (a column <name>{ELEVATION_SUFFIX}); pressures are not waves")
     first = int(np.searchsorted(time, begin))
     if first == len(time):
         raise ValueError(f"{path}: ends at {time[-1]:.12g} s, before --begin {begin:g}")
     if isinstance(table, csv_file.Table):
         table.finite(*names, since=first)
     for name in names:
-        if (row := stand_in(table[name][first:])) is not None:
+        if (row := stand_in_row(table[name][first:])) is not None:
             found = f"{name} is {table[name][first + row]:g} in row {first + row + 1}"
             raise LIKE_A_SEA.broken(path, f"{found}, about {np.median(table[name]):.3g} in others")
-    return time[first:], {name.removesuffix(SUFFIX): table[name][first:] for name in names}
+    return time[first:], {name.removesuffix(ELEVATION_SUFFIX): table[name][first:] for name in names}
 
 
-def stand_in(heights: np.ndarray) -> int | None:
+def stand_in_row(heights: np.ndarray) -> int | None:
     """The first row whose height (n,) [m] no sea has: far from all others and reached at once, or nothing but nines."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
-    far = (off > TALLEST) & bool((np.abs(np.diff(heights)) > TALLEST).any())
-    rows = np.flatnonzero(far | nines & (off >= UNLIKE * np.median(off)))
+    far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())
+    rows = np.flatnonzero(far | nines & (off >= OUTLIER_RATIO * np.median(off)))
     return int(rows[0]) if len(rows) else None
 
 
-def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
+def even_samples(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
     """Interval [s] and heights [m] at equal intervals over a record, on straight lines where it has others; raises
     Unmeasurable."""
     if not np.isfinite([time, height]).all():
         raise Unmeasurable("has values that are not numbers")
-    if len(time) < FEWEST:
-        raise Unmeasurable(f"is too short: {len(time)} samples, at least {FEWEST} are needed")
+    if len(time) < MIN_SAMPLES:
+        raise Unmeasurable(f"is too short: {len(time)} samples, at least {MIN_SAMPLES} are needed")
     steps = np.diff(time)
     if not (steps > 0.0).all():
         raise Unmeasurable("has times that do not increase")
@@ -121,14 +123,14 @@ def evenly(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
 def missing_samples(time: np.ndarray) -> str | None:
     """A sentence on the times (n,) [s] of a record that lacks samples between others, or None."""
     steps = np.diff(time) / np.median(np.diff(time))
-    gaps = np.flatnonzero(steps > MISSING)
+    gaps = np.flatnonzero(steps > GAP_INTERVALS)
     if not len(gaps):
         return None
     count, k = int(np.rint(steps[gaps] - 1.0).sum()), int(gaps[0])
     return f"missing samples, filled by straight lines: {count}, the first after {time[k]:.12g} s (row {k + 1})"
 
 
-def trend(interval: float, values: np.ndarray) -> float:
+def linear_trend(interval: float, values: np.ndarray) -> float:
     """Slope [m/s] of the straight line through a record, by least squares."""
     t = interval * (np.arange(len(values)) - 0.5 * (len(values) - 1))
     return float(t @ values / (t @ t))
@@ -136,13 +138,13 @@ def trend(interval: float, values: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Treatment:
-    """What is done to a record before its waves are counted."""
+    """Treatment of a record before its waves are counted."""
 
     detrended: bool = False
-    """Whether the straight line through it is taken off, not its mean alone: where a tank fills, or a gauge drifts."""
+    """True to take off the straight line through it, not its mean alone: where a tank fills, or a gauge drifts."""
     hysteresis: float = 0.0
-    """How far the record must fall below zero, and then rise above it, for an up-crossing to count [m]: noise of less
-    than that makes no waves."""
+    """Depth below zero, and then height above it, that the record must reach for an up-crossing to count [m]: smaller
+    noise makes no waves."""
 
     def deviation(self, values: np.ndarray) -> np.ndarray:
         """(n,) a record less its level [m]."""
@@ -151,7 +153,7 @@ class Treatment:
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """What the tables say of it; nothing of a record as it was."""
+        """Notes for the tables; none of a record as it was."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -160,23 +162,23 @@ AS_IT_WAS = Treatment()
 
 
 def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str | None:
-    """A sentence on a trend or a tide that makes a record's height RAISED or more times that of its waves, or None."""
+    """Sentence on a trend or tide that makes a record TREND_RATIO or more times as high as its waves, or None."""
     treated = treatment.deviation(values)
     level = Treatment(detrended=True).deviation(values)
-    if not treatment.detrended and treated.std() > max(RAISED * level.std(), STILL):
-        factor = f"{treated.std() / level.std():.2g} times" if level.std() > STILL else "all of"
-        slope = f"a trend of {trend(interval, values):.3g} m/s"
+    if not treatment.detrended and treated.std() > max(TREND_RATIO * level.std(), STILL_RANGE):
+        factor = f"{treated.std() / level.std():.2g} times" if level.std() > STILL_RANGE else "all of"
+        slope = f"a trend of {linear_trend(interval, values):.3g} m/s"
         return f"{slope} makes the height {factor} that of its waves; take --detrend"
     amplitudes = np.fft.rfft(treated)
     amplitudes[np.fft.rfftfreq(len(treated), interval) < 1.0 / SLOWEST_WAVE] = 0.0
     waves = np.fft.irfft(amplitudes, len(treated)).std()
-    if STILL < RAISED * waves < treated.std():
+    if STILL_RANGE < TREND_RATIO * waves < treated.std():
         slow = f"what is slower than {SLOWEST_WAVE:g} s, as a tide, makes the height {treated.std() / waves:.2g} times"
         return f"{slow} that of its waves; --detrend takes off a straight line, so measure parts with little tide"
     return None
 
 
-def crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] of the zero up-crossings since the first sample, and the last sample before each: of those on the way
     from below -`hysteresis` to above it [m] the last."""
     before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
@@ -187,8 +189,8 @@ def crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -
     return interval * (before - low / (high - low)), before
 
 
-def highest(values: np.ndarray) -> float:
-    """The top of the parabola through the greatest of some samples and its neighbours."""
+def parabola_top(values: np.ndarray) -> float:
+    """Top of the parabola through the greatest sample and its neighbours."""
     k = int(values.argmax())
     if not 0 < k < len(values) - 1:
         return float(values[k])
@@ -201,22 +203,25 @@ def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights [m] from trough to crest, and periods [s], of the waves between zero up-crossings."""
-    times, before = crossings(interval, deviation, hysteresis)
+    times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
-        highest(deviation[begin : end + 2]) + highest(-deviation[begin : end + 2]) for begin, end in pairwise(before)
+        parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])
+        for begin, end in pairwise(before)
     ]
     return np.array(heights), np.diff(times)
 
 
-def welch(interval: float, deviation: np.ndarray, segments: int = SEGMENTS) -> tuple[np.ndarray, np.ndarray]:
+def welch_density(
+    interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
+) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and spectral density [m2 s]; the first frequency above zero is one over a segment's length."""
     from scipy.signal import welch as estimate
 
-    length = max(FEWEST // 2, 2 * len(deviation) // (segments + 1))
+    length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
     return estimate(deviation, 1.0 / interval, nperseg=min(length, len(deviation)), detrend="constant")
 
 
-def peak(frequency: np.ndarray, density: np.ndarray) -> float:
+def spectral_peak(frequency: np.ndarray, density: np.ndarray) -> float:
     """Frequency [Hz] at the top of the parabola through the logarithms of the greatest density and its neighbours."""
     k = 1 + int(density[1:].argmax())
     if k + 1 >= len(density) or density[k - 1 : k + 2].min() <= 0.0:
@@ -227,37 +232,37 @@ def peak(frequency: np.ndarray, density: np.ndarray) -> float:
     return float(frequency[k] + shift * (frequency[1] - frequency[0]))
 
 
-def segments(interval: float, deviation: np.ndarray) -> int:
-    """The most segments, up to SEGMENTS, each of which holds ENOUGH periods of the peak in their estimate; else 1."""
-    for count in range(SEGMENTS, 1, -1):
-        frequency, density = welch(interval, deviation, count)
-        if peak(frequency, density) >= ENOUGH * frequency[1]:
+def segment_count(interval: float, deviation: np.ndarray) -> int:
+    """Largest number of segments, up to MAX_SEGMENTS, each with SEGMENT_PERIODS periods of the peak; else 1."""
+    for count in range(MAX_SEGMENTS, 1, -1):
+        frequency, density = welch_density(interval, deviation, count)
+        if spectral_peak(frequency, density) >= SEGMENT_PERIODS * frequency[1]:
             return count
     return 1
 
 
 def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
-    """[Hz]; None where the record holds fewer than RESOLVED of its periods."""
-    frequency, density = welch(interval, deviation, segments(interval, deviation))
-    found = peak(frequency, density)
-    return found if found >= RESOLVED * frequency[1] else None
+    """Peak frequency [Hz]; None where the record holds fewer than RECORD_PERIODS of its periods."""
+    frequency, density = welch_density(interval, deviation, segment_count(interval, deviation))
+    found = spectral_peak(frequency, density)
+    return found if found >= RECORD_PERIODS * frequency[1] else None
 
 
-def spectra(
+def record_spectra(
     time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
     segments of that record which needs the longest."""
-    even = {name: evenly(time, height) for name, height in heights.items()}
+    even = {name: even_samples(time, height) for name, height in heights.items()}
     records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
-    moving = [record for record in records.values() if np.ptp(record[1]) > STILL]
-    count = min((segments(*record) for record in moving), default=SEGMENTS)
-    estimates = {name: welch(*record, count) for name, record in records.items()}
+    moving = [record for record in records.values() if np.ptp(record[1]) > STILL_RANGE]
+    count = min((segment_count(*record) for record in moving), default=MAX_SEGMENTS)
+    estimates = {name: welch_density(*record, count) for name, record in records.items()}
     frequency = next(iter(estimates.values()))[0]
     return frequency, {name: density for name, (_, density) in estimates.items()}
 
 
-def moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
+def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
     """m0, m1 and m2 [m2, m2/s, m2/s2] of the part of the spectrum up to a frequency [Hz]."""
     n = len(deviation)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
@@ -278,15 +283,15 @@ def sampling_error(deviation: np.ndarray) -> float:
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 
 
-def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
+def measure_record(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
     """The waves of a record: times (n,) [s] and heights (n,) [m]; raises Unmeasurable where it is no record.
 
     A constant record is one of still water: nothing is high, and there are no waves. One without a whole wave between
     two zero up-crossings has a deviation, and nothing else.
     """
-    interval, values = evenly(time, height)
+    interval, values = even_samples(time, height)
     deviation = treatment.deviation(values)
-    if np.ptp(deviation) <= STILL:
+    if np.ptp(deviation) <= STILL_RANGE:
         return Sea(0.0, 0.0, None, None, None, None, 0, 0.0)
     heights, periods = zero_crossing_waves(interval, deviation, treatment.hysteresis)
     if not len(heights):
@@ -297,7 +302,7 @@ def measured(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_
         gap = f"has a gap of {steps[k]:.3g} s after {time[k]:.12g} s"
         raise Unmeasurable(f"{gap}, more than half of its mean wave of {periods.mean():.3g} s")
     f_peak = peak_frequency(interval, deviation)
-    m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else moments(interval, deviation, CUT_OFF * f_peak)
+    m0, m1, m2 = (0.0, 0.0, 0.0) if f_peak is None else spectral_moments(interval, deviation, CUT_OFF_PEAKS * f_peak)
     waves = len(heights)
     highest_third = np.sort(heights)[::-1][: max(1, round(waves / 3.0))]
     return Sea(

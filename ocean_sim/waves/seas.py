@@ -1,4 +1,4 @@
-"""Seas that one may write in a scene: calm water, regular or random waves, several on top of each other, and lists."""
+"""Keys of a sea in a scene: calm water, regular or random waves, several on top of each other, and lists."""
 
 from math import pi
 from pathlib import Path
@@ -12,27 +12,30 @@ from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable
 from ocean_sim.model import Model, quantity
 from ocean_sim.waves import exchange
 
-ONSET = 5.0  # [periods] in which what is not linear sets in
-COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
-PERIODS = Rule("every period_s is above 0")
+ONSET_PERIODS = 5.0  # [periods] time in which the nonlinear terms set in
+COMPONENT_COLUMNS = ("amplitude_m", "period_s", "heading_deg", "phase_deg")
+POSITIVE_PERIODS = Rule("every period_s is above 0")
 CHECKS = (
-    Checked("Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file", (PERIODS, exchange.SWD)),
+    Checked(
+        "Plane waves of a sea, `fluid.spectral_sea.components`: a table, or a .swd file",
+        (POSITIVE_PERIODS, exchange.SWD_RULE),
+    ),
 )
 Problems = list[tuple[tuple[str | int, ...], str]]  # where below the sea, and a sentence
 
 
 class Steepening(Model):
-    """How a linear sea becomes a nonlinear one."""
+    """Keys of the onset of a nonlinear sea."""
 
     onset: float | None = quantity("s", None, ge=0.0)
     """Time over which the nonlinear terms set in, at order 3 (Dommermuth 2000); null: five periods."""
     breaking: bool = True
-    """Whether crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
+    """True: crests of a nonlinear sea break where the water on them moves faster than 0.85 of their speed (Barthelemy
     et al. 2018, J. Fluid Mech. 841)."""
 
     def onset_in(self, period: float) -> float:
-        """The time [s], with this period of the highest waves [s]."""
-        return ONSET * period if self.onset is None else self.onset
+        """Time of the onset [s], for this period of the highest waves [s]."""
+        return ONSET_PERIODS * period if self.onset is None else self.onset
 
 
 class Seas(waves.OpenTrain):
@@ -76,43 +79,43 @@ class Seas(waves.OpenTrain):
         if Path(self.components).suffix == ".swd":
             sea = exchange.of_swd(self.components)
             heading = np.degrees(np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1]))
-            return dict(zip(COLUMNS, (sea.amplitude, 2.0 * pi / sea.omega, heading, np.degrees(sea.phase))))
+            return dict(zip(COMPONENT_COLUMNS, (sea.amplitude, 2.0 * pi / sea.omega, heading, np.degrees(sea.phase))))
         found = csv_file.Table(self.components)
-        period = found.finite(*COLUMNS)[1]
+        period = found.finite(*COMPONENT_COLUMNS)[1]
         if (period <= 0.0).any():
             row = int(period.argmin())
-            raise PERIODS.broken(self.components, f"period_s is {period[row]:g} in row {row + 1}")
+            raise POSITIVE_PERIODS.broken(self.components, f"period_s is {period[row]:g} in row {row + 1}")
         return found
 
-    def sea_of(self, basin: waves.Tank, count: int = waves.COMPONENTS) -> waves.Components:
+    def sea_of(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
         """All plane waves together, `count` of each spectrum."""
-        depth, g, found = basin.depth, waves.pull(basin), []
+        depth, g, found = basin.depth, waves.downward_gravity(basin), []
         for _, train in self.trains:
-            towards = waves.direction(train.heading, basin.dimension)
+            towards = waves.heading_vector(train.heading, basin.dimension)
             of = train.spectrum
             found.append(train.train(towards, depth, g) if of is None else of.components(towards, depth, g, count))
         table = self.table()
         if table is not None:
             k = waves.wavenumber(2.0 * pi / table["period_s"], depth, g)
-            ahead = np.stack([waves.direction(float(angle), basin.dimension) for angle in table["heading_deg"]])
+            ahead = np.stack([waves.heading_vector(float(angle), basin.dimension) for angle in table["heading_deg"]])
             phase = np.radians(table["phase_deg"])
             found.append(waves.Components(table["amplitude_m"], k[:, None] * ahead, phase, depth, g))
-        return waves.together(found, depth, g)
+        return waves.combine(found, depth, g)
 
     def like_radians(self) -> list[str]:
         """Warnings of angles in the table of `components` that could be radians."""
         table = self.table()
         return table.like_radians() if isinstance(table, csv_file.Table) else []
 
-    def impossible(self, basin: waves.Tank) -> Problems:
-        """What is wrong with them in this basin."""
-        found: Problems = [(("kind",), sentence) for sentence in waves.unsuited(basin)]
+    def sea_faults(self, basin: waves.Tank) -> Problems:
+        """Faults of the sea in this basin."""
+        found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         try:
             self.table()
         except Unreadable as error:
             found.append((("components",), str(error)))
         if not found:
             for key, train in self.trains:
-                found += [((*key, *train.height_key), sentence) for sentence in waves.unsuited(basin, *train.scale)]
-                found += [((*key, *path), sentence) for path, sentence in train.astray(basin)]
+                found += [((*key, *train.height_key), sentence) for sentence in waves.basin_faults(basin, *train.scale)]
+                found += [((*key, *path), sentence) for path, sentence in train.direction_faults(basin)]
         return found

@@ -11,7 +11,7 @@ from ocean_sim.fluid.bodies.walls import Zone, zones
 from ocean_sim.fluid.delta_sph import Config
 from ocean_sim.fluid.sph.initial_state import fitted
 from ocean_sim.reading.scene import load
-from ocean_sim.waves.absorption import PROFILE
+from ocean_sim.waves.absorption import DAMPING_POWER
 from tests.fluid.conftest import put
 
 FLUME = {"length": 12.0, "depth": 0.5}
@@ -136,9 +136,9 @@ def stream(water):
 
 
 def test_water_takes_on_the_current_that_it_is_absorbed_towards(stream):
-    """u = U (1 - exp(-rate s^PROFILE t)) where nothing rubs; next to the sides all of it flows."""
+    """u = U (1 - exp(-rate s^DAMPING_POWER t)) where nothing rubs; next to the sides all of it flows."""
     x, u = stream.particles.position.to_numpy()[:, 0], stream.particles.velocity.to_numpy()[:, 2]
-    expected = CURRENT * (1.0 - np.exp(-8.0 * (np.abs(x) / 0.5) ** PROFILE * stream.time))
+    expected = CURRENT * (1.0 - np.exp(-8.0 * (np.abs(x) / 0.5) ** DAMPING_POWER * stream.time))
     near = np.abs(x) > 0.4
     np.testing.assert_allclose(u[near], CURRENT, rtol=0.02)
     assert np.sqrt(((u - expected) ** 2).mean()) < 0.05 * CURRENT
@@ -161,7 +161,7 @@ def amplitude(again, target: dict | None, ahead: float = 0.0) -> complex:
     """Of a wave along z after two periods between sides that absorb, over that of linear theory then: the part of the
     velocity that is this wave's, and a quarter of a period late. It begins so much of its length ahead. Between walls
     this coarse water keeps 0.89 of it."""
-    rough = waves.regular(0.04, PERIOD, np.array([0.0, 1.0]), 0.4)
+    rough = waves.regular_wave(0.04, PERIOD, np.array([0.0, 1.0]), 0.4)
     width = 2.0 * np.pi / float(rough.wavenumber[0])
     side = {"kind": "absorbing", "length": 0.15, "rate": 20.0, "target": target}
     basin = {"length": 0.3, "width": width, "depth": 0.4, "walls": {"x": side, "z": "periodic"}}

@@ -82,10 +82,10 @@ def test_a_ramp_lets_the_sea_grow_from_calm_water_in_kernels_and_in_numpy_alike(
 def test_water_that_was_at_rest_goes_to_and_fro_about_one_place_after_the_ramp(sea):
     """What a wave moves from rest keeps no mean velocity of its phase: Hann's window has none of its frequency."""
     fluid = sea(BAY, height=0.4, period=3.0, ramp=None)
-    waves_of = fluid.config.growing(fluid.config.sea(BasinConfig(**BAY).build()))
+    waves_of = fluid.config.with_ramp(fluid.config.sea(BasinConfig(**BAY).build()))
     t = np.linspace(0.0, 6.0, 6001)
     for phase in np.linspace(0.0, 2.0 * pi, 8, endpoint=False):
-        push = np.array([waves_of.grown(time) for time in t]) * np.cos(waves_of.omega[0] * t + phase)
+        push = np.array([waves_of.ramp_share(time) for time in t]) * np.cos(waves_of.omega[0] * t + phase)
         gained = np.trapezoid(push, t) * waves_of.omega[0]
         assert gained == pytest.approx(np.sin(waves_of.omega[0] * 6.0 + phase), abs=1e-5)
 

@@ -12,8 +12,8 @@ from ocean_sim.basin import shifts
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.patch.relaxation_zone import Band, band, stokes
-from ocean_sim.fluid.patch.sea_patch import nodes
+from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, relaxation_band, stokes_shift
+from ocean_sim.fluid.patch.sea_patch import table_nodes
 from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import of_patch
@@ -37,8 +37,8 @@ def patch(sea=REGULAR, basin=SLICE, spacing=0.1, kind="delta_sph", **keys):
     return load(scene | QUIET | keys)
 
 
-def band_of(scene) -> Band:
-    found = band(scene.fluid.lattice(scene.preflight.tank))
+def band_of(scene) -> RelaxationBand:
+    found = relaxation_band(scene.fluid.lattice(scene.preflight.tank))
     assert found is not None
     return found
 
@@ -52,7 +52,7 @@ def refused(**keys) -> str:
 @ti.kernel
 def read(table: ti.template(), points: ti.types.ndarray(ndim=2), values: ti.types.ndarray(ndim=2)):  # type: ignore[valid-type]
     for n in range(points.shape[0]):
-        found = table.at(ti.math.vec3(points[n, 0], points[n, 1], points[n, 2]))
+        found = table.sample(ti.math.vec3(points[n, 0], points[n, 1], points[n, 2]))
         for c in ti.static(range(6)):
             values[n, c] = found[c]
 
@@ -168,17 +168,17 @@ def test_the_model_of_one_line_meets_trials_without_a_feed(kappa, right):
     found = band_of(scene)
     group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
     losses = np.array([kappa * group / LENGTH + 0.0j])
-    model = Band(found.lattice, 0.75 * LENGTH, 2.0 * 2.0 * np.pi / PERIOD, found.sea, losses, 0.0 * losses)
-    assert abs(model.at_ship(0.0)) == pytest.approx(right, abs=0.015)
+    model = RelaxationBand(found.lattice, 0.75 * LENGTH, 2.0 * 2.0 * np.pi / PERIOD, found.sea, losses, 0.0 * losses)
+    assert abs(model.height_at_ship(0.0)) == pytest.approx(right, abs=0.015)
 
 
 def test_a_feed_of_twice_the_loss_holds_the_sea_up_at_any_speed():
     found = band_of(patch())
     assert found.losses is not None and found.feed == pytest.approx(2.0 * found.losses)
     for speed in (-1.5, 0.0, 0.7, 1.0, 1.3):
-        assert found.at_ship(speed) == pytest.approx(1.0, abs=1e-9)
+        assert found.height_at_ship(speed) == pytest.approx(1.0, abs=1e-9)
     unfed = band_of(patch(REGULAR | {"feed": 0.0}))
-    assert abs(unfed.at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
+    assert abs(unfed.height_at_ship(1.0)) == 0.0 and any("keeps up" in sentence for sentence in unfed.warnings(1.0))
 
 
 def moving(until: float) -> float:
@@ -250,7 +250,7 @@ def test_a_rim_that_is_too_weak_is_told_by_how_much_goes_through():
     group = float(waves.group_speed(2.0 * np.pi / LENGTH, 1.0, G))
     for rate in (0.0, 2.0):
         found = band_of(patch(REGULAR | {"rim": {"rate": rate}}))
-        assert found.through == pytest.approx(np.exp(-rate * 0.75 * LENGTH / 2.5 / group), rel=1e-6)
+        assert found.wake_transmission == pytest.approx(np.exp(-rate * 0.75 * LENGTH / 2.5 / group), rel=1e-6)
         assert any("meets her own wake" in sentence for sentence in found.warnings(1.0))
     assert band_of(patch()).warnings(1.0) == [] == band_of(patch("calm")).warnings(1.0)
     weak = band_of(patch({"kind": "linear_waves", "rim": {"rate": 0.0}}))
@@ -427,7 +427,7 @@ def sources(sea, basin=SLICE, spacing=0.1):
     sea."""
     found = band_of(patch(sea, basin, spacing))
     depths = Depths(1.0, 0.1, 1.0)
-    count = nodes(found, found.sea)
+    count = table_nodes(found, found.sea)
     return PlaneWaveSource(found, found.sea, depths, count), SteepSource(found, found.sea, depths, count), found.sea
 
 
@@ -451,7 +451,7 @@ def test_a_nonlinear_sea_is_faster_by_stokes():
     time = 2.0 * PERIOD
     ratio = steep.modes(time)[0, 0, 3, 0] / linear.modes(time)[0, 0, 3, 0]
     ahead = -np.angle(ratio)
-    right = sea.omega[0] * stokes(sea) * time
+    right = sea.omega[0] * stokes_shift(sea) * time
     assert ahead == pytest.approx(right, rel=0.05) and right > 0.1
 
 

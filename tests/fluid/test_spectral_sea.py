@@ -61,14 +61,16 @@ def sea(taichi_cpu):
 def test_a_tile_keeps_energy_and_phase_at_any_step():
     tile = Tile(50.0, 32, 32, 30.0, G)
     layer = Layer(tile, rim=False)
-    travel_ahead(layer, tile.values(tile.waves(np.random.default_rng(0).normal(size=tile.shape)) * (tile.k < 1.0)))
+    travel_ahead(
+        layer, tile.to_values(tile.to_modes(np.random.default_rng(0).normal(size=tile.shape)) * (tile.k < 1.0))
+    )
     layer.eta -= layer.eta.mean()
-    first, before = tile.energy(layer.eta, layer.phi), tile.waves(layer.eta)[3, 2]
+    first, before = tile.energy(layer.eta, layer.phi), tile.to_modes(layer.eta)[3, 2]
     for dt in (0.01, 0.3, 7.0):
         layer.advance(dt, np.zeros(tile.k.shape), np.zeros(2))
     turned = before * np.exp(-1j * tile.omega[3, 2] * 7.31)
     assert tile.energy(layer.eta, layer.phi) == pytest.approx(first, rel=1e-12)
-    assert tile.waves(layer.eta)[3, 2] == pytest.approx(turned, rel=1e-9)
+    assert tile.to_modes(layer.eta)[3, 2] == pytest.approx(turned, rel=1e-9)
 
 
 def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step():
@@ -84,9 +86,9 @@ def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step(
             x, z = nearest_image(tile, centre)
             patch = PRESSURE_PEAK / 1000.0 * np.exp(-((x / 3.0) ** 2) - (z / 1.5) ** 2)
             behind = np.roll(patch, -1, axis=0) if late else patch
-            layer.advance(dt, tile.waves(min(1.0, n * dt / 10.0) * behind), centre)
+            layer.advance(dt, tile.to_modes(min(1.0, n * dt / 10.0) * behind), centre)
             if n > 320:
-                slope = tile.values(tile.slopes(tile.waves(layer.eta))[0])
+                slope = tile.to_values(tile.slopes(tile.to_modes(layer.eta))[0])
                 resistance.append(1000.0 * (patch * slope).sum() * tile.cell**2)
         found[late] = np.mean(resistance) / havelock_resistance(u) - 1.0
     assert abs(found[0.0]) < 0.01 and abs(found[1.0]) > 0.03
@@ -95,7 +97,7 @@ def test_a_moving_pressure_has_havelocks_resistance_at_second_order_in_the_step(
 def test_what_is_displaced_weighs_as_much_and_lowers_the_water_without_a_mean():
     tile = Tile(40.0, 64, 64, 30.0, G)
     points, volume = np.array([[0.3, -1.1], [5.0, 19.9]]), np.array([3.0, 2.0])
-    depth = tile.spread(points, volume)
+    depth = tile.spread_modes(points, volume)
     assert depth[0, 0].real * tile.cell**2 == pytest.approx(5.0, rel=1e-12)
     layer = Layer(tile)
     layer.begin(G * depth, np.zeros(2), 0.2)
@@ -320,11 +322,13 @@ def test_a_steep_wave_keeps_speed_and_energy():
     eta, phi, speed = stokes_wave(0.2, 1.0, tile.nodes()[0][:, None])
     wave, dt = HighOrder(tile, 0.0), 2.0 * pi / speed / 60
     wave.begin(eta, phi)
-    first, start = wave.energy(), np.angle(tile.waves(wave.eta)[1, 0])
+    first, start = wave.energy(), np.angle(tile.to_modes(wave.eta)[1, 0])
     for _ in range(240):
         wave.advance(dt)
     assert wave.energy() == pytest.approx(first, rel=1e-4)
-    lag = np.angle(tile.waves(wave.eta)[1, 0] * np.exp(-1j * start))  # after four periods; linear theory is 28 deg off
+    lag = np.angle(
+        tile.to_modes(wave.eta)[1, 0] * np.exp(-1j * start)
+    )  # after four periods; linear theory is 28 deg off
     assert abs(lag) < np.radians(0.003 * 360 * 4)
 
 

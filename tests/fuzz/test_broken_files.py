@@ -252,7 +252,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     from ocean_sim.observers.report import Run
     from ocean_sim.observers.shared.page import embedded_picture
     from ocean_sim.pictures.frame_files import Frame
-    from ocean_sim.pictures.water.sea_state import scene_of
+    from ocean_sim.pictures.water.sea_state import run_scene
     from ocean_sim.result import Result
     from ocean_sim.state import checkpoint_file as checkpoints
     from ocean_sim.studies.shared import study as table
@@ -274,7 +274,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         put("manifest.json") if not os.path.lexists(tmp_path / "manifest.json") else None
         with pytest.raises(Refused):
             read(tmp_path / "manifest.json")
-    assert scene_of(tmp_path) == {} and Run(tmp_path).manifest == {}
+    assert run_scene(tmp_path) == {} and Run(tmp_path).manifest == {}
     with pytest.raises(checkpoints.UnreadableCheckpoint):
         checkpoints.read_checkpoint(put(checkpoints.checkpoint_name(1.0)))
     with pytest.raises(input_file.Unreadable):

@@ -9,7 +9,7 @@ from statistics import median
 import pytest
 
 from ocean_sim.machine import available_cores
-from ocean_sim.observers.render import ALONE, FIRST, PICTURE
+from ocean_sim.observers.render import PICTURE_SECONDS, SERIAL_SHARE, START_SECONDS
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
@@ -57,9 +57,9 @@ def test_each_part_lists_its_own_kernels():
 def test_pictures_take_time_as_many_as_there_are():
     """No more pictures than frames, one each 0.033 s."""
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}}))
-    seconds = FIRST[3] + 2 * PICTURE[3]["draft"]
+    seconds = START_SECONDS[3] + 2 * PICTURE_SECONDS[3]["draft"]
     assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(
-        seconds * (ALONE + (1.0 - ALONE) / available_cores())
+        seconds * (SERIAL_SHARE + (1.0 - SERIAL_SHARE) / available_cores())
     )
     assert preflight(load(WHOLE))["estimated_by_part"]["pictures_s"] == 0.0
 

@@ -27,7 +27,7 @@ def run(found, seconds, helm=0.0, throttle=0.0, dt=0.1):
 
 def test_long_waves_are_followed_and_tilt_the_boat_by_their_slope():
     """A wave of 20 s from abeam to port: heave is its amplitude, roll k a, pitch nothing; from ahead the other way."""
-    sea = waves.regular(2.0, 20.0, waves.direction(90.0, 3), DEEP)
+    sea = waves.regular_wave(2.0, 20.0, waves.heading_vector(90.0, 3), DEEP)
     slope = float(sea.wavenumber[0])
     rows = run(boats(sea, 0.0), 120.0)[600:]
     assert np.abs(rows[:, 0]).max() == pytest.approx(1.0, rel=0.06)
@@ -38,14 +38,14 @@ def test_long_waves_are_followed_and_tilt_the_boat_by_their_slope():
 
 def test_a_boat_turns_as_nomoto_says():
     """In calm water at cruise: r = K delta after some T, to port where the helm is positive."""
-    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0)
+    found = boats(waves.regular_wave(0.0, 6.0, waves.heading_vector(0.0, 3), DEEP), 0.0)
     found.speed[:] = found.boat.cruise
     rows = run(found, 40.0, helm=0.5, throttle=0.5)
     assert rows[-1, 4] == pytest.approx(found.boat.turning * 0.5 * found.boat.rudder, rel=1e-3) and rows[-1, 3] > 0.0
 
 
 def test_a_heave_that_is_let_go_swings_at_its_period():
-    found = boats(waves.regular(0.0, 6.0, waves.direction(0.0, 3), DEEP), 0.0, damping=(0.0, 0.1, 0.1))
+    found = boats(waves.regular_wave(0.0, 6.0, waves.heading_vector(0.0, 3), DEEP), 0.0, damping=(0.0, 0.1, 0.1))
     found.state[0, 0] = 1.0
     heave = run(found, 25.0)[:, 0]
     assert heave[-1] == pytest.approx(1.0, abs=1e-9)  # ten periods of 2.5 s

@@ -15,6 +15,7 @@ from ocean_sim.observers import frames, manifest, render
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.water import foam
+from ocean_sim.pictures.water.waterline import ship_coordinates
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
 
@@ -61,7 +62,7 @@ def test_a_ship_off_the_middle_of_a_tank_moves_no_frame(tmp_path, watched):
 def test_frames_of_a_sea_that_answers_lie_around_the_ship(tmp_path, watched, monkeypatch):
     """Within half a cell of her, and the heights are those of there."""
     simulation = with_a_ship(watched(), 300.0, -2.0)
-    sea = waves.regular(0.5, 4.0, np.array([0.0, 1.0]), 5.0)
+    sea = waves.regular_wave(0.5, 4.0, np.array([0.0, 1.0]), 5.0)
     monkeypatch.setattr(type(simulation.fluid), "plane_waves", sea, raising=False)
     monkeypatch.setattr(type(simulation.fluid), "can_be_disturbed", True, raising=False)
     frames.Config().build(tmp_path, simulation).observe(simulation)
@@ -112,7 +113,7 @@ def test_frames_that_would_fill_a_disk_are_announced(watched):
 def test_the_velocity_of_a_large_sea_is_that_of_its_waves_at_every_point_up_to_the_rim():
     """Waves of which 60 fit side by side are not told from each other at a few hundred points."""
     spectrum = waves.Spectrum(significant_wave_height=0.5, peak_period=2.0, heading_deg=30.0, seed=3)
-    sea = spectrum.components(waves.direction(30.0, 3), 20.0)
+    sea = spectrum.components(waves.heading_vector(30.0, 3), 20.0)
     x, z = np.arange(101) * 2.0 - 100.0, np.arange(91) * 2.0 - 90.0
     found = waves.surface_velocity(sea, pairs(x, z), 3.0).reshape(101, 91, 3)
     for i, k in [(0, 0), (100, 90), (37, 44), (98, 3)]:
@@ -154,7 +155,7 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     """One that grows from calm water bears none."""
     simulation = watched()
     spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
-    sea = spectrum.components(waves.direction(30.0, 3), 30.0)
+    sea = spectrum.components(waves.heading_vector(30.0, 3), 30.0)
     simulation.fluid.particles = None
     monkeypatch.setattr(type(simulation.fluid), "plane_waves", sea, raising=False)
     monkeypatch.setattr(
@@ -216,7 +217,7 @@ def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, w
     seen = frames.Config(spacing=0.25).build(tmp_path, simulation)
     x, z = seen.points.T
     calm = 0.1 * np.sin(0.4 * x - 0.3 * z).reshape(seen.shape)
-    ahead, aside = foam.from_ship(x, z, sailing.body.position, sailing.body.matrix)
+    ahead, aside = ship_coordinates(x, z, sailing.body.position, sailing.body.matrix)
     hull = ((np.abs(ahead) < 1.0) & (np.abs(aside) < 0.4)).reshape(seen.shape)
     found = seen.crests(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
     changed = found != calm - 2.0 * hull
@@ -227,7 +228,7 @@ def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, w
 def test_the_waves_of_a_ship_bear_no_whitecaps_however_long_she_goes(tmp_path, watched, monkeypatch):
     """Her hollow is as steep as her hull: the sea around her is as white as without her."""
     spectrum = waves.Spectrum(kind="jonswap", significant_wave_height=1.5, peak_period=5.5, seed=7)
-    sea, white = spectrum.components(waves.direction(30.0, 3), 30.0), {}
+    sea, white = spectrum.components(waves.heading_vector(30.0, 3), 30.0), {}
     for deep in (0.0, 3.0):
         simulation = with_a_ship(watched(), 0.0, 0.0)
         water = type(simulation.fluid)

@@ -16,7 +16,7 @@ from ocean_sim.observers.shared.page import (
     round_ticks,
     scene_text,
 )
-from ocean_sim.pictures.stage.film_strip import Moments
+from ocean_sim.pictures.stage.picture import Moments
 
 VOID = {"meta", "img", "br", "hr", "link"}
 

@@ -7,7 +7,7 @@ import ocean_sim
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.reading.scene import SceneError
-from ocean_sim.waves.orbits import motion, read_tracers, towards
+from ocean_sim.waves.orbits import fit_motion, read_tracers, wave_direction
 from tests.waves.closed_forms import orbit_ratio, orbit_sizes
 
 LENGTH, DEPTH, HEIGHT = 1.0, 0.5, 0.03
@@ -44,9 +44,9 @@ def followed(tmp_path_factory):
 def test_orbits_are_those_of_linear_theory(followed):
     """Their shape and their decay with depth; a coarse wave loses height, which the ratio does not see."""
     _, time, places, speeds = read_tracers(followed)
-    ahead = towards(places, speeds)
+    ahead = wave_direction(places, speeds)
     assert ahead == pytest.approx((1.0, 0.0), abs=0.05)
-    found = motion(time, places, PERIOD, ahead)
+    found = fit_motion(time, places, PERIOD, ahead)
     for low, high in ((-0.2, -0.1), (-0.3, -0.2), (-0.4, -0.3)):
         there = (found.level_m > low) & (found.level_m < high)
         ratio = np.mean([o.ratio for o, inside in zip(found.orbits, there) if inside])
@@ -66,12 +66,12 @@ def test_paths_go_on_across_a_periodic_side_and_velocities_belong_to_them(follow
 
 
 def test_waves_that_go_the_other_way_are_told_apart():
-    sea = waves.regular(HEIGHT, PERIOD, np.array([-1.0, 0.0]), DEPTH, GRAVITY)
+    sea = waves.regular_wave(HEIGHT, PERIOD, np.array([-1.0, 0.0]), DEPTH, GRAVITY)
     time = np.linspace(0.0, 3.0 * PERIOD, 100)
     points = np.array([[0.0, -0.1, 0.0], [0.3, -0.2, 0.0]])
     places = np.stack([points + waves.displacement(sea, points, t) for t in time], axis=1)
     speeds = np.stack([waves.linear_velocity(sea, points, t) for t in time], axis=1)
-    assert towards(places, speeds) == pytest.approx((-1.0, 0.0), abs=1e-6)
+    assert wave_direction(places, speeds) == pytest.approx((-1.0, 0.0), abs=1e-6)
 
 
 @pytest.mark.parametrize(

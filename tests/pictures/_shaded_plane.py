@@ -15,12 +15,12 @@ from ocean_sim.pictures.water import water_shading as w
 
 PIXELS, HALF = 48, 6.0  # pixels along a side, half a side [m]
 CASES = {
-    "all": w.Terms(),
-    "without Fresnel": w.Terms(fresnel=False),
-    "thesis's glint": w.Terms(glint="thesis"),
-    "no glint": w.Terms(glint=None),
-    "body": w.Terms(reflection=False, glint=None, fog=False),
-    "mirror": w.Terms(body=False, glint=None, foam=False, fog=False),
+    "all": w.ShadingTerms(),
+    "without Fresnel": w.ShadingTerms(fresnel=False),
+    "thesis's glint": w.ShadingTerms(glint="thesis"),
+    "no glint": w.ShadingTerms(glint=None),
+    "body": w.ShadingTerms(reflection=False, glint=None, fog=False),
+    "mirror": w.ShadingTerms(body=False, glint=None, foam=False, fog=False),
 }
 SUN = sky_module.unit_vector(np.array([-0.7, 0.5, 0.4]))
 EYES = {"above": (40.0, 30.0, -30.0), "aslant": (-14.0, 6.0, 9.0), "grazing": (-300.0, 1.0, 200.0)}
@@ -41,13 +41,13 @@ def normals(points: np.ndarray) -> np.ndarray:
 
 
 def smooth_sky() -> sky_module.Sky:
-    d = sky_module.directions(128)
+    d = sky_module.sky_directions(128)
     image = np.stack([0.5 + 0.4 * d[..., 0], 0.5 + 0.3 * d[..., 2], 0.6 + 0.5 * d[..., 1]], axis=-1)
     return sky_module.Sky(image, SUN)
 
 
 def six_colours() -> sky_module.Sky:
-    d = sky_module.directions(128)
+    d = sky_module.sky_directions(128)
     axis = np.abs(d).argmax(axis=-1)
     names = np.array([["+x", "-x"], ["+y", "-y"], ["+z", "-z"]])
     positive = np.take_along_axis(d, axis[..., None], axis=-1)[..., 0] > 0.0
@@ -88,15 +88,21 @@ def main(out: str) -> None:
     mesh = pyvista.PolyData.from_regular_faces(corners, np.array([[0, 1, 2], [2, 1, 3]]))
     mesh.point_data["nrm"] = normals(corners).astype(np.float32)
     skies = {"smooth": smooth_sky(), "six": six_colours()}
-    textures = {name: water_glsl.textures_of(sky) for name, sky in skies.items()}
-    none = water_glsl.texture(np.zeros((2, 2, 4), np.uint8))
+    textures = {name: water_glsl.sky_textures(sky) for name, sky in skies.items()}
+    none = water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8))
     drawn = {}
 
-    def draw(name: str, sky: str, eye: np.ndarray, terms: w.Terms, foam: float = 0.0, ripples: float = 0.0) -> None:
+    def draw(
+        name: str, sky: str, eye: np.ndarray, terms: w.ShadingTerms, foam: float = 0.0, ripples: float = 0.0
+    ) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
         inputs = textures[sky] | {"hull": none, "mirror": none}
-        shaded = water_glsl.Shaded(mesh, water_glsl.water(0), water_glsl.WATER_FUNCTIONS, inputs, ("nrm", "att"))
-        shaded.set(**water_glsl.plain(0), **water_glsl.lit_by(skies[sky]), **water_glsl.switched(terms))
+        shaded = water_glsl.Shaded(
+            mesh, water_glsl.water_program(0), water_glsl.WATER_FUNCTIONS, inputs, ("nrm", "att")
+        )
+        shaded.set(
+            **water_glsl.neutral_uniforms(0), **water_glsl.sky_uniforms(skies[sky]), **water_glsl.term_uniforms(terms)
+        )
         shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)
         plotter.add_actor(shaded.actor, reset_camera=False, render=False, name="plane")
         plotter.render()
@@ -105,9 +111,9 @@ def main(out: str) -> None:
     for at, eye in EYES.items():
         for case, terms in CASES.items():
             draw(f"{case} {at}", "smooth", np.array(eye), terms)
-    draw("ripples", "smooth", np.array(EYES["above"]), w.Terms(), ripples=0.03)
+    draw("ripples", "smooth", np.array(EYES["above"]), w.ShadingTerms(), ripples=0.03)
     for share in (0.1, 0.3, 0.7):
-        draw(f"foam {share}", "smooth", np.array(EYES["above"]), w.Terms(glint=None), foam=share)
+        draw(f"foam {share}", "smooth", np.array(EYES["above"]), w.ShadingTerms(glint=None), foam=share)
     mirror = CASES["mirror"]
     for name, towards in (
         ("+x", (40, 2, 0)),

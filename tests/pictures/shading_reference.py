@@ -23,42 +23,42 @@ from ocean_sim.pictures.water.foam import (
     WHOLE_SHARE,
 )
 from ocean_sim.pictures.water.ripples import (
-    ACROSS,
-    FLATTEST,
+    CREST_STRETCH,
     GRADIENT_VARIANCE,
-    LACUNARITY,
-    OCTAVES,
-    SHIFT,
-    SPEED,
-    STEP,
-    STRETCH,
-    TURN,
-    UNRESOLVED,
+    MIN_VIEW_COSINE,
+    NOISE_SHIFT,
+    NOISE_STRETCH,
+    NOISE_TURN,
+    OCTAVE_COUNT,
+    OCTAVE_RATIO,
+    OCTAVE_SHIFT,
+    PHASE_SPEED,
+    UNRESOLVED_SHARE,
     Wind,
-    noise,
+    value_noise,
 )
 from ocean_sim.pictures.water.water_shading import (
-    BLURS,
-    BODY,
-    BRIGHTEST,
-    BUBBLES,
-    CREST,
-    DEEP,
-    END,
-    FOAM,
-    FOG,
+    BLUR_LEVELS,
+    BODY_LIGHT,
+    BUBBLE_LIGHT,
+    CREST_LIGHT,
+    DEEP_LIGHT,
+    FOAM_REFLECTANCE,
+    FOG_DISTANCE,
+    FOG_END,
     HDR_EXCESS,
     HDR_FACTOR,
     HDR_THRESHOLD,
-    MOST_BLURRED,
+    MAX_BLUR_LEVEL,
+    MAX_MIRRORED,
     REFRACTIVE_INDEX,
     SUN_STRENGTH,
-    THIN,
-    THIN_FOAM,
-    Terms,
+    THIN_FOAM_REFLECTANCE,
+    THIN_LIGHT,
+    ShadingTerms,
     beckmann,
     fresnel,
-    refracted,
+    refracted_cosine,
 )
 
 SHININESS = 120.0
@@ -148,8 +148,8 @@ def from_within(
     behind = np.maximum(-(to_eye @ level), 0.0) ** 2
     tilt = 3.0 * np.clip(1.0 - normal[:, 1] ** 2, 0.0, 0.3)
     through = 0.25 * up + 1.9 * light.sunlight[1] * (0.30 + 1.3 * behind) * thin * (0.25 + tilt)
-    milky = np.broadcast_to(bubbles, np.shape(through))[:, None] * BUBBLES * (up + light.sunlight[1])
-    return 2.0 * up * BODY + THIN * (through * (0.55 + 0.45 * cos_water))[:, None] + milky
+    milky = np.broadcast_to(bubbles, np.shape(through))[:, None] * BUBBLE_LIGHT * (up + light.sunlight[1])
+    return 2.0 * up * BODY_LIGHT + THIN_LIGHT * (through * (0.55 + 0.45 * cos_water))[:, None] + milky
 
 
 def foam_by_height(height: np.ndarray, texture: np.ndarray | float = 1.0) -> np.ndarray:
@@ -162,14 +162,18 @@ def foam_colour(normal: np.ndarray, white: np.ndarray, heap: np.ndarray, light: 
     heaped = tilted(normal, *(white * heap[:, :2]).T)
     sunny = np.maximum(0.7 * (heaped @ light.sun) + 0.3 * light.sun[1] + 0.06, 0.0)[:, None]
     bright = 1.0 + white * (heap[:, 2:] - 1.0)
-    return bright * (THIN_FOAM + (FOAM - THIN_FOAM) * white) * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
+    return (
+        bright
+        * (THIN_FOAM_REFLECTANCE + (FOAM_REFLECTANCE - THIN_FOAM_REFLECTANCE) * white)
+        * (1.25 * light.sky + 1.75 * light.sunlight * sunny)
+    )
 
 
-def foggy(colour: np.ndarray, horizon: np.ndarray, distance: np.ndarray, reach: float = FOG) -> np.ndarray:
+def foggy(colour: np.ndarray, horizon: np.ndarray, distance: np.ndarray, reach: float = FOG_DISTANCE) -> np.ndarray:
     """A colour behind so many metres of air, which takes on that of the horizon."""
     lost = (1.0 - np.exp(-distance / reach))[:, None]
     lost = lost * (0.5 + 0.5 * lost * (3.0 - 2.0 * lost))
-    end = np.clip((distance[:, None] / reach - END[0]) / (END[1] - END[0]), 0.0, 1.0)
+    end = np.clip((distance[:, None] / reach - FOG_END[0]) / (FOG_END[1] - FOG_END[0]), 0.0, 1.0)
     lost = lost + (1.0 - lost) * end * end * (3.0 - 2.0 * end)
     return colour * (1.0 - lost) + horizon * lost
 
@@ -195,7 +199,7 @@ class Water(NamedTuple):
     heap: np.ndarray = LEVEL  # (n, 3) slopes of foam along x and z, and how bright it is, as `foam.heaps`; or (1, 3)
 
 
-def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FOG) -> np.ndarray:
+def final_colour(water: Water, sky: Sky, terms: ShadingTerms = ShadingTerms(), fog: float = FOG_DISTANCE) -> np.ndarray:
     """Algorithm 6: ambient and emissive light from within, the mirrored sky in Fresnel's share, the sun's glint, and
     foam laid over them; then the air between the water and the eye."""
     light = Light(sky.sun, sky.sunlight, sky.ambient)
@@ -211,7 +215,7 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
     colour = np.zeros((len(normal), 3))
     if terms.body:
         bubbles = water.bubbles if terms.foam else 0.0
-        within = from_within(water.height, normal, to_eye, refracted(cos_eye), light, bubbles)
+        within = from_within(water.height, normal, to_eye, refracted_cosine(cos_eye), light, bubbles)
         colour += (1.0 - share)[:, None] * within
     if terms.reflection:
         colour += share[:, None] * mirrored
@@ -223,23 +227,23 @@ def final_colour(water: Water, sky: Sky, terms: Terms = Terms(), fog: float = FO
     return foggy(colour, hazy(sky, -to_eye), water.distance, fog) if terms.fog else colour
 
 
-def algorithm_6(water: Water, sky: Sky, terms: Terms = Terms(glint="thesis")) -> np.ndarray:
+def algorithm_6(water: Water, sky: Sky, terms: ShadingTerms = ShadingTerms(glint="thesis")) -> np.ndarray:
     """The thesis's own sum (5.2.3), its eye turned towards the eye, its half vector normalised and Fresnel's share
     exact: the plain terms of (3.11) in place of those of `final_colour`. Foam by height is `foam_by_height`."""
     share = fresnel(np.clip(cosine(water.to_eye, water.normal), 0.0, 1.0))[:, None]
     if not terms.fresnel:
         share = np.full_like(share, terms.constant)
     mirrored = sky.sample(reflected(water.to_eye, water.normal))
-    colour = np.broadcast_to(ambient(AMBIENT, DEEP), mirrored.shape).copy()
+    colour = np.broadcast_to(ambient(AMBIENT, DEEP_LIGHT), mirrored.shape).copy()
     if terms.body:
-        colour += emissive((1.0 - share) * CREST)
+        colour += emissive((1.0 - share) * CREST_LIGHT)
     if terms.reflection:
         colour += share * (hdr(mirrored) if terms.glint == "thesis" else mirrored)
     if terms.glint is not None:
         colour += specular(1.0, sky.sunlight, water.normal, water.to_eye, sky.sun, SHININESS)
     if terms.foam:
         white = np.clip(water.foam, 0.0, 1.0)[:, None]
-        colour = colour * (1.0 - white) + FOAM * white
+        colour = colour * (1.0 - white) + FOAM_REFLECTANCE * white
     return colour
 
 
@@ -258,7 +262,7 @@ def sky_reflection(
     ray = reflected(to_eye, normal)
     ray[:, 1] = np.where(ray[:, 1] < 0.0, 0.01 - 0.6 * ray[:, 1], ray[:, 1])
     ray[:, 1] += 0.35 * blur * (1.0 - cos_eye)
-    return np.minimum(sky.sample(unit_vector(ray), np.minimum(BLURS * blur, MOST_BLURRED)), BRIGHTEST)
+    return np.minimum(sky.sample(unit_vector(ray), np.minimum(BLUR_LEVELS * blur, MAX_BLUR_LEVEL)), MAX_MIRRORED)
 
 
 def slopes(
@@ -269,22 +273,22 @@ def slopes(
     `longest`: wavelength of the first octave [m]; `variance`: of all slopes, both axes together.
     """
     cos, sin = np.cos(wind.angle), np.sin(wind.angle)
-    steep = np.sqrt((1.0 - UNRESOLVED) * variance / (OCTAVES * GRADIENT_VARIANCE))
+    steep = np.sqrt((1.0 - UNRESOLVED_SHARE) * variance / (OCTAVE_COUNT * GRADIENT_VARIANCE))
     slope_x, slope_z = np.zeros(np.shape(x)), np.zeros(np.shape(x))
-    lost = np.full(np.shape(x), UNRESOLVED * variance)
-    for octave in range(OCTAVES):
-        wave = longest * LACUNARITY**octave
+    lost = np.full(np.shape(x), UNRESOLVED_SHARE * variance)
+    for octave in range(OCTAVE_COUNT):
+        wave = longest * OCTAVE_RATIO**octave
         fade = np.clip((wave / footprint - 2.0) / 4.0, 0.0, 1.0)
-        along = (x * cos + z * sin) / wave + STEP * octave - time * SPEED / np.sqrt(wave)
-        across = ACROSS * (z * cos - x * sin) / wave + STEP * octave
-        _, a, b = noise(along, across)
-        turned = TURN[0] * along - TURN[1] * across, TURN[1] * along + TURN[0] * across
-        _, c, d = noise(STRETCH * turned[0] + SHIFT, STRETCH * turned[1] + SHIFT)
-        down = a + 0.8 * (TURN[0] * c + TURN[1] * d)
-        across = ACROSS * (b + 0.8 * (TURN[0] * d - TURN[1] * c))
+        along = (x * cos + z * sin) / wave + OCTAVE_SHIFT * octave - time * PHASE_SPEED / np.sqrt(wave)
+        across = CREST_STRETCH * (z * cos - x * sin) / wave + OCTAVE_SHIFT * octave
+        _, a, b = value_noise(along, across)
+        turned = NOISE_TURN[0] * along - NOISE_TURN[1] * across, NOISE_TURN[1] * along + NOISE_TURN[0] * across
+        _, c, d = value_noise(NOISE_STRETCH * turned[0] + NOISE_SHIFT, NOISE_STRETCH * turned[1] + NOISE_SHIFT)
+        down = a + 0.8 * (NOISE_TURN[0] * c + NOISE_TURN[1] * d)
+        across = CREST_STRETCH * (b + 0.8 * (NOISE_TURN[0] * d - NOISE_TURN[1] * c))
         slope_x += fade * steep * (down * cos - across * sin)
         slope_z += fade * steep * (down * sin + across * cos)
-        lost += (1.0 - fade**2) * (1.0 - UNRESOLVED) * variance / OCTAVES
+        lost += (1.0 - fade**2) * (1.0 - UNRESOLVED_SHARE) * variance / OCTAVE_COUNT
     return slope_x, slope_z, 0.5 * lost
 
 
@@ -292,7 +296,7 @@ def lengthened(footprint: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     """The footprint [m] by which ripples fade, of pixels whose sides are that long in the geometric mean: water that is
     seen flat, by its cosine to the normal, is longer in a pixel than it is broad, and ripples across the view would
     leave streaks and grain on the crests of waves."""
-    return footprint * np.maximum(cosine, FLATTEST) ** -0.25
+    return footprint * np.maximum(cosine, MIN_VIEW_COSINE) ** -0.25
 
 
 def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.ndarray:
@@ -305,13 +309,16 @@ def tilted(normal: np.ndarray, slope_x: np.ndarray, slope_z: np.ndarray) -> np.n
 def patches(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The grain of foam at positions [m], about 0 to 1: lace of threads around bubbles, in clumps."""
     x, z = GRAIN_SCALE * x, GRAIN_SCALE * z
-    bend_x, bend_z = noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5, noise(0.6 * x + 23.0, 0.6 * z + 11.0)[0] - 0.5
+    bend_x, bend_z = (
+        value_noise(0.6 * x + 3.0, 0.6 * z + 7.0)[0] - 0.5,
+        value_noise(0.6 * x + 23.0, 0.6 * z + 11.0)[0] - 0.5,
+    )
     x, z = x + GRAIN_BEND * bend_x, z + GRAIN_BEND * bend_z
-    clumps = noise(0.45 * x, 0.45 * z)[0]
+    clumps = value_noise(0.45 * x, 0.45 * z)[0]
     grain, scale = 0.42 * clumps, 1.3
     for share in (0.30, 0.26, 0.20):
         x, z = OCTAVE_TURN[0] * x - OCTAVE_TURN[1] * z, OCTAVE_TURN[1] * x + OCTAVE_TURN[0] * z
-        ridge = 1.0 - np.abs(2.0 * noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
+        ridge = 1.0 - np.abs(2.0 * value_noise(scale * x + 9.0, scale * z + 9.0)[0] - 1.0)
         grain, scale = grain + share * ridge * ridge, 2.1 * scale
     return grain
 
@@ -338,7 +345,7 @@ def heaps(x: np.ndarray, z: np.ndarray, footprint: np.ndarray) -> tuple[np.ndarr
     cos, sin = OCTAVE_TURN
     for scale, depth in zip(HEAP_SCALES, HOLLOW_SHADES, strict=True):
         fine = np.clip(1.5 - 3.0 * footprint * scale, 0.0, 1.0)
-        value, u, v = noise(scale * (cos * x - sin * z) + 5.0, scale * (sin * x + cos * z) + 5.0)
+        value, u, v = value_noise(scale * (cos * x - sin * z) + 5.0, scale * (sin * x + cos * z) + 5.0)
         slope_x += HEAP_SLOPE * fine * (cos * u + sin * v)
         slope_z += HEAP_SLOPE * fine * (cos * v - sin * u)
         bright += depth * fine * (value - 0.5)

@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim.pictures.stage import camera as camera_module
 from ocean_sim.pictures.stage.camera import Operator, Track, Vessel
-from ocean_sim.pictures.stage.picture import swept
+from ocean_sim.pictures.stage.picture import swept_box
 
 LOWER, UPPER = np.array([-100.0, -20.0, -100.0]), np.array([100.0, 2.0, 100.0])
 LENGTH, SPEED, STEP = 15.0, 4.0, 0.05
@@ -31,7 +31,7 @@ def operator():
 
 
 def test_every_name_has_a_camera_whose_axes_are_square(operator):
-    for name in camera_module.Name.__args__:
+    for name in camera_module.CameraName.__args__:
         given = {"eye": (30.0, 5.0, 0.0), "target": (0.0, 0.0, 0.0)} if name == "fixed" else {}
         camera = operator(name, **given).at(3.0)
         assert np.isfinite(camera.eye).all()
@@ -40,9 +40,9 @@ def test_every_name_has_a_camera_whose_axes_are_square(operator):
 
 
 def test_follow_is_behind_the_ship_and_lags_as_a_first_order_filter_does(operator):
-    lag = camera_module.LAG[0]
+    lag = camera_module.FOLLOW_LAGS[0]
     decay = np.exp(-STEP / lag)
-    place, heading = camera_module.damped(operator("follow").vessel.track)
+    place, heading = camera_module.damped_track(operator("follow").vessel.track)
     behind = SPEED * 18.0 - 40.0 - place[360, 2]
     assert behind == pytest.approx(SPEED * STEP * decay / (1.0 - decay), rel=1e-6)  # steady state of a ramp
     assert behind == pytest.approx(SPEED * lag, rel=0.05) and np.abs(heading).max() < 1e-12
@@ -55,7 +55,7 @@ def test_the_heading_of_follow_does_not_jump_where_the_angle_does():
     angle = np.linspace(3.0, 3.3, 200)  # through pi
     turn = np.zeros((200, 3, 3))
     turn[:, 0, 2], turn[:, 2, 2] = np.sin(angle), np.cos(angle)
-    _, heading = camera_module.damped(Track(time, np.zeros((200, 3)), turn))
+    _, heading = camera_module.damped_track(Track(time, np.zeros((200, 3)), turn))
     assert np.abs(np.diff(heading)).max() < 0.01
 
 
@@ -120,7 +120,7 @@ def test_a_map_holds_all_that_a_piece_of_sea_covers_that_goes_with_its_ships():
     """Two ships, one moored at x = 18 m, one that goes by 60 m along z: their middle goes by 30 m."""
     going = np.stack([np.full(5, -4.0), np.full(5, 0.3), np.linspace(-45.0, 15.0, 5)], axis=1)
     moored = np.tile([18.0, -0.2, 0.0], (5, 1))
-    lower, upper = swept(np.array([-80.0, -30.0, -120.0]), np.array([80.0, 1.0, 120.0]), [going, moored])
+    lower, upper = swept_box(np.array([-80.0, -30.0, -120.0]), np.array([80.0, 1.0, 120.0]), [going, moored])
     np.testing.assert_allclose(lower, [-73.0, -30.0, -142.5])
     np.testing.assert_allclose(upper, [87.0, 1.0, 127.5])
 
@@ -154,7 +154,7 @@ def test_an_open_sea_is_seen_from_beside_it_low_over_the_water():
 
 
 def test_a_map_is_a_plan_whose_scale_is_the_same_at_every_height():
-    seen = camera_module.placed("top", LOWER, UPPER, 16 / 9)
+    seen = camera_module.camera_on_box("top", LOWER, UPPER, 16 / 9)
     assert seen.parallel_height is not None and seen.from_above
     assert (
         seen.parallel_height * 16 / 9 >= 0.5 * (UPPER - LOWER)[0] and seen.parallel_height >= 0.5 * (UPPER - LOWER)[2]

@@ -13,7 +13,7 @@ from ocean_sim.basin.points import grid, middles, pairs
 from ocean_sim.fluid import spectral_sea
 from ocean_sim.pictures.water import far_sea, foam, sea_surface
 from ocean_sim.pictures.water.ripples import Wind
-from ocean_sim.pictures.water.sea_state import Now
+from ocean_sim.pictures.water.sea_state import SeaNow
 from ocean_sim.reading.scene import load
 
 HERE = np.zeros(2)
@@ -30,7 +30,7 @@ def test_foam_is_born_beside_the_sides_of_a_basin_as_readily_as_in_its_middle():
     noise = np.random.default_rng(3)
     inner, outer = [], []
     for _ in range(60):
-        found = foam.smoothed(noise.normal(size=(160, 160)))
+        found = foam.smoothed_convergence(noise.normal(size=(160, 160)))
         white = found > np.quantile(found, 0.998)
         middle = np.zeros(white.shape, bool)
         middle[16:-16, 16:-16] = True
@@ -41,15 +41,15 @@ def test_foam_is_born_beside_the_sides_of_a_basin_as_readily_as_in_its_middle():
 
 def test_a_known_wind_calls_for_what_was_counted_and_crests_only_where_none_is_known():
     steep = np.linspace(0.0, 0.31, 1000)
-    assert foam.called_for(steep, 12.0) == foam.monahan(12.0)
-    assert foam.called_for(steep, 60.0) == foam.called_for(np.ones(10), 0.0) == foam.MAX_COVER
-    assert 0.0 < foam.called_for(steep, 0.0) < foam.MAX_COVER and foam.called_for(0.5 * steep, 0.0) == 0.0
+    assert foam.wanted_cover(steep, 12.0) == foam.monahan_cover(12.0)
+    assert foam.wanted_cover(steep, 60.0) == foam.wanted_cover(np.ones(10), 0.0) == foam.MAX_COVER
+    assert 0.0 < foam.wanted_cover(steep, 0.0) < foam.MAX_COVER and foam.wanted_cover(0.5 * steep, 0.0) == 0.0
 
 
 def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     """There evenly: a share of the light, as a pixel sees it that holds many crests."""
     wanted, spectrum = 0.03, waves.Spectrum(significant_wave_height=1.0, peak_period=4.0, heading_deg=60.0, seed=1)
-    sea = far_sea.strongest(spectrum.components(waves.direction(60.0, 3), 30.0))
+    sea = far_sea.strongest_waves(spectrum.components(waves.heading_vector(60.0, 3), 30.0))
     x = middles(-20.0, 20.0, 1.25)
     box = {"x": x, "z": x, "lower": np.array([-20.0, -30.0, -20.0]), "upper": np.array([20.0, 0.0, 20.0])}
     surface = sea_surface.SeaSurface(box, SimpleNamespace(exact=sea, beyond=sea, angle=0.6), DRAWN)
@@ -58,12 +58,12 @@ def test_the_far_sea_is_as_white_where_its_waves_are_too_short_to_be_drawn():
     rings = np.broadcast_to(np.arange(surface.fan.shape[0])[:, None], surface.fan.shape)
     found = []
     for time in np.arange(20) * 37.0:
-        drawn = surface.fan.at(far_sea.turning(sea, time, HERE))
+        drawn = surface.fan.at(far_sea.complex_amplitudes(sea, time, HERE))
         found.append(surface.beyond(drawn, rings, surface.fan.nodes, np.zeros(3), sea.amplitude).mean(axis=1))
     of_rings = np.mean(found, axis=0)
     distance = surface.fan.distance
     np.testing.assert_allclose(of_rings[distance > 5000.0], wanted, rtol=0.01)
-    assert of_rings[distance < far_sea.NEAR].mean() == pytest.approx(wanted, rel=0.2)
+    assert of_rings[distance < far_sea.SAMPLE_REACH].mean() == pytest.approx(wanted, rel=0.2)
 
 
 @pytest.mark.slow  # 40 s each
@@ -128,7 +128,7 @@ def covers(name: str) -> tuple[float, float, float]:
     sea = fluid.sea_of(tank) if isinstance(fluid, spectral_sea.Config) else fluid.sea(tank)
     x, z = grid(tank, preflight.parts["frames"].spacing)
     shape, cell, points = (len(x), len(z)), np.array([x[1] - x[0], z[1] - z[0]]), pairs(x, z)
-    field, beyond = foam.Field(shape, cell), far_sea.strongest(sea)
+    field, beyond = foam.FoamField(shape, cell), far_sea.strongest_waves(sea)
     lower, upper = (np.array([side[0], side[2]]) for side in (tank.lower, tank.upper))
     kept = {"x": x, "z": z, "lower": np.insert(lower, 1, -tank.depth), "upper": np.insert(upper, 1, 0.0)}
     surface = sea_surface.SeaSurface(kept, SimpleNamespace(exact=sea, beyond=beyond, angle=0.6), DRAWN)
@@ -137,10 +137,12 @@ def covers(name: str) -> tuple[float, float, float]:
     outside = ~((places > lower) & (places < upper)).all(axis=1).reshape(rings.shape)
     area = (
         outside
-        * (np.gradient(surface.fan.distance) * surface.fan.distance * (surface.fan.distance < far_sea.NEAR))[:, None]
+        * (np.gradient(surface.fan.distance) * surface.fan.distance * (surface.fan.distance < far_sea.SAMPLE_REACH))[
+            :, None
+        ]
     )
     area *= 2.0 * np.pi / surface.fan.shape[1]
-    size, wanted = float(np.prod(upper - lower)), foam.monahan(far_sea.raised_by(sea, np.inf))
+    size, wanted = float(np.prod(upper - lower)), foam.monahan_cover(far_sea.wind_speed_from_sea(sea, np.inf))
     found, number = [], round(AFTER * 2.0 * np.pi / float(sea.omega[sea.amplitude.argmax()]) / TICK)
     for n in range(-round(BEFORE / TICK), number):
         time = TICK * n
@@ -149,7 +151,7 @@ def covers(name: str) -> tuple[float, float, float]:
         field.advance(time, velocity[..., [0, 2]], foam.convergence(elevation, *cell), wanted)
         if n >= 0 and n % 5 == 0:
             frame = SimpleNamespace(time=time, elevation=elevation, origin=HERE)
-            now = Now(0.0, sea.significant_height, beyond, Wind(5.0, 0.6))
+            now = SeaNow(0.0, sea.significant_height, beyond, Wind(5.0, 0.6))
             fresh = surface.foam(surface.at(frame, now).convergence, field.cover)
             basin = surface.whole(fresh, field.white, surface.nodes)
             drawn = surface.around(frame, np.zeros(3), now)

@@ -27,15 +27,19 @@ def steaming(speed: float) -> wake.Wake:
 
 def test_a_wake_lies_where_the_stern_was_and_fades_with_age():
     share = steaming(4.0).share(12.0, np.zeros(2))
-    middle, stern = np.abs(NODES).argmin(), -wake.STERN * 15.0
+    middle, stern = np.abs(NODES).argmin(), -wake.STERN_DISTANCE * 15.0
     on_track = share[middle]
     assert not on_track[NODES > stern + 4.0].any()  # none before the stern
     behind = on_track[(NODES < stern - 1.0) & (NODES > stern - 40.0)]
-    assert (np.diff(behind) > 0.0).all() and behind.max() <= wake.WHITEST
+    assert (np.diff(behind) > 0.0).all() and behind.max() <= wake.MAX_WHITENESS
     ages = (stern - NODES[(NODES < stern - 1.0) & (NODES > stern - 40.0)]) / 4.0
-    step = 12.0 / (wake.STEPS - 1)  # [s] between the places of the stern that are kept
-    wanted = wake.WHITEST * np.exp(-ages / wake.LASTS) * (1.0 - wake.CLEARED * (1.0 - np.exp(-ages / wake.CLEARS)))
-    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.LASTS + step / wake.CLEARS))
+    step = 12.0 / (wake.TRACK_STEPS - 1)  # [s] between the places of the stern that are kept
+    wanted = (
+        wake.MAX_WHITENESS
+        * np.exp(-ages / wake.FADE_SECONDS)
+        * (1.0 - wake.SLICK_SHARE * (1.0 - np.exp(-ages / wake.SLICK_SECONDS)))
+    )
+    np.testing.assert_allclose(behind, wanted, rtol=np.expm1(step / wake.FADE_SECONDS + step / wake.SLICK_SECONDS))
     np.testing.assert_allclose(share, share[::-1], atol=1e-9)  # the same on both sides
     assert not share[np.abs(NODES) > 8.0].any()
     old, fresh = (share[:, np.abs(NODES - z).argmin()] for z in (stern - 24.0, stern - 1.0))
@@ -57,9 +61,9 @@ def test_a_ship_that_rests_leaves_no_wake():
 def test_the_volumes_of_a_wind_are_told_apart_by_their_lines():
     box = shapes.Core(half=(1.0, 2.0, 3.0), radius=0.0, yaw=0.3, centre=np.zeros(3)).edges()
     lines = np.concatenate([box, box + [20.0, 0.0, 0.0]])[np.random.default_rng(1).permutation(24)]
-    found = wind_marks.parts(lines)
-    assert sorted(len(part) for part in found) == [12, 12] and wind_marks.parts(lines[:0]) == []
-    outline = wind_marks.hull(found[0].reshape(-1, 3)[:, [0, 2]])
+    found = wind_marks.connected_parts(lines)
+    assert sorted(len(part) for part in found) == [12, 12] and wind_marks.connected_parts(lines[:0]) == []
+    outline = wind_marks.convex_outline(found[0].reshape(-1, 3)[:, [0, 2]])
     sides = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1)
     np.testing.assert_allclose(np.sort(sides), [2.0, 2.0, 6.0, 6.0], atol=1e-9)
 
@@ -71,13 +75,13 @@ def blown(arrows: list[float], strongest: float, unit: str):
 
 def test_what_an_arrow_of_the_wind_stands_for_is_written_at_one_as_long_as_it_is_drawn():
     """Length 1 is the strongest, drawn 0.13 of the basin long: 2 m/s2 of 2.5 are 0.104 of it."""
-    assert wind_marks.legend(blown([0.7, 1.0], 2.5, "m/s²"), 40.0) == (
+    assert wind_marks.arrow_legend(blown([0.7, 1.0], 2.5, "m/s²"), 40.0) == (
         pytest.approx(0.104 * 40.0),
         "acceleration by wind, 2 m/s²",
     )
-    assert wind_marks.legend(blown([0.5], 10.0, "m/s"), 40.0) == (pytest.approx(0.13 * 40.0), "wind, 10 m/s")
-    assert wind_marks.legend(blown([0.0], 0.0, "m/s²"), 40.0) == (0.0, "wind: noise alone")
-    assert wind_marks.legend(blown([], 0.0, ""), 40.0) == (0.0, "no wind")
+    assert wind_marks.arrow_legend(blown([0.5], 10.0, "m/s"), 40.0) == (pytest.approx(0.13 * 40.0), "wind, 10 m/s")
+    assert wind_marks.arrow_legend(blown([0.0], 0.0, "m/s²"), 40.0) == (0.0, "wind: noise alone")
+    assert wind_marks.arrow_legend(blown([], 0.0, ""), 40.0) == (0.0, "no wind")
     push, speed = (Drawing(np.zeros((0, 2, 3)), np.zeros((1, 3)), np.ones((1, 3)), 3.0, u) for u in ("m/s²", "m/s"))
     assert (joined([push, push]).strongest, joined([push, push]).unit) == (3.0, "m/s²")
     assert (joined([push, speed]).strongest, joined([push, speed]).unit) == (0.0, "")
@@ -87,14 +91,14 @@ def test_no_slope_of_a_map_is_so_steep_that_it_is_black():
     """A steep pit among gentle waves, at the height of the pale crests around it."""
     slope = np.append(np.random.default_rng(1).normal(0.0, 0.05, 400), [0.9, -0.9])
     normals = np.stack([-slope, np.ones_like(slope), -slope], axis=1) / np.hypot(1.0, np.sqrt(2.0) * slope)[:, None]
-    bright = water_shading.relief(normals, np.full(len(slope), 0.8)).mean(axis=1)
-    flat = water_shading.relief(np.array([[0.0, 1.0, 0.0]]), np.array([0.8])).mean()
+    bright = water_shading.relief_light(normals, np.full(len(slope), 0.8)).mean(axis=1)
+    flat = water_shading.relief_light(np.array([[0.0, 1.0, 0.0]]), np.array([0.8])).mean()
     assert bright.min() > 0.5 * flat and bright.max() < 1.5 * flat
 
 
 @pytest.mark.parametrize("vector", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (0.3, 0.9, -0.4)])
 def test_arrows_turn_without_being_bent(vector):
-    turn = wind_marks.basis(np.array(vector))
+    turn = wind_marks.vector_basis(np.array(vector))
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(turn[0], np.array(vector) / np.linalg.norm(vector))
 
@@ -123,7 +127,7 @@ def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
 
 def test_a_box_has_six_faces_that_look_outwards():
     low, up = np.array([1.0, -2.0, 3.0]), np.array([2.0, 0.5, 3.5])
-    points, normals = obstacles.faces(low, up)
+    points, normals = obstacles.box_faces(low, up)
     assert points.shape == normals.shape == (24, 3)
     assert ((points == low) | (points == up)).all()
     middle = points.reshape(6, 4, 3).mean(axis=1)

@@ -6,9 +6,9 @@ from scipy.optimize import brentq
 
 from ocean_sim.pictures.ships import ship_glsl, ship_hull, ship_parts
 from ocean_sim.pictures.ships.ship_model import PAINTS, build_model
-from ocean_sim.pictures.stage import light
+from ocean_sim.pictures.stage import sky
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.hull.shapes import drawn
+from ocean_sim.ship.hull.shapes import drawn_mesh
 
 NOWHERE = np.full(3, np.nan)
 BLACK, OXIDE, WHITE = (PAINTS[name] for name in ("black", "oxide", "white"))
@@ -25,7 +25,7 @@ HULLS = {
 def placed(name):
     """Vertices from the centre of mass, triangles, share of the volume under water, helm."""
     hull = hull_of(name)
-    vertices, triangles = drawn(hull.shape)
+    vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
     still = hull.afloat(8.0, 1000.0, 9.81)
     helm = NOWHERE if HULLS[name] is None else np.array(HULLS[name]) - centre
@@ -137,13 +137,13 @@ def test_the_helmsman_sees_the_sea_ahead_and_the_bow_below(name):
 
 
 def test_smooth_shading_stops_at_a_crease():
-    vertices, triangles = drawn(hull_of("barge20").shape)
+    vertices, triangles = drawn_mesh(hull_of("barge20").shape)
     normals = ship_parts.smooth_normals(vertices, triangles)
     corners = vertices[triangles]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
     np.testing.assert_allclose(normals, np.repeat(flat[:, None], 3, axis=1), atol=1e-9)
-    vertices, triangles = drawn(hull_of("sphere").shape)
+    vertices, triangles = drawn_mesh(hull_of("sphere").shape)
     normals = ship_parts.smooth_normals(vertices, triangles).reshape(-1, 3)
     radial = (vertices - [0.0, 5.0, 0.0])[triangles].reshape(-1, 3)
     cosine = (normals * radial).sum(axis=1) / np.linalg.norm(radial, axis=1)
@@ -158,10 +158,8 @@ def test_a_hull_without_a_deck_to_stand_on_is_a_test_body():
 
 
 def test_light_is_finite_and_brighter_towards_the_sun():
-    from ocean_sim.pictures.stage import sky
-
-    normals = np.stack([sky.SUN, -sky.SUN])
-    colours = light.painted_light(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
+    normals = np.stack([sky.SUN_DIRECTION, -sky.SUN_DIRECTION])
+    colours = sky.painted_light(normals, np.full((2, 3), 0.5), np.zeros((2, 1)))
     assert (colours[0] > 2.0 * colours[1]).all() and (colours > 0.0).all()
 
 
@@ -169,7 +167,7 @@ def test_points_that_cast_a_shadow_leave_no_gap_and_reach_the_edges():
     corners = np.array(
         [[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]], [[0.0, 0.0, 1.0], [0.0, 0.02, 1.0], [0.0, 0.0, 3.0]]]
     )
-    points = ship_glsl.spread(corners, 0.1)
+    points = ship_glsl.spread_points(corners, 0.1)
     for corner in corners.reshape(-1, 3):
         assert np.linalg.norm(points - corner, axis=1).min() < 1e-12
     share = np.random.default_rng(3).dirichlet(np.ones(3), 200)

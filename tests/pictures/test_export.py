@@ -14,15 +14,15 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.meshes import Series
 from ocean_sim.observers import frames
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.paraview import NothingToExport, export_run, saved
-from ocean_sim.pictures.export.wakes import Wakes
-from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+from ocean_sim.pictures.export.paraview import NothingToExport, export_run, save_mesh
+from ocean_sim.pictures.export.wakes import RunWakes
+from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.picture import Picture
 from ocean_sim.pictures.stage.render_order import Order
 from ocean_sim.pictures.water import water_mesh
-from ocean_sim.pictures.water.foam import coarser
-from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING
+from ocean_sim.pictures.water.foam import cell_means
+from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM
 from ocean_sim.verbs.render import list_files
 
 
@@ -85,7 +85,7 @@ def test_a_surface_lies_where_its_frame_says(tmp_path):
     x, z, away = np.arange(3.0), np.arange(2.0), np.array([40.0, -7.5])
     np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 2)), origin=away)
     grid = {"x": x, "z": z}
-    points = scene_file.shot(tmp_path / "frame.npz", grid, Wakes([], grid)).points
+    points = scene_file.read_shot(tmp_path / "frame.npz", grid, RunWakes([], grid)).points
     np.testing.assert_allclose(points[:, [0, 2]], pairs(x, z) + away)
 
 
@@ -114,7 +114,7 @@ def test_the_surface_of_a_slice_is_left_out_without_a_word(tmp_path):
     grid = {"x": np.arange(3.0), "z": np.zeros(1), "lower": np.zeros(3), "upper": np.array([3.0, 1.0, 0.0])}
     line = {"vertices": np.zeros((3, 3)), "triangles": np.zeros((0, 3), int), "normals": np.zeros((3, 3))}
     np.savez(tmp_path / "frame.npz", time=1.0, elevation=np.ones((3, 1)), position=np.ones((5, 3)), **line)
-    kept = scene_file.shot(tmp_path / "frame.npz", grid, Wakes([], grid))
+    kept = scene_file.read_shot(tmp_path / "frame.npz", grid, RunWakes([], grid))
     assert len(kept.points) == len(kept.faces) == 0 and len(kept.particles["position"]) == 5
 
 
@@ -153,7 +153,7 @@ def test_an_export_that_a_disk_has_no_room_for_leaves_no_file(tmp_path, monkeypa
         series.add(0.0, points, np.array([[0, 1, 2]]))
     assert in_words(failure.value) == f"No space left on device: {path}"
     with pytest.raises(OSError) as failure:
-        saved(tmp_path / "s.vtp", points, None, {})
+        save_mesh(tmp_path / "s.vtp", points, None, {})
     assert in_words(failure.value) == f"No space left on device: {tmp_path / 's.vtp'}"
     assert list(tmp_path.iterdir()) == []
 
@@ -225,8 +225,8 @@ def test_what_stands_in_the_water_is_in_the_scene(blocked):
 
 def shown_of(folder, frame) -> tuple[np.ndarray, np.ndarray]:
     """Heights of a frame, and its foam at their points, as pictures show them around ships."""
-    height, white = Wakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz"))).shown(frame)
-    return height, coarser(white, height.shape).ravel()
+    height, white = RunWakes(frame_files(folder), dict(np.load(folder / "frames" / "grid.npz"))).shown(frame)
+    return height, cell_means(white, height.shape).ravel()
 
 
 def test_usd_holds_water_foam_velocity_ship_and_particles(manned):
@@ -316,10 +316,10 @@ def test_a_surface_that_was_kept_as_triangles_has_the_foam_and_velocity_of_its_p
     data["surface_velocity"] = np.stack([x, -z, 0.0 * x], axis=-1)
     for name, triangles in (("up", [[0, 1, 2]]), ("folded", [[0, 1, 2], [0, 2, 1]])):
         np.savez(tmp_path / f"{name}.npz", triangles=np.array(triangles), **data)
-    fields = scene_file.shot(tmp_path / "up.npz", grid, Wakes([], grid)).fields
+    fields = scene_file.read_shot(tmp_path / "up.npz", grid, RunWakes([], grid)).fields
     np.testing.assert_allclose(fields["foam"], [0.15, 0.25, 0.73], atol=1e-6)
     np.testing.assert_allclose(fields["velocity"], [[1.0, -1.0, 0.0], [1.0, -3.0, 0.0], [6.3, -2.0, 0.0]], atol=1e-6)
-    assert list(scene_file.shot(tmp_path / "folded.npz", grid, Wakes([], grid)).fields) == ["Normals"]
+    assert list(scene_file.read_shot(tmp_path / "folded.npz", grid, RunWakes([], grid)).fields) == ["Normals"]
 
 
 def voyage(folder, answers):
@@ -330,7 +330,7 @@ def voyage(folder, answers):
     box = np.array([[x, y, z] for x in (-2.0, 2.0) for y in (-1.0, 2.0) for z in (-7.5, 7.5)])
     low = {"lower": np.array([-20.5, -9.0, -40.5]), "upper": np.array([20.5, 0.0, 40.5]), "depth": 9.0}
     low |= {"spacing": 1.0, "every": 0.5, "has_surface": True} | ({"sea_answers": True} if answers else {})
-    ship = {"ship_vertices": box, "ship_triangles": scene_file.BOX, "ship_submerged": 1.0 / 3.0}
+    ship = {"ship_vertices": box, "ship_triangles": scene_file.BOX_TRIANGLES, "ship_submerged": 1.0 / 3.0}
     ship |= {"ship_look": "box", "ship_helm": np.zeros(0)}
     np.savez(folder / "frames" / "grid.npz", x=x, z=z, obstacles=np.zeros((0, 2, 3)), **low, **ship)
     for k in range(7):
@@ -338,8 +338,8 @@ def voyage(folder, answers):
         sunk = -3.0 * np.exp(-((x[:, None] / 2.0) ** 2) - ((z - at) / 7.0) ** 2)
         long = 0.2 * np.cos(0.15 * x[:, None] + 0.1 * z - 0.3 * k)
         corners = np.insert(pairs(x, z), 1, long.ravel(), axis=1)
-        faces = water_mesh.triangles(len(x), len(z))
-        mesh = {"vertices": corners, "triangles": faces, "normals": scene_file.upwards(corners, faces)}
+        faces = water_mesh.grid_triangles(len(x), len(z))
+        mesh = {"vertices": corners, "triangles": faces, "normals": scene_file.surface_normals(corners, faces)}
         np.savez(
             folder / "frames" / f"frame_{k:05d}.npz",
             time=0.5 * k,
@@ -366,7 +366,7 @@ def pictured(passing):
     """The last moment of it as a picture shows it: the sea that was drawn."""
     files, grid = frame_files(passing), dict(np.load(passing / "frames" / "grid.npz"))
     order = Order(str(passing), "", "third_person", (160, 90), False, "draft", 0.5, False, foam_cover=0.0)
-    picture = Picture(grid, order, Frame(files[0]), 1.0, Log(files))
+    picture = Picture(grid, order, Frame(files[0]), 1.0, FrameLog(files))
     picture.draw(Frame(files[-1]))
     yield picture.content
     picture.close()
@@ -379,7 +379,7 @@ def foam_of(sea, places) -> np.ndarray:
     at = ((places - low) / (high - low) * map_size - 0.5).T[::-1]
     gap, breaking = (map_coordinates(sea.gap[0, ..., k].astype(float), at, order=1, mode="nearest") for k in range(2))
     on = ((places > low) & (places < high)).all(axis=1)
-    along = np.where(on, np.maximum(breaking, RESTING * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH)), 0.0)
+    along = np.where(on, np.maximum(breaking, RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH)), 0.0)
     traits = np.asarray(sea.near.mesh.point_data["att"])[:, 0].reshape(len(sea.surface.x), len(sea.surface.z))
     nodes = (sea.surface.x, sea.surface.z)
     return np.maximum(along, RegularGridInterpolator(nodes, traits.astype(float))(places))
@@ -416,13 +416,13 @@ def test_files_of_all_kinds_have_the_same_wave_and_white_at_a_ship(passing):
     first = pyvista.read(passing / "export" / "surface_00000.vtp")
     points, foam = np.array(first.points), np.asarray(first["foam"])
     assert foam.max() > 0.6
-    np.testing.assert_allclose(first["Normals"], scene_file.upwards(points, first.regular_faces), atol=1e-5)
+    np.testing.assert_allclose(first["Normals"], scene_file.surface_normals(points, first.regular_faces), atol=1e-5)
     file = vertices_of(passing / "export" / "surface_00000.ply")
     np.testing.assert_allclose(np.stack([file[axis] for axis in "xyz"], axis=1), points, atol=1e-5)
     np.testing.assert_allclose(file["foam"], foam, atol=1e-6)
     water = trimesh.load(passing / "export" / "run.glb", process=False).geometry["water"]
     np.testing.assert_allclose(water.vertices, points, atol=1e-5)
-    painted = scene_file.SEA + foam[:, None] * (scene_file.WHITE - scene_file.SEA)
+    painted = scene_file.WATER_COLOUR + foam[:, None] * (scene_file.FOAM_COLOUR - scene_file.WATER_COLOUR)
     np.testing.assert_allclose(water.visual.vertex_attributes["color"][:, :3], painted, atol=1e-5)
     Usd = pytest.importorskip("pxr.Usd")
     from pxr import UsdGeom
@@ -437,8 +437,8 @@ def test_files_of_all_kinds_have_the_same_wave_and_white_at_a_ship(passing):
 def test_files_show_the_wake_of_a_ship_and_her_water_no_deeper_than_pictures(sailing):
     """Behind her stern it is white, ahead it is not; under her the water sinks by no more than V^2 / 2 g."""
     grid = dict(np.load(sailing / "frames" / "grid.npz"))
-    wakes = Wakes(frame_files(sailing), grid)
-    kept = scene_file.shot(sailing / "frames" / "frame_00006.npz", grid, wakes)
+    wakes = RunWakes(frame_files(sailing), grid)
+    kept = scene_file.read_shot(sailing / "frames" / "frame_00006.npz", grid, wakes)
     white = kept.fields["foam"].reshape(len(grid["x"]), len(grid["z"]))
     middle = white[np.abs(grid["x"]) <= 1.5]
     assert middle[:, (grid["z"] > -5.0) & (grid["z"] < 5.0)].max() > 0.3 and middle[:, grid["z"] > 27.0].max() == 0.0
@@ -488,8 +488,10 @@ def test_a_folded_surface_has_the_velocity_of_its_particles_and_a_frame_rate_as_
     mesh = pyvista.read(folded / "export" / "surface_00001.vtp")
     exact = np.cross([0.0, 1.0, 0.0], 0.99 * mesh.points)
     assert np.sqrt(np.mean((mesh["velocity"] - exact) ** 2)) < 0.02 * np.abs(exact).max()
-    assert scene_file.rate(0.0, 0.0413, 2, 0.04) == 25.0 and scene_file.rate(0.0, 0.4237, 2, 0.0833) == 2.401
-    assert scene_file.rate(0.0, 1.4013, 36, 0.04) == 25.0 and scene_file.rate(3.0, 3.0, 1, 0.04) == 24.0
+    assert (
+        scene_file.frame_rate(0.0, 0.0413, 2, 0.04) == 25.0 and scene_file.frame_rate(0.0, 0.4237, 2, 0.0833) == 2.401
+    )
+    assert scene_file.frame_rate(0.0, 1.4013, 36, 0.04) == 25.0 and scene_file.frame_rate(3.0, 3.0, 1, 0.04) == 24.0
 
 
 def test_gltf_shows_water_whose_triangles_change_a_moment_at_a_time(folded):

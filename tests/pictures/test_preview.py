@@ -266,7 +266,7 @@ def test_without_vulkan_or_a_screen_a_sentence_says_what_to_do(tmp_path, monkeyp
 
 
 def test_without_a_display_no_window_is_tried(monkeypatch):
-    for name in vulkan.SCREENS:
+    for name in vulkan.SCREEN_VARIABLES:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(vulkan.subprocess, "run", lambda *a, **k: pytest.fail("a window was tried"))
     assert not vulkan.draws(show=True)

@@ -50,15 +50,15 @@ def test_fresnel_against_published_values():
 
 def test_flat_water_mirrors_the_sky_at_grazing_angles_and_shows_itself_from_above():
     origin, up = np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])
-    above = water_shading.surface(origin, up, np.zeros(1), np.array([0.0, 50.0, 0.1]))
-    grazing = water_shading.surface(origin, up, np.zeros(1), np.array([50.0, 1.0, 0.0]))
+    above = water_shading.surface_light(origin, up, np.zeros(1), np.array([0.0, 50.0, 0.1]))
+    grazing = water_shading.surface_light(origin, up, np.zeros(1), np.array([50.0, 1.0, 0.0]))
     assert above.sum() < 0.5 * grazing.sum()
     assert np.isfinite(above).all() and np.isfinite(grazing).all()
 
 
 def test_the_sky_is_finite_and_not_negative_in_every_direction():
     directions = sky_module.unit_vector(np.random.default_rng(0).normal(size=(1000, 3)))
-    for colour in (sky_module.colour(directions), sky_module.around(directions)):
+    for colour in (sky_module.clear_sky(directions), sky_module.sky_and_ground(directions)):
         assert np.isfinite(colour).all() and (colour >= 0.0).all()
 
 
@@ -83,7 +83,7 @@ def test_the_smooth_surface_keeps_a_level_goes_through_its_points_and_stands_lev
 @pytest.mark.parametrize("size", [(40.0, 7.5, 40.0), (8.0, 1.0, 0.5), (2.0, 9.0, 30.0)])
 def test_every_camera_sees_the_whole_basin(name, size):
     upper = 0.5 * np.array(size)
-    camera = camera_module.placed(name, -upper, upper, 16.0 / 9.0)
+    camera = camera_module.camera_on_box(name, -upper, upper, 16.0 / 9.0)
     right = np.cross(camera.forward, camera.up)
     corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 * upper - upper - camera.eye
     away = corners @ camera.forward
@@ -94,17 +94,17 @@ def test_every_camera_sees_the_whole_basin(name, size):
 
 def test_the_film_takes_the_nearest_frame_in_real_time():
     times = np.array([0.0, 0.034, 0.066, 0.101, 0.133])
-    assert frame_files.schedule(times, 0.033) == [0, 1, 2, 3, 4]
-    assert frame_files.schedule(times, 0.066) == [0, 2, 4]
-    assert frame_files.schedule(times[:1], 0.033) == [0]
+    assert frame_files.film_frames(times, 0.033) == [0, 1, 2, 3, 4]
+    assert frame_files.film_frames(times, 0.066) == [0, 2, 4]
+    assert frame_files.film_frames(times[:1], 0.033) == [0]
 
 
 def test_pictures_are_chosen_as_soon_as_no_later_frame_can_change_them():
     times = np.cumsum(np.random.default_rng(4).uniform(0.01, 0.08, 60))
     for every in (0.02, 0.033, 0.1):
-        chosen = frame_files.schedule(times, every)
+        chosen = frame_files.film_frames(times, every)
         for n in range(1, len(times) + 1):
-            already = frame_files.known(times[:n], every)
+            already = frame_files.known_film_frames(times[:n], every)
             assert already == chosen[: len(already)] and times[n - 1] - times[0] - every < every * len(already)
 
 
@@ -114,13 +114,13 @@ def test_of_a_run_that_is_over_the_frames_are_drawn_that_are_left(tmp_path):
     for k in (0, 1, 3, 4):
         np.savez(frame_files.frame_path(tmp_path, k), time=0.1 * k)
     over = threading.Event()
-    coming = render.Coming(tmp_path, over)
+    coming = render.ComingFrames(tmp_path, over)
     assert coming.log.times == pytest.approx([0.0, 0.1])
     over.set()
     coming.wait()
     assert coming.log.times == pytest.approx([0.0, 0.1, 0.3, 0.4])
     frame_files.frame_path(tmp_path, 0).unlink()
-    assert render.Coming(tmp_path, over).log.times == pytest.approx([0.1, 0.3, 0.4])
+    assert render.ComingFrames(tmp_path, over).log.times == pytest.approx([0.1, 0.3, 0.4])
 
 
 @pytest.mark.parametrize("size", [(961, 540), (960, 541), (0, 0), (960,), (20000, 540)])
@@ -222,8 +222,8 @@ def test_after_an_interruption_nobody_waits_for_a_film(kept, watched, capsys):
 def test_a_still_at_the_end_of_a_run_is_of_the_last_frame(kept, watched, monkeypatch, capsys):
     folder, drawn = kept(), []  # frames from 0 to 0.4 s, 0.1 s apart
     monkeypatch.setattr(render, "render_run", lambda folder, **options: drawn.append(options["stills"]))
-    assert render.impossible(folder, "third_person", [0.0, 0.45, 0.49]) is None
-    assert "no picture at 0.6 s; the frames of this run reach from 0 to 0.4 s" in render.impossible(
+    assert render.obstacle_to_pictures(folder, "third_person", [0.0, 0.45, 0.49]) is None
+    assert "no picture at 0.6 s; the frames of this run reach from 0 to 0.4 s" in render.obstacle_to_pictures(
         folder, "top", [0.6]
     )
     render.Render(render.Config(stills=[0.2, 0.49, 3.0]), folder, watched()).close()
@@ -324,7 +324,8 @@ def test_processes_take_the_pictures_of_a_film_by_turns_and_none_is_drawn_twice(
 
     def taken(every, of):
         return [
-            (int(file.stem[-5:]), whose) for file, _, whose in render.turns(render.Coming(tmp_path, over), every, of)
+            (int(file.stem[-5:]), whose)
+            for file, _, whose in render.film_turns(render.ComingFrames(tmp_path, over), every, of)
         ]
 
     assert taken(0.1, 1) == [(0, 0), (1, 0), (2, 0), (3, 0)]
@@ -466,7 +467,7 @@ def test_short_films_and_films_on_one_core_are_drawn_by_one_process(of, pictures
 def test_of_a_film_that_processes_draw_by_turns_no_core_idles_but_while_they_start(monkeypatch):
     sea = {"basin": {"length": 9.0, "width": 9.0, "depth": 2.0}, "fluid": {"kind": "mueller", "spacing": 0.5}}
     scene = load(sea | {"duration": 100.0, "frames": {"every": 0.1}, "render": {"every": 0.1, "size": [1280, 720]}})
-    film, first = 1001 * render.PICTURE[3]["draft"], render.FIRST[3]
+    film, first = 1001 * render.PICTURE_SECONDS[3]["draft"], render.START_SECONDS[3]
     for of, wall in ((1, first + film), (2, 0.5 * film)):
         monkeypatch.setattr(render, "available_cores", lambda: of)
         assert wall <= scene.observers["render"].picture_time(scene.preflight) <= wall + first

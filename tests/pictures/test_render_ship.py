@@ -15,7 +15,7 @@ from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.hull.shapes import drawn
+from ocean_sim.ship.hull.shapes import drawn_mesh
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -28,7 +28,7 @@ def voyage(folder, count, every=0.1, ship=True):
     x = np.arange(-29.0, 30.0, 2.0)
     grid = {"x": x, "z": x, "lower": [-30.0, -6.0, -30.0], "upper": [30.0, 0.0, 30.0], "depth": 6.0, "spacing": 2.0}
     hull = hull_of("yacht")
-    vertices, triangles = drawn(hull.shape)
+    vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
     kept = {"ship_vertices": vertices - centre, "ship_triangles": triangles, "ship_look": "yacht outline"}
     kept |= {"ship_helm": np.array([0.0, 4.2, 0.5]) - centre, "ship_submerged": 0.22}
@@ -90,7 +90,7 @@ def test_a_camera_aboard_wants_a_ship(tmp_path, capsys):
 def test_a_film_shows_no_frame_twice_unless_asked_for_more(folder):
     """Frames lie 0.1 s apart; a film of 30 pictures a second would stand still in two of three."""
     for every, of_film in ((0.033, 0.1), (0.1, 0.1), (0.25, 0.25)):
-        assert render.asked(render.Config(every=every), folder)["every"] == pytest.approx(of_film)
+        assert render.config_options(render.Config(every=every), folder)["every"] == pytest.approx(of_film)
     assert render.Config().film_pictures(1.0, kept=0.1) == 11
 
 
@@ -101,11 +101,11 @@ def test_a_film_begins_when_it_is_known_how_fast_ships_go(tmp_path):
     kept = [(path, path.read_bytes()) for path in files[1:]]
     for path in files[1:]:
         path.unlink()
-    coming = render.Coming(run, over)
+    coming = render.ComingFrames(run, over)
     found: list = []
     drawing = threading.Thread(target=lambda: found.extend(coming.chosen(0.1)))
     drawing.start()
-    time.sleep(3.0 * render.LOOKS_EVERY)
+    time.sleep(3.0 * render.LOOK_INTERVAL)
     assert not found
     for path, data in kept:
         path.write_bytes(data)
@@ -116,7 +116,7 @@ def test_a_film_begins_when_it_is_known_how_fast_ships_go(tmp_path):
 
 def test_a_strip_is_pictures_side_by_side():
     pictures = [np.full((4, 6, 3), shade, np.uint8) for shade in (10, 20, 30)]
-    strip = render.side_by_side(pictures, gap=2)
+    strip = render.picture_row(pictures, gap=2)
     assert strip.shape == (4, 22, 3)
     assert (strip[:, [0, 8, 16]] == np.array([10, 20, 30])[None, :, None]).all() and (strip[:, 6:8] == 255).all()
 
@@ -171,7 +171,7 @@ def test_the_verb_draws_stills_a_strip_and_a_film_of_the_right_length(folder, tm
         "film.mp4",
         "moments.png",
     ]
-    assert imageio.imread(tmp_path / "strip.png").shape == (72, 3 * 128 + 2 * render.GAP, 3)
+    assert imageio.imread(tmp_path / "strip.png").shape == (72, 3 * 128 + 2 * render.STRIP_GAP, 3)
     film = imageio.get_reader(tmp_path / "film.mp4")
     assert film.get_meta_data()["duration"] == pytest.approx(1.05, abs=0.051) and film.count_frames() == 21
     answered(
@@ -207,7 +207,7 @@ def test_the_memory_of_a_film_of_500_pictures_is_flat(tmp_path):
     order |= {"quality": "draft", "every": 0.05, "film": True}
     child = subprocess.run(
         [sys.executable, "-c", MEMORY, json.dumps(order)],
-        env=opengl.environment(opengl.window()),
+        env=opengl.drawing_environment(opengl.window()),
         capture_output=True,
         text=True,
         check=True,

@@ -17,7 +17,7 @@ from ocean_sim.observers import frames, render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl, overlays
 from ocean_sim.pictures.stage.picture import Picture
-from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, spray, water_surface
+from ocean_sim.pictures.water import far_sea, foam, sea_state, sea_surface, splash, water_surface, waterline
 from ocean_sim.pictures.water import ripples as ripples_module
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -39,7 +39,7 @@ def standing(time: float) -> SimpleNamespace:
 
 def spectrum(seed: int = 1) -> waves.Components:
     wanted = waves.Spectrum(significant_wave_height=1.0, peak_period=4.0, heading_deg=60.0, seed=seed)
-    return wanted.components(waves.direction(60.0, 3), 7.5)
+    return wanted.components(waves.heading_vector(60.0, 3), 7.5)
 
 
 def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
@@ -49,21 +49,25 @@ def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
     """Of a sea in closed form, or of the standing one."""
-    return SimpleNamespace(exact=exact, beyond=modes().sea if exact is None else far_sea.strongest(exact), angle=0.6)
+    return SimpleNamespace(
+        exact=exact, beyond=modes().sea if exact is None else far_sea.strongest_waves(exact), angle=0.6
+    )
 
 
 def modes() -> far_sea.Modes:
     return far_sea.Modes((len(X), len(Z)), (40.0, 30.0), 7.5, np.array([0.6, 0.8]))
 
 
-def now(time: float, exact: waves.Components | None = None) -> sea_state.Now:
+def now(time: float, exact: waves.Components | None = None) -> sea_state.SeaNow:
     """As its state is at a time: of the standing sea that of all times."""
     wind = ripples_module.Wind(5.0, 0.3)
     if exact is not None:
-        return sea_state.Now(0.0, exact.significant_height, far_sea.grown(far_sea.strongest(exact), time), wind)
+        return sea_state.SeaNow(
+            0.0, exact.significant_height, far_sea.grown_waves(far_sea.strongest_waves(exact), time), wind
+        )
     variances = np.mean([modes().variances(standing(t).elevation) for t in np.arange(0.0, 20.0, 0.5)], axis=0)
     sea = replace(modes().sea, amplitude=np.sqrt(2.0 * variances))
-    return sea_state.Now(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, wind)
+    return sea_state.SeaNow(0.05, 4.0 * float(np.sqrt(variances.sum())), sea, wind)
 
 
 def inner(surface: sea_surface.SeaSurface) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
@@ -144,26 +148,26 @@ def test_no_edge_shows_where_the_basin_ends():
 
 @pytest.mark.parametrize(("sea", "height"), [(spectrum(), 8.0), (spectrum(5), 25.0), (None, 12.0)])
 def test_the_far_sea_keeps_its_height_for_a_kilometre(sea, height):
-    fan = far_sea.Fan(now(0.0).waves if sea is None else far_sea.strongest(sea))
+    fan = far_sea.Fan(now(0.0).waves if sea is None else far_sea.strongest_waves(sea))
     fan.look(height, 0.3, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
     distance = np.hypot(*fan.nodes.reshape(*fan.shape, 2)[:, 0].T)
     kept = np.sqrt(((fan.sea.amplitude * fan.drawn) ** 2).sum(axis=1) / (fan.sea.amplitude**2).sum())
     assert kept[distance < 400.0].min() > 0.95
     if sea is not None:  # of waves of 25 m; shorter ones are narrower than a ray
         assert kept[distance < 1000.0].min() > 0.85
-    assert distance[-1] > far_sea.OUT and np.prod(fan.shape) < 200_000
-    drawn = fan.at(far_sea.turning(fan.sea, 2.0, np.array([7.0, -3.0])))[:40, :, 0].ravel()
+    assert distance[-1] > far_sea.SEA_RADIUS and np.prod(fan.shape) < 200_000
+    drawn = fan.at(far_sea.complex_amplitudes(fan.sea, 2.0, np.array([7.0, -3.0])))[:40, :, 0].ravel()
     near = fan.nodes.reshape(*fan.shape, 2)[:40].reshape(-1, 2) + [7.0, -3.0]
     assert np.abs(drawn - waves.elevation(fan.sea, near, 2.0)).max() < 2e-3 * height  # single precision
 
 
 def test_what_is_narrower_than_a_pixel_widens_the_glint_instead():
     sea = spectrum()
-    fan = far_sea.Fan(far_sea.strongest(sea))
+    fan = far_sea.Fan(far_sea.strongest_waves(sea))
     fan.look(8.0, 0.0, 0.55, 0.5, 8.5e-4, 4.25e-4, fan.sea.amplitude)
     slopes, lost = 0.5 * ((fan.sea.amplitude * fan.sea.wavenumber) ** 2).sum(), fan.lost(fan.sea.amplitude)
     assert lost[0] == pytest.approx(0.0, abs=1e-9) and lost[-1] == pytest.approx(0.5 * slopes)
-    seen = fan.at(far_sea.turning(fan.sea, 2.0, HERE))
+    seen = fan.at(far_sea.complex_amplitudes(fan.sea, 2.0, HERE))
     assert not seen[-1].any() and seen[5, :, 1].any()
 
 
@@ -171,14 +175,16 @@ def test_the_far_sea_is_what_the_basin_s_was_lately():
     """Weights of the frames before a time: they add up to one, forget in a few seconds, and know of no later frame."""
     times = np.arange(0.0, 60.0, 0.1)
     for time in (0.0, 0.1, 3.3, 40.0):
-        numbers, weights = sea_state.recent(times, time)
+        numbers, weights = sea_state.recent_frames(times, time)
         assert times[numbers].max() <= time + 1e-9 and (weights >= 0.0).all()
         assert weights.sum() == pytest.approx(1.0, abs=1e-12) and len(numbers) < 110
-        assert (numbers, *weights) == (lambda n, w: (n, *w))(*sea_state.recent(times[times <= time + 1e-9], time))
-    numbers, weights = sea_state.recent(times, 40.0)
+        assert (numbers, *weights) == (lambda n, w: (n, *w))(
+            *sea_state.recent_frames(times[times <= time + 1e-9], time)
+        )
+    numbers, weights = sea_state.recent_frames(times, 40.0)
     age = 40.0 - times[numbers]
-    assert weights[age > sea_state.SWELLS].sum() == pytest.approx(np.exp(-1.0), abs=0.05)
-    assert sea_state.recent(np.array([2.0]), 2.0)[0] == [0]
+    assert weights[age > sea_state.SWELL_SECONDS].sum() == pytest.approx(np.exp(-1.0), abs=0.05)
+    assert sea_state.recent_frames(np.array([2.0]), 2.0)[0] == [0]
 
 
 def test_the_far_sea_has_the_variance_of_the_basin_and_runs_with_the_wind():
@@ -186,7 +192,7 @@ def test_the_far_sea_has_the_variance_of_the_basin_and_runs_with_the_wind():
     for elevation in kept[:3]:
         assert modes().variances(elevation).sum() == pytest.approx(elevation.var(), rel=1e-6)
     far = now(0.0).waves
-    assert len(far.amplitude) <= far_sea.SHELLS * far_sea.SECTORS
+    assert len(far.amplitude) <= far_sea.WAVENUMBER_SHELLS * far_sea.HEADING_SECTORS
     mean = (far.amplitude**2 * far.wavenumber).sum() / (far.amplitude**2).sum()
     of_modes = np.pi * np.hypot(np.array([2, 4, 7, 3, 9]) / 40.0, np.array([1, 3, 2, 6, 5]) / 30.0)
     assert of_modes.min() < mean < of_modes.max()
@@ -215,7 +221,7 @@ def test_white_crests_cover_what_steepness_calls_for():
     gentle = surface.at(standing(7.3), now(7.3)).convergence
     steep = gentle * 0.45 / gentle.max()
     assert not surface.foam(gentle * 0.25 / gentle.max()).any()
-    wanted = foam.cover(steep)
+    wanted = foam.crest_cover(steep)
     assert 0.0 < wanted <= foam.MAX_COVER
     assert surface.foam(steep).mean() == pytest.approx(wanted, rel=0.1)
 
@@ -224,38 +230,41 @@ def test_distance_to_the_waterline_of_a_box():
     vertices = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-0.5, 0.5) for z in (-3.0, 3.0)])
     from scipy.spatial import ConvexHull
 
-    line = foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
+    line = waterline.waterline_segments(vertices, ConvexHull(vertices).simplices, vertices[:, 1] - 0.1)
     points = np.array([[0.0, 0.0], [0.9, 0.0], [1.5, 0.0], [2.0, 4.0], [0.0, -5.0]])
-    np.testing.assert_allclose(foam.distance(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
-    assert not len(foam.waterline(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
+    np.testing.assert_allclose(waterline.distance_to_line(points, line), [-1.0, -0.1, 0.5, 2.0**0.5, 2.0], atol=1e-9)
+    assert not len(waterline.waterline_segments(vertices, ConvexHull(vertices).simplices, vertices[:, 1] + 9.0))
 
 
 def test_a_drop_is_isolated_and_water_is_not():
     block = np.stack(np.meshgrid(*[np.arange(6) * 1.0] * 3), axis=-1).reshape(-1, 3)
     drops = np.array([[2.0, 9.0, 2.0], [4.0, 12.0, 4.0]])
     every = np.concatenate([block, drops])
-    found = spray.isolated(every, 1.0, every)
+    found = splash.has_left_water(every, 1.0, every)
     assert found.sum() == 2 and found[-2:].all()
 
 
 def test_a_tank_is_no_piece_of_sea(folder):
     first = frame_files.Frame(frame_files.frame_path(folder, 0))
     for basin, piece in ({"motion": None}, True), ({"motion": {"surge": 0.1}}, False), ({"obstacles": []}, True):
-        assert sea_state.is_open({"basin": basin}, first, 7.5) == piece
+        assert sea_state.is_open_sea({"basin": basin}, first, 7.5) == piece
     first.elevation[3, 4] = -7.5
-    assert not sea_state.is_open({}, first, 7.5)
+    assert not sea_state.is_open_sea({}, first, 7.5)
 
 
 def test_the_wind_of_a_scene_leads_the_ripples():
-    assert sea_state.heading({"heading_deg": 90.0}) == pytest.approx(0.0)
-    assert sea_state.heading({"heading_deg": 0.0}) == pytest.approx(np.pi / 2)
+    assert sea_state.scene_wind_heading({"heading_deg": 90.0}) == pytest.approx(0.0)
+    assert sea_state.scene_wind_heading({"heading_deg": 0.0}) == pytest.approx(np.pi / 2)
     gust = {"volumes": [{"acceleration": [0.0, 2.0, -1.0]}]}
-    assert sea_state.heading(gust) == pytest.approx(-np.pi / 2) and sea_state.heading({"kind": "still"}) is None
-    wind = sea_state.wind_of({"wind": {"u10": 9.0}}, None, 0.2)
+    assert (
+        sea_state.scene_wind_heading(gust) == pytest.approx(-np.pi / 2)
+        and sea_state.scene_wind_heading({"kind": "still"}) is None
+    )
+    wind = sea_state.ripple_wind({"wind": {"u10": 9.0}}, None, 0.2)
     assert wind.speed == 9.0
-    assert sea_state.wind_of({"wind": {"u10": None, "tau": None}}, None, 0.2).speed == 10.0
-    assert sea_state.wind_of({"wind": {"u10": None, "tau": 0.177625}}, None, 0.2).speed == pytest.approx(10.0)
-    assert far_sea.wind_speed_of(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
+    assert sea_state.ripple_wind({"wind": {"u10": None, "tau": None}}, None, 0.2).speed == 10.0
+    assert sea_state.ripple_wind({"wind": {"u10": None, "tau": 0.177625}}, None, 0.2).speed == pytest.approx(10.0)
+    assert far_sea.wind_speed_from_height(0.21 * 10.0**2 / 9.80665) == pytest.approx(10.0, rel=2e-3)
 
 
 def test_a_young_sea_tells_of_the_wind_that_raised_it_and_a_swell_of_none():
@@ -265,10 +274,10 @@ def test_a_young_sea_tells_of_the_wind_that_raised_it_and_a_swell_of_none():
 
     def sea(height: float, period: float) -> waves.Components:
         made = waves.Spectrum(kind="jonswap", significant_wave_height=height, peak_period=period)
-        return made.components(waves.direction(30.0, 3), 4000.0)
+        return made.components(waves.heading_vector(30.0, 3), 4000.0)
 
-    assert far_sea.raised_by(sea(height, 2.0 * np.pi / peak), 0.0) == pytest.approx(wind, rel=0.05)
-    assert foam.monahan(far_sea.raised_by(sea(3.0, 14.0), 0.0)) < 3e-4
+    assert far_sea.wind_speed_from_sea(sea(height, 2.0 * np.pi / peak), 0.0) == pytest.approx(wind, rel=0.05)
+    assert foam.monahan_cover(far_sea.wind_speed_from_sea(sea(3.0, 14.0), 0.0)) < 3e-4
 
 
 @pytest.fixture(scope="module")
@@ -337,7 +346,7 @@ def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, progr
     asked = json.dumps({"goes_on": False, "orders": [order], "turn": 0})
     broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
     code = f"import sys; from ocean_sim.observers import render; from ocean_sim.pictures import ship_glsl; {broken}"
-    drawing, pipe = opengl.environment(opengl.window()), subprocess.PIPE
+    drawing, pipe = opengl.drawing_environment(opengl.window()), subprocess.PIPE
     with subprocess.Popen([sys.executable, "-c", code], env=drawing, stdin=pipe, stderr=pipe, text=True) as child:
         told = child.stderr.read()
     assert child.returncode == 1 and not list(tmp_path.iterdir())
@@ -380,7 +389,7 @@ def test_water_far_away_changes_no_more_than_in_pictures_of_finer_pixels(tmp_pat
             foam=False,
             caption=False,
         )
-        drawn = Picture(grid, order, frame_files.Frame(files[0]), 1.0, frame_files.Log(files))
+        drawn = Picture(grid, order, frame_files.Frame(files[0]), 1.0, frame_files.FrameLog(files))
         film = np.array([drawn.draw(frame_files.Frame(file)) for file in files], float)
         drawn.close()
         film = film.reshape(len(files), 180, finer, 320, finer, 3).mean(axis=(2, 4))
@@ -412,7 +421,7 @@ def test_a_map_tells_which_colour_is_which_height(picture):
 
 
 def test_heights_of_a_map_end_at_round_numbers_that_hold_them():
-    assert [water_surface.round_above(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
+    assert [water_surface.round_up(v) for v in (0.011, 0.12, 0.95, 1.3, 2.0, 71.0)] == pytest.approx(
         [0.015, 0.15, 1.0, 1.5, 2.0, 80.0]
     )
 
@@ -443,7 +452,7 @@ def test_foam_lives_as_long_as_whitecaps_do_and_covers_what_is_asked_for(moves):
     to a third; the mean cover is the wanted one, whose own fluctuations leave no trace in it."""
     wanted, step = 0.04, 0.1
     covers = wanted * (1.0 + 0.6 * np.sin(2.0 * step * np.arange(400)))
-    kept, ways = whitened(X, Z, far_sea.strongest(spectrum(), 40), covers, moves)
+    kept, ways = whitened(X, Z, far_sea.strongest_waves(spectrum(), 40), covers, moves)
     white = np.array(kept[100:])
     assert white.mean() == pytest.approx(wanted, rel=0.2)
     for after, least, most in ((10, 0.6, 1.0), (35, 0.15, 0.35)):
@@ -504,7 +513,7 @@ def whitened(
     by which it goes in a step [cells]: those of the water times `moves`."""
     places = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
     shape, flat = (len(x), len(z)), np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
-    field, kept, ways = foam.Field(shape, np.array([1.25, 1.25])), [], []
+    field, kept, ways = foam.FoamField(shape, np.array([1.25, 1.25])), [], []
     for n, wanted in enumerate(covers):
         elevation = waves.elevation(sea, places.reshape(-1, 2), step * n).reshape(shape)
         ways.append(moves * waves.linear_velocity(sea, flat, step * n)[:, [0, 2]].reshape(*shape, 2))
@@ -545,10 +554,10 @@ def test_foam_is_drawn_out_along_the_wind_and_its_cover_stays():
     x, z = (part.ravel() for part in np.meshgrid(np.arange(0.0, 120.0, 0.5), np.arange(0.0, 120.0, 0.5), indexing="ij"))
     for angle in (0.0, 0.7, -2.0):
         way = np.array([np.cos(angle), np.sin(angle)])
-        bent = foam.bent(x, z, angle)
+        bent = foam.edge_bends(x, z, angle)
         along, across = way @ bent, np.array([-way[1], way[0]]) @ bent
         assert along.std() == pytest.approx(foam.STREAK_STRETCH * across.std(), rel=0.1)
-        gone = foam.drawn_out(np.stack([x, z], axis=1), angle)
+        gone = foam.grain_places(np.stack([x, z], axis=1), angle)
         np.testing.assert_allclose(gone @ way, (way[0] * x + way[1] * z) / foam.THREAD_STRETCH, atol=1e-9)
         np.testing.assert_allclose(gone @ [-way[1], way[0]], way[0] * z - way[1] * x, atol=1e-9)
 
@@ -557,11 +566,11 @@ def test_foam_between_the_middles_of_cells_is_scipy_s_byte_for_byte():
     cells = np.random.default_rng(2).normal(size=(20, 31))
     cells[3:6] = 0.0
     expected = zoom(cells, foam.FLECKS_PER_CELL, order=1, mode="nearest", grid_mode=True)
-    assert foam.finer(cells).tobytes() == expected.tobytes()
+    assert foam.refined_cells(cells).tobytes() == expected.tobytes()
 
 
 def test_foam_goes_with_the_water_and_its_grain_with_it():
-    field = foam.Field((40, 30), np.array([0.5, 0.5]))
+    field = foam.FoamField((40, 30), np.array([0.5, 0.5]))
     x, z = np.meshgrid(0.5 * np.arange(40), 0.5 * np.arange(30), indexing="ij")
     spot = np.exp(-((x - 6.0) ** 2 + (z - 7.0) ** 2))
     velocity = np.broadcast_to([1.5, -0.5], (40, 30, 2))
@@ -569,8 +578,8 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
     for n in range(1, 31):
         field.advance(0.1 * n, velocity, np.zeros_like(spot), None)
     carried = np.exp(-((x - 10.5) ** 2 + (z - 5.5) ** 2)) * np.exp(-3.0 / foam.FADE_SECONDS)
-    assert np.abs(field.white - foam.finer(carried)).max() < 0.03
-    np.testing.assert_allclose(foam.coarser(foam.finer(carried), x.shape).sum(), carried.sum(), rtol=1e-3)
+    assert np.abs(field.white - foam.refined_cells(carried)).max() < 0.03
+    np.testing.assert_allclose(foam.cell_means(foam.refined_cells(carried), x.shape).sum(), carried.sum(), rtol=1e-3)
     expected = (1.5 * foam.GRAIN_SECONDS) * (1.0 - np.exp(-3.0 / foam.GRAIN_SECONDS))
     np.testing.assert_allclose(field.carried[20, 15, 0], expected, rtol=0.03)
     before, (i, k) = field.white.copy(), foam.FLECKS_PER_CELL * np.array([3, 2])
@@ -582,7 +591,7 @@ def test_foam_goes_with_the_water_and_its_grain_with_it():
 def test_between_ticks_foam_asks_for_no_crests():
     """Twelve frames a second: five of them look for crests, and the others see the same foam without."""
     shape, side, asked = (40, 40), np.array([0.5, 0.5]), 0
-    always, due = (foam.Field(shape, side) for _ in range(2))
+    always, due = (foam.FoamField(shape, side) for _ in range(2))
     x = 0.5 * np.arange(40)[:, None] + np.zeros(shape)
     velocity = np.broadcast_to([1.5, -0.5], (*shape, 2))
     for time in np.arange(25) / 12.0:
@@ -600,9 +609,9 @@ def test_the_grain_of_foam_is_not_drawn_out_to_threads_behind_a_ship():
     cell = np.array([1.5, 1.5])
     x, z = np.meshgrid(1.5 * np.arange(60), 1.5 * np.arange(50), indexing="ij")
     waves_move = np.stack([2.0 * np.sin(0.15 * x), 1.5 * np.cos(0.1 * z)], axis=-1)
-    np.testing.assert_array_equal(foam.untorn(waves_move, cell), waves_move)
+    np.testing.assert_array_equal(foam.untorn_displacement(waves_move, cell), waves_move)
     torn = waves_move + 6.0 * np.stack([np.abs(z - 36.0) < 4.0, 0.0 * z], axis=-1)
-    calm = foam.untorn(torn, cell)
+    calm = foam.untorn_displacement(torn, cell)
     before, after = (np.abs(np.gradient(way, 1.5, axis=1)).max() for way in (torn, calm))
     assert before > 1.5 and after < 0.6 * before
     np.testing.assert_array_equal(calm[:, :5], waves_move[:, :5])
@@ -610,12 +619,12 @@ def test_the_grain_of_foam_is_not_drawn_out_to_threads_behind_a_ship():
 
 def test_what_the_wind_whitens_is_what_was_counted():
     """Monahan & O'Muircheartaigh (1980): about 1 % at 10 m/s, 4 % at 15 m/s."""
-    np.testing.assert_allclose([foam.monahan(10.0), foam.monahan(15.0)], [0.0099, 0.0393], rtol=0.02)
+    np.testing.assert_allclose([foam.monahan_cover(10.0), foam.monahan_cover(15.0)], [0.0099, 0.0393], rtol=0.02)
 
 
 def test_foam_that_goes_around_in_a_circle_comes_back():
     """Half a turn in 31 steps: with the velocity at the end of each it would spiral inwards by 14 %."""
-    field, side = foam.Field((40, 40), np.array([0.5, 0.5])), 0.5 * (np.arange(40) - 19.5)
+    field, side = foam.FoamField((40, 40), np.array([0.5, 0.5])), 0.5 * (np.arange(40) - 19.5)
     x, z = np.meshgrid(side, side, indexing="ij")
     spot = np.exp(-((x - 6.0) ** 2 + z**2) / 2.0)
     velocity = np.stack([-z, x], axis=-1)
@@ -628,7 +637,7 @@ def test_foam_that_goes_around_in_a_circle_comes_back():
 
 
 def test_patches_that_turn_white_go_with_the_water():
-    field = foam.Field((40, 40), np.array([0.5, 0.5]))
+    field = foam.FoamField((40, 40), np.array([0.5, 0.5]))
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), None)
     patch = np.zeros((80, 80))
     patch[20:28, 20:28] = 1.0
@@ -642,7 +651,7 @@ def test_patches_that_turn_white_go_with_the_water():
 def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
     """It fades by its thickness, not by what is seen of it; drawn apart by half it has no gaps, by three times it is
     thinner."""
-    field, still = foam.Field((10, 10), np.array([1.0, 1.0])), np.zeros((10, 10, 2))
+    field, still = foam.FoamField((10, 10), np.array([1.0, 1.0])), np.zeros((10, 10, 2))
     field.advance(0.0, still, np.zeros((10, 10)), 0.0)
     patch = np.zeros((20, 20))
     patch[8:12, 8:12] = foam.FRESH_THICKNESS
@@ -661,8 +670,8 @@ def test_foam_is_thick_when_it_is_born_and_wholly_white_for_a_while():
 
 def test_crests_break_sooner_where_the_water_is_not_white_yet(monkeypatch):
     """Of two crests that are alike the one over clear water."""
-    monkeypatch.setattr(foam.Field, "gathering", lambda field, shape, time: np.ones(shape))
-    field = foam.Field((40, 40), np.array([1.0, 1.0]))
+    monkeypatch.setattr(foam.FoamField, "gathering", lambda field, shape, time: np.ones(shape))
+    field = foam.FoamField((40, 40), np.array([1.0, 1.0]))
     field.advance(0.0, np.zeros((40, 40, 2)), np.zeros((40, 40)), 0.0)
     half = 0.5 * (np.arange(80) < 40) * np.ones((80, 1))
     field.add(half, half)

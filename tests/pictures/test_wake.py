@@ -5,14 +5,14 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Track, Vessel
-from ocean_sim.pictures.water import bow_wave, wake
-from ocean_sim.pictures.water.bow_wave import Bow
+from ocean_sim.pictures.water import wake, waterline
+from ocean_sim.pictures.water.waterline import Bow
 
 
 def test_waves_astern_have_the_length_of_the_speed_and_stay_within_kelvin_s_angle():
     speed, breadth, length = 4.0, 2.0, 14.0
-    height = wake.pattern(speed, breadth, length)
-    step = wake.FINEST * breadth
+    height = wake.kelvin_pattern(speed, breadth, length)
+    step = wake.PATTERN_STEP * breadth
     x = step * np.arange(len(height))
     wavelength = 2.0 * np.pi * speed**2 / GRAVITY
     far = x > 3.0 * length
@@ -22,7 +22,7 @@ def test_waves_astern_have_the_length_of_the_speed_and_stay_within_kelvin_s_angl
     y = step * np.arange(height.shape[1])
     outside = np.arctan2(y[None, :], x[:, None] + 1e-9) > np.arcsin(1.0 / 3.0) + 0.12
     assert np.abs(height[outside & (x > 2.0 * length)[:, None]]).max() < 0.2 * np.abs(height).max()
-    assert np.abs(height).max() == pytest.approx(wake.HIGHEST * speed**2 / GRAVITY)
+    assert np.abs(height).max() == pytest.approx(wake.KELVIN_HEIGHT * speed**2 / GRAVITY)
 
 
 def test_waves_are_behind_the_ship_and_none_where_she_lies_still():
@@ -54,14 +54,14 @@ def test_a_bow_wave_stands_as_high_as_water_can_rise_where_published_theory_has_
     """At V / sqrt(g D) = 4.4 tan / cos - 1, above which waves at wedges overturn and below which they are unsteady
     (Delhommeau et al. 2009), the crest is V^2 / 2 g high."""
     wedge = Bow(14.0, 4.0, 1.0).wedge
-    speed = (4.4 * wedge * np.hypot(1.0, wedge) - 1.0) * np.sqrt(GRAVITY * bow_wave.DRAUGHT * 4.0)
+    speed = (4.4 * wedge * np.hypot(1.0, wedge) - 1.0) * np.sqrt(GRAVITY * waterline.DRAUGHT_SHARE * 4.0)
     assert Bow(14.0, 4.0, speed).crest[0] == pytest.approx(speed**2 / (2.0 * GRAVITY))
 
 
 def test_the_bow_wave_leaves_the_hull_at_an_angle_and_is_steeper_outside():
     going, aside = Bow(14.0, 4.0, 4.0), np.linspace(-1.0, 9.0, 2001)
     near, far = (going.height(np.full_like(aside, at), aside) for at in (3.0, 7.0))
-    assert aside[far.argmax()] - aside[near.argmax()] == pytest.approx(4.0 * bow_wave.OUTWARD, abs=0.01)
+    assert aside[far.argmax()] - aside[near.argmax()] == pytest.approx(4.0 * waterline.CREST_SLOPE, abs=0.01)
     crest = near.argmax()
     assert near[crest + 100] < near[crest - 100]
 
@@ -91,10 +91,10 @@ def test_water_behind_a_transom_is_hollow_and_rises_again_half_a_wave_astern():
     speed, breadth = 4.0, 4.2
     half_wave = np.pi * speed**2 / GRAVITY
     astern = np.array([1e-6, 0.5 * half_wave, half_wave, 40.0 * half_wave, -2.0 * breadth, 1e-6])
-    depth = wake.hollow(astern, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * breadth]), speed, breadth)
-    assert depth[0] == pytest.approx(wake.HOLLOW * speed**2 / GRAVITY, rel=1e-4)
+    depth = wake.transom_hollow(astern, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * breadth]), speed, breadth)
+    assert depth[0] == pytest.approx(wake.HOLLOW_DEPTH * speed**2 / GRAVITY, rel=1e-4)
     assert depth[1:] == pytest.approx([0.0, -np.exp(-0.3 * np.pi) * depth[0], 0.0, 0.0, 0.0], abs=1e-6)
-    assert wake.hollow(astern, 0.0 * astern, 20.0, breadth).max() <= wake.DEEPEST * breadth
+    assert wake.transom_hollow(astern, 0.0 * astern, 20.0, breadth).max() <= wake.MAX_HOLLOW * breadth
 
 
 def test_waves_at_a_ship_stand_no_higher_than_her_speed_lets_them_and_small_ones_are_left():
@@ -105,10 +105,10 @@ def test_waves_at_a_ship_stand_no_higher_than_her_speed_lets_them_and_small_ones
     ship = Vessel(length, np.zeros(3), Track(time, going, turn))
     x, z = np.linspace(-40.0, 40.0, 41), np.linspace(-60.0, 80.0, 71)
     steep = 2.5 * np.cos(0.9 * z)[None, :] * np.ones((41, 1))
-    drawn = wake.standing(steep, ship, breadth, x, z, 4.0)
+    drawn = wake.limited_answer(steep, ship, breadth, x, z, 4.0)
     beside, behind = np.abs(x) <= 2.0, (z < 16.0) & (z > 16.0 - 0.6 * length)
     most = speed**2 / (2.0 * GRAVITY)
     assert np.abs(drawn[np.ix_(beside, behind)]).max() < 1.2 * most
     np.testing.assert_allclose(drawn[np.abs(x) > 10.0], steep[np.abs(x) > 10.0], atol=1e-6)
-    low = wake.standing(0.1 * most * steep / 2.5, ship, breadth, x, z, 4.0)
+    low = wake.limited_answer(0.1 * most * steep / 2.5, ship, breadth, x, z, 4.0)
     np.testing.assert_allclose(low, 0.1 * most * steep / 2.5, rtol=0.01)

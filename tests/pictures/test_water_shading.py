@@ -3,13 +3,13 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import _shaded_plane as plane
 import numpy as np
 import pytest
 import shading_reference as reference
 
+from ocean_sim.parts import PACKAGE
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.water import foam as foam_module
@@ -25,8 +25,8 @@ def drawn(tmp_path_factory):
     """The pictures that `_shaded_plane` draws."""
     out = tmp_path_factory.mktemp("plane") / "drawn.npz"
     command = [sys.executable, plane.__file__, str(out)]
-    inherited = opengl.environment(opengl.window())
-    inherited["PYTHONPATH"] = os.pathsep.join([str(Path(w.__file__).parents[2]), inherited.get("PYTHONPATH", "")])
+    inherited = opengl.drawing_environment(opengl.window())
+    inherited["PYTHONPATH"] = os.pathsep.join([str(PACKAGE.parent), inherited.get("PYTHONPATH", "")])
     child = subprocess.run(command, env=inherited, capture_output=True, text=True, timeout=240)
     assert child.returncode == 0, child.stderr[-2000:]
     assert "ERR|" not in child.stderr, child.stderr[:2000]  # a mistake in a shader only logs
@@ -47,8 +47,8 @@ def test_fresnel_in_cosines_is_the_thesis_s_formula_in_angles_and_has_a_value_at
 
 
 def test_the_widest_refracted_angle_is_that_of_snell():
-    assert np.degrees(np.arccos(w.refracted(0.0))) == pytest.approx(48.607, abs=1e-3)  # the thesis prints 48.59
-    assert np.degrees(np.arccos(w.refracted(0.0, n=4.0 / 3.0))) == pytest.approx(48.59, abs=1e-2)
+    assert np.degrees(np.arccos(w.refracted_cosine(0.0))) == pytest.approx(48.607, abs=1e-3)  # the thesis prints 48.59
+    assert np.degrees(np.arccos(w.refracted_cosine(0.0, n=4.0 / 3.0))) == pytest.approx(48.59, abs=1e-2)
 
 
 def test_the_mirrored_ray_makes_the_angle_of_the_eye_with_the_normal():
@@ -96,7 +96,12 @@ def test_no_colour_is_not_a_number_straight_down_or_along_the_water():
 def test_switching_a_term_off_changes_the_picture():
     sky, seen = plane.smooth_sky(), plane.water(np.array(plane.EYES["aslant"]), foam=0.3)
     whole = reference.final_colour(seen, sky)
-    for terms in (w.Terms(fresnel=False), w.Terms(foam=False), w.Terms(body=False), w.Terms(reflection=False)):
+    for terms in (
+        w.ShadingTerms(fresnel=False),
+        w.ShadingTerms(foam=False),
+        w.ShadingTerms(body=False),
+        w.ShadingTerms(reflection=False),
+    ):
         assert np.abs(reference.final_colour(seen, sky, terms) - whole).mean() > 0.01
 
 
@@ -105,12 +110,12 @@ def test_algorithm_6_is_the_sum_of_its_terms():
     sky = sky_module.Sky(np.full((8, 8, 3), 0.5), np.array([0.0, 1.0, 0.0]), np.ones(3))
     seen = reference.Water(UP, UP, np.array([5.0]), np.zeros(1), np.zeros(1), np.zeros(1))
     share = ((w.REFRACTIVE_INDEX - 1) / (w.REFRACTIVE_INDEX + 1)) ** 2
-    expected = w.DEEP + (1.0 - share) * w.CREST + share * 0.5 + 1.0
+    expected = w.DEEP_LIGHT + (1.0 - share) * w.CREST_LIGHT + share * 0.5 + 1.0
     np.testing.assert_allclose(reference.algorithm_6(seen, sky), expected[None], rtol=1e-6)
-    np.testing.assert_allclose(reference.algorithm_6(seen._replace(foam=np.ones(1)), sky), w.FOAM[None])
-    without = w.Terms(fresnel=False, glint=None)
+    np.testing.assert_allclose(reference.algorithm_6(seen._replace(foam=np.ones(1)), sky), w.FOAM_REFLECTANCE[None])
+    without = w.ShadingTerms(fresnel=False, glint=None)
     np.testing.assert_allclose(
-        reference.algorithm_6(seen, sky, without), (w.DEEP + 0.6 * w.CREST + 0.2)[None], rtol=1e-6
+        reference.algorithm_6(seen, sky, without), (w.DEEP_LIGHT + 0.6 * w.CREST_LIGHT + 0.2)[None], rtol=1e-6
     )
 
 
@@ -119,7 +124,7 @@ def test_algorithm_6_is_the_sum_of_its_terms():
 @pytest.mark.parametrize("case", plane.CASES)
 def test_the_program_draws_what_numpy_says(drawn, case, at):
     colours = reference.final_colour(plane.water(np.array(plane.EYES[at])), plane.smooth_sky(), plane.CASES[case])
-    expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
+    expected = w.display_colours(colours, w.SEA_EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     picture = drawn[f"{case} {at}"]
     assert picture.mean() > 5.0 and picture.std() > 1.0  # something was drawn
     assert np.abs(picture - expected).max() <= 2
@@ -128,8 +133,8 @@ def test_the_program_draws_what_numpy_says(drawn, case, at):
 @with_opengl
 def test_the_comparison_sees_a_wrong_refractive_index(drawn, monkeypatch):
     monkeypatch.setattr(w.fresnel, "__defaults__", (1.5,))
-    colours = reference.final_colour(plane.water(np.array(plane.EYES["above"])), plane.smooth_sky(), w.Terms())
-    expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
+    colours = reference.final_colour(plane.water(np.array(plane.EYES["above"])), plane.smooth_sky(), w.ShadingTerms())
+    expected = w.display_colours(colours, w.SEA_EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn["all above"] - expected).max() > 2
 
 
@@ -153,7 +158,7 @@ def test_ripples_of_the_program_are_numpy_s(drawn):
     footprint = reference.lengthened(plane.footprints(water), reference.cosine(water.to_eye, water.normal))
     x, z, lost = reference.slopes(points[:, 0], points[:, 2], 0.0, footprint, ripples.Wind(5.0, 0.0), 1.0, 0.03)
     water = water._replace(normal=reference.tilted(water.normal, x, z), variance=water.variance + lost)
-    expected = w.display(reference.final_colour(water, plane.smooth_sky()), w.EXPOSURE).reshape(
+    expected = w.display_colours(reference.final_colour(water, plane.smooth_sky()), w.SEA_EXPOSURE).reshape(
         plane.PIXELS, plane.PIXELS, 3
     )
     difference = np.abs(drawn["ripples"] - expected.astype(int))
@@ -187,7 +192,7 @@ def test_the_cover_of_foam_is_the_one_asked_for(cover):
     rng = np.random.default_rng(4)
     x, z = (a.ravel() for a in np.meshgrid(np.arange(0.0, 120.0, 0.3), np.arange(0.0, 120.0, 0.3)))
     crests = sum(np.cos(k[0] * x + k[1] * z + k[2]) for k in rng.uniform(-3.0, 3.0, (30, 3)))
-    share = foam_module.shares(crests, cover)
+    share = foam_module.white_shares(crests, cover)
     assert share.mean() == pytest.approx(cover, rel=0.05)
     for footprint in (0.01, 0.2, 2.0):
         white = reference.white(share, x, z, np.full(x.shape, footprint))
@@ -214,8 +219,8 @@ def test_foam_of_the_program_is_numpy_s(drawn, share):
     white = reference.white(np.full(len(points), share), points[:, 0], points[:, 2], footprint)
     heap = np.stack(reference.heaps(points[:, 0], points[:, 2], footprint), axis=1)
     water = water._replace(foam=white, bubbles=share, heap=heap)
-    colours = reference.final_colour(water, plane.smooth_sky(), w.Terms(glint=None))
-    expected = w.display(colours, w.EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
+    colours = reference.final_colour(water, plane.smooth_sky(), w.ShadingTerms(glint=None))
+    expected = w.display_colours(colours, w.SEA_EXPOSURE).reshape(plane.PIXELS, plane.PIXELS, 3).astype(int)
     assert np.abs(drawn[f"foam {share}"] - expected).max() <= 2
 
 
@@ -223,35 +228,42 @@ def test_thick_foam_is_no_plain_sheet_and_is_as_bright_as_one():
     sky = plane.smooth_sky()
     seen = plane.water(np.array(plane.EYES["above"]), foam=1.0)
     points = plane.positions().reshape(-1, 3)
-    flat = reference.final_colour(seen, sky, w.Terms(glint=None))
+    flat = reference.final_colour(seen, sky, w.ShadingTerms(glint=None))
     for footprint, least, most in ((0.004, 0.04, 0.3), (0.2, 0.02, 0.15), (2.0, 0.0, 1e-9)):
         heap = np.stack(reference.heaps(points[:, 0], points[:, 2], np.full(len(points), footprint)), axis=1)
-        ratio = (reference.final_colour(seen._replace(heap=heap), sky, w.Terms(glint=None)) / flat)[:, 1]
+        ratio = (reference.final_colour(seen._replace(heap=heap), sky, w.ShadingTerms(glint=None)) / flat)[:, 1]
         assert least <= ratio.std() <= most
         assert ratio.mean() == pytest.approx(1.0, abs=0.06)
 
 
 def test_calm_water_has_no_foam_by_either_rule():
-    assert not foam_module.shares(np.zeros((9, 9)), 0.05).any() and foam_module.cover(np.zeros((9, 9))) == 0.0
+    assert (
+        not foam_module.white_shares(np.zeros((9, 9)), 0.05).any() and foam_module.crest_cover(np.zeros((9, 9))) == 0.0
+    )
     ripples, far = np.linspace(0.0, 1.0, 500), np.array([0.5, 2.0])  # beyond the basin one is stronger than any inside
-    assert not foam_module.shares(far, 1e-12, ripples).any() and foam_module.shares(far, 0.05, ripples)[1] == 1.0
+    assert (
+        not foam_module.white_shares(far, 1e-12, ripples).any()
+        and foam_module.white_shares(far, 0.05, ripples)[1] == 1.0
+    )
     np.testing.assert_allclose(
         reference.foam_by_height(np.array([-1.0, 0.0, 0.2, 0.8, 2.0])), [0.0, 0.0, 0.375, 1.0, 1.0]
     )
 
 
 def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():
-    sky = sky_module.Sky(**{k: v for k, v in sky_module.made(sky_module.SUN, 128, 0.5, 3).items() if k == "image"})
+    sky = sky_module.Sky(
+        **{k: v for k, v in sky_module.make_sky(sky_module.SUN_DIRECTION, 128, 0.5, 3).items() if k == "image"}
+    )
     assert np.isfinite(sky.image).all() and (sky.image >= 0.0).all()
-    away = sky_module.unit_vector(np.array([[-sky_module.SUN[0], 1.0, -sky_module.SUN[2]]]))
-    clear = sky_module.scattered(away, sky_module.SUN)[0][0]
+    away = sky_module.unit_vector(np.array([[-sky_module.SUN_DIRECTION[0], 1.0, -sky_module.SUN_DIRECTION[2]]]))
+    clear = sky_module.scattered_light(away, sky_module.SUN_DIRECTION)[0][0]
     assert clear[2] > 1.5 * clear[0]
-    d = sky_module.directions(128).reshape(-1, 3)
+    d = sky_module.sky_directions(128).reshape(-1, 3)
     brightest = d[sky.image.reshape(-1, 3).sum(axis=1).argmax()]
-    assert brightest @ sky_module.SUN > np.cos(np.radians(2.0))
+    assert brightest @ sky_module.SUN_DIRECTION > np.cos(np.radians(2.0))
 
 
 def test_the_tone_curve_is_that_of_a_power_of_1_over_2_2():
-    root, (a, b, c, d, e) = np.linspace(0.0, 1.0, 2001), water_glsl.GAMMA
+    root, (a, b, c, d, e) = np.linspace(0.0, 1.0, 2001), water_glsl.GAMMA_POLYNOMIAL
     curve = root * (a + root * (b + c * root)) / (d + root * (e + root))
     assert 255.0 * np.abs(curve - root ** (2.0 / 2.2)).max() < 0.08

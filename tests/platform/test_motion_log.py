@@ -16,7 +16,7 @@ from ocean_sim.platform.shared.motion_log import (
     ride_of,
 )
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.body.track import Turned
+from ocean_sim.ship.body.track import Attitude
 from tests.platform.conftest import G, columns, write
 
 
@@ -169,7 +169,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     observer = Log.__new__(Log)
     observer.frame, observer.arm, observer.gravity = frame, arm, np.array([0.0, -G, 0.0])
     observer.signs = conventions.to_frame(frame, np.eye(3)).sum(axis=1)
-    body = Turned(np.zeros((4, 1)), turn[..., None], (turn @ rate)[:, None])
+    body = Attitude(np.zeros((4, 1)), turn[..., None], (turn @ rate)[:, None])
     rest = np.zeros((1, 2 + 6 * len(PARTS)))  # no orders, no load
     [values] = observer.values(body, (turn @ acceleration)[:, None], (turn @ change)[:, None], rest)
     row = dict(zip(logged(PARTS)[-len(values) :], values))

@@ -11,7 +11,7 @@ from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
-from ocean_sim.ship.forces.radiation import ACROSS, Memory, Radiation, Scattering, bem_table
+from ocean_sim.ship.forces.radiation import MIRROR_SIGNS, Memory, Radiation, Scattering, read_bem_table
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.validation.open_sea_box import ImposedMotion, impose_motion
 from ocean_sim.validation.shared.ship import at_sea, first_harmonics, floating_ship, follow_body
@@ -23,7 +23,7 @@ MOTIONS = ("sway", "heave", "surge", "pitch", "yaw", "roll")
 
 
 def test_a_file_of_capytaine_gives_what_the_table_of_a_finer_mesh_does():
-    found, finer = bem_table(str(BARGE)), read_columns(table_path("barge20_radiation"))
+    found, finer = read_bem_table(str(BARGE)), read_columns(table_path("barge20_radiation"))
     assert tuple(found.motions) == MOTIONS and found.scattered is not None
     for name, unit in (("heave", "kg"), ("pitch", "kg_m2")):
         k = found.motions.index(name)
@@ -37,28 +37,28 @@ def test_a_file_of_capytaine_gives_what_the_table_of_a_finer_mesh_does():
 
 def test_scattered_waves_of_a_port_and_a_starboard_sea_are_mirrored():
     """In Capytaine's own words too: waves to 45 and to 315 degrees."""
-    scattering = Scattering(bem_table(str(BARGE)))
+    scattering = Scattering(read_bem_table(str(BARGE)))
     omega = np.array([0.9, 1.3])
-    port, starboard = (scattering.forces(omega, np.full(2, angle)) for angle in (45.0, 315.0))
-    np.testing.assert_allclose(starboard, ACROSS[:, None] * port)
+    port, starboard = (scattering.unit_wave_forces(omega, np.full(2, angle)) for angle in (45.0, 315.0))
+    np.testing.assert_allclose(starboard, MIRROR_SIGNS[:, None] * port)
     assert np.abs(port[0]).max() > 1e4  # the mirror has something to turn
 
 
 def test_the_push_turns_with_the_ship():
     """The same sea from the same side of a ship that heads elsewhere."""
-    scattering = Scattering(bem_table(str(BARGE)))
+    scattering = Scattering(read_bem_table(str(BARGE)))
     one = np.array([1.0])
     towards = Arriving(one, 0.7 * one, 1.2 * one, np.radians([30.0]), 0.147 * one)
     turned = Arriving(one, 0.7 * one, 1.2 * one, np.radians([120.0]), 0.147 * one)
     ahead = scattering.load(towards, 0.0, np.array([0.5, 0.0, 2.0]))
-    aside = Scattering(bem_table(str(BARGE))).load(turned, np.pi / 2.0, np.array([2.0, 0.0, -0.5]))
+    aside = Scattering(read_bem_table(str(BARGE))).load(turned, np.pi / 2.0, np.array([2.0, 0.0, -0.5]))
     np.testing.assert_allclose(aside[:, [2, 1, 0]], ahead[:, [0, 1, 2]] * [-1.0, 1.0, 1.0], atol=1e-6)
 
 
 def test_scattered_waves_push_a_hull_at_rest_as_the_table_says():
-    scattering, one = Scattering(bem_table(str(BARGE))), np.array([1.0])
+    scattering, one = Scattering(read_bem_table(str(BARGE))), np.array([1.0])
     waves = Arriving(0.3 * one, 0.7 * one, 1.2 * one, np.radians([30.0]), 0.147 * one)
-    expected = (scattering.forces(1.2 * one, 30.0 * one)[:, 0] * 0.3 * np.exp(0.7j)).real
+    expected = (scattering.unit_wave_forces(1.2 * one, 30.0 * one)[:, 0] * 0.3 * np.exp(0.7j)).real
     np.testing.assert_allclose(scattering.load(waves, 0.0, np.zeros(3)).ravel(), expected, rtol=1e-9, atol=1e-6)
 
 
@@ -95,7 +95,7 @@ def test_a_ship_takes_the_file_and_one_of_no_use_is_refused(tmp_path):
     wrong = tmp_path / "x.nc"
     wrong.write_bytes(b"CDF\x01 something")
     with pytest.raises(Unreadable, match="a NetCDF file is Capytaine's"):
-        bem_table(str(wrong))
+        read_bem_table(str(wrong))
 
 
 def test_capytaine_itself_writes_what_is_read(tmp_path):
@@ -107,7 +107,7 @@ def test_capytaine_itself_writes_what_is_read(tmp_path):
     asked = {"omega": [1.2, 0.8], "wave_direction": [0.0, np.pi], "radiating_dof": list(body.dofs)}
     found = cpt.BEMSolver().fill_dataset(xarray.Dataset(coords=asked), body)
     cpt.export_dataset(str(tmp_path / "a.nc"), found)
-    table = bem_table(str(tmp_path / "a.nc"))
+    table = read_bem_table(str(tmp_path / "a.nc"))
     assert table.omega.tolist() == [0.8, 1.2] and table.scattered is not None
     exact = float(found.added_mass.sel(omega=0.8, radiating_dof="Heave", influenced_dof="Heave"))
     assert table.added[1, 1, 0] == pytest.approx(exact)
@@ -124,14 +124,16 @@ def test_capytaine_itself_writes_what_is_read(tmp_path):
 def test_what_one_motion_does_to_another_comes_back_out_of_the_memory():
     """Of sway and roll, and of surge and pitch, as of each alone; the hull is alike on both sides and at both ends."""
     found = Radiation(str(BARGE))
-    t, kernels, omega = found.response.times, found.response.kernels, found.omega
+    t, kernels, omega = found.impulse_response.times, found.impulse_response.kernels, found.omega
     for i, j in ((0, 5), (2, 3)):
         cosines = np.trapezoid(kernels[i, j] * np.cos(omega[:, None] * t), t, axis=1)
         sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * t), t, axis=1)
         given = found.damping[i, j]
         np.testing.assert_allclose(cosines, given, atol=0.05 * np.abs(given).max())
         added = found.mass[i, j]
-        np.testing.assert_allclose(found.response.added[i, j] - sines / omega, added, atol=0.05 * np.abs(added).max())
+        np.testing.assert_allclose(
+            found.impulse_response.added[i, j] - sines / omega, added, atol=0.05 * np.abs(added).max()
+        )
     alone = {(i, j) for i, j in Memory(found).pairs if i != j}
     assert alone == {(0, 5), (5, 0), (2, 3), (3, 2)}
 
@@ -163,11 +165,11 @@ def test_a_table_in_words_gives_what_two_motions_do_to_each_other(tmp_path):
     table = np.stack([rows, *(f * x for f in (2.0, 3.0, -1.0) for x in (np.ones(12), damping))], axis=1)
     path = tmp_path / "two.csv"
     np.savetxt(path, table, delimiter=",", header=",".join(["omega_rad_s", *heads]), comments="")
-    found = bem_table(str(path))
+    found = read_bem_table(str(path))
     np.testing.assert_array_equal(found.damping[:, :, 3], damping[3] * np.array([[2.0, -1.0], [-1.0, 3.0]]))
     path.write_text(path.read_text().replace("sway_roll_damping_kg_m_s", "x"))
     with pytest.raises(ValueError, match="has no column sway_roll_damping_kg_m_s"):
-        bem_table(str(path))
+        read_bem_table(str(path))
 
 
 def in_the_frequency_domain(omega: float, extra: float) -> np.ndarray:
@@ -183,7 +185,7 @@ def in_the_frequency_domain(omega: float, extra: float) -> np.ndarray:
         at = [names.index(name) for name in ("sway", "heave", "roll")]
         mass, loss = (data[name][k][np.ix_(at, at)] for name in ("added_mass", "radiation_damping"))
         push = data["excitation_force"][:, k, heading][:, at]
-    still = hull_of("barge20").afloat(8.0, 1000.0, 9.81)
+    still = hull_of("barge20").in_still_water(8.0, 1000.0, 9.81)
     own = np.diag([still.matter.mass, still.inertia["heave"], still.inertia["roll"]])
     stiff = np.diag([0.0, still.stiffness["heave"], still.stiffness["roll"]])
     left = -(omega**2) * (own + mass) - 1j * omega * (loss + np.diag([0.0, 0.0, extra])) + stiff
@@ -227,9 +229,9 @@ def test_a_table_of_the_same_depth_has_the_beds_part():
     ship = at_sea({"kind": "dynamic", "hull": "barge20", "radiation": str(BARGE)}, 20.0, 0.05)["ship"]
     config = load(at_sea(ship, 20.0, 0.05)).ships["ship"]
     config.table.depth = 5.0
-    hull = config.afloat(9.81, 1000.0)
-    assert config.over_a_bed(hull, 5.0) == "the water is 2.5 draughts deep: squat is not modelled"
-    assert "the bed's part" in config.over_a_bed(hull, 6.0)
+    hull = config.in_still_water(9.81, 1000.0)
+    assert config.shallow_water_warning(hull, 5.0) == "the water is 2.5 draughts deep: squat is not modelled"
+    assert "the bed's part" in config.shallow_water_warning(hull, 6.0)
 
 
 def test_check_says_where_a_table_is_of_another_case():
@@ -307,13 +309,13 @@ def test_motions_of_a_table_that_do_nothing_to_each_other_are_said(tmp_path, col
 
 def test_a_pair_may_be_named_either_way_round_and_both_have_to_agree(tmp_path):
     turned = {key.replace("sway_roll", "roll_sway"): value for key, value in TIED.items()}
-    one, other = (bem_table(of_motions(tmp_path, SWAY | ROLL | pair)) for pair in (TIED, turned))
+    one, other = (read_bem_table(of_motions(tmp_path, SWAY | ROLL | pair)) for pair in (TIED, turned))
     np.testing.assert_array_equal(one.added, other.added)
     np.testing.assert_array_equal(one.damping, other.damping)
     assert one.added[0, 1, 0] == one.added[1, 0, 0] == -1.0e5
     for wrong in ({key: -value for key, value in turned.items()}, dict.fromkeys(turned, 0.0)):
         with pytest.raises(ValueError, match="equal by reciprocity, and differs by"):
-            bem_table(of_motions(tmp_path, SWAY | ROLL | TIED | wrong))
+            read_bem_table(of_motions(tmp_path, SWAY | ROLL | TIED | wrong))
 
 
 @pytest.mark.parametrize(
@@ -327,7 +329,7 @@ def test_a_pair_may_be_named_either_way_round_and_both_have_to_agree(tmp_path):
 )
 def test_no_column_of_a_motion_is_dropped_without_a_word(tmp_path, more, sentence):
     with pytest.raises(ValueError, match=sentence):
-        bem_table(of_motions(tmp_path, SWAY | ROLL | HEAVE | more))
+        read_bem_table(of_motions(tmp_path, SWAY | ROLL | HEAVE | more))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.result import Result, run
-from ocean_sim.ship.naval.hydrostatics import slender, squat
+from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
 
 QUIET = {name: None for name in observer_names() if name not in ("manifest", "health", "motion")}
 DEPTH = 2.3
@@ -50,7 +50,7 @@ def test_a_ship_that_begins_in_the_bed_is_refused():
 def test_squat_under_way_over_a_bed_is_said():
     """The barge of 20 x 8 x 2 m at 2 m/s in 2.3 m: 2.4 320 / 20^2 0.1773 / sqrt(1 - 0.1773) = 0.375 m, over the bed at
     0.3 m."""
-    assert squat(320.0, 20.0, 2.0, DEPTH) == pytest.approx(0.3753, abs=1e-4)
+    assert bow_squat(320.0, 20.0, 2.0, DEPTH) == pytest.approx(0.3753, abs=1e-4)
     said = [line for line in load(shallow(velocity=[0.0, 0.0, 2.0])).warnings() if "draughts deep" in line]
     assert said[0].endswith("at 2 m/s her bow would lie 0.38 m deeper, and touch the bed (ICORELS 1980)"), said
     fast = [line for line in load(shallow(velocity=[0.0, 0.0, 5.0])).warnings() if "draughts deep" in line]
@@ -73,10 +73,10 @@ def slice_of(fuller):
 
 def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
     """Of B and S like 1 - (2 z / L)^2 the double integral is in closed form: sinkage is 9 / (2 pi) V / L^2."""
-    even, full = slender(slice_of(0.0)), slender(slice_of(0.3))
+    even, full = slender_squat(slice_of(0.0)), slender_squat(slice_of(0.3))
     volume = 2.0 / 3.0 * 30.0 * 3.0
     assert not even.blunt and even.levers == pytest.approx((15.0, 15.0))
-    assert even.deepest == pytest.approx(even.sinkage) and full.deepest > full.sinkage
+    assert even.end_sinkage == pytest.approx(even.sinkage) and full.end_sinkage > full.sinkage
     assert even.sinkage * 30.0**2 / volume == pytest.approx(9.0 / (2.0 * np.pi), rel=1e-3)
     assert abs(even.trim) < 1e-9 < full.trim
     half, whole = even.at(1.0, 2.0), even.at(sqrt(2.0), 4.0)  # one Froude number

@@ -7,8 +7,8 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import named
-from ocean_sim.ship.body.rigid_body import RigidBody, about
-from ocean_sim.ship.forces.added_mass import by_rule, slenderness
+from ocean_sim.ship.body.rigid_body import RigidBody, axis_rotation
+from ocean_sim.ship.forces.added_mass import by_rule, pabst_factor
 from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.ship.hull.mesh import BadMesh
 from ocean_sim.ship.hull.voxels import voxels
@@ -57,12 +57,12 @@ def test_cubes_are_the_same_from_the_cache_and_other_shapes_are_others():
 
 def bisected(still: Hydrostatics, up: np.ndarray) -> float:
     """The level at which a hull's cubes displace its mass, by all of them every time."""
-    height, spread = still.voxels.heights(up), still.voxels.spread(up)
+    height, spread = still.voxels.centre_heights(up), still.voxels.height_spread(up)
     low, high = float(height.min()) - spread, float(height.max()) + spread
     for _ in range(40):
         middle = 0.5 * (low + high)
         volume = float((still.whole * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
-        low, high = (middle, high) if volume < still.wanted else (low, middle)
+        low, high = (middle, high) if volume < still.needed_volume else (low, middle)
     return 0.5 * (low + high)
 
 
@@ -75,8 +75,8 @@ def test_the_water_stands_where_all_cubes_together_have_it_to_the_last_bit(name,
     cubes = voxels(solid, solid.bounds()[1][1] / 16.0)
     still = Hydrostatics(cubes, Matter(share * 1000.0 * cubes.volume, np.zeros(3), np.eye(3)), *WATER)
     for axis, degrees in ((0, 0.0), (2, 0.5), (2, -20.0), (0, 3.0), (2, 45.0), (0, 77.0), (2, 90.0)):
-        up = about(axis, np.radians(degrees))[1]
-        assert still.level(up) == bisected(still, up)
+        up = axis_rotation(axis, np.radians(degrees))[1]
+        assert still.water_level(up) == bisected(still, up)
 
 
 def test_inertia_of_cubes_is_that_of_a_box():
@@ -89,7 +89,7 @@ def test_inertia_of_cubes_is_that_of_a_box():
 
 def test_a_barge_floats_and_stands_by_the_book():
     """KB T/2, BM B^2 / 12 T, BM_L L^2 / 12 T; dry periods 2 pi sqrt(m / k)."""
-    barge = hull_of("barge20").afloat(8, *WATER)
+    barge = hull_of("barge20").in_still_water(8, *WATER)
     assert barge.draught == pytest.approx(2.0, rel=1e-6) and barge.kb == pytest.approx(1.0, rel=1e-6)
     assert barge.metacentric_height() == pytest.approx(1.166667, rel=2e-3)
     assert barge.metacentric_height(0) == pytest.approx(15.16667, rel=2e-3)
@@ -99,26 +99,26 @@ def test_a_barge_floats_and_stands_by_the_book():
 
 def test_wigleys_hull_floats_and_stands_by_the_book():
     """KB 5/8 T, BM 3/35 B^2 / T, waterplane 2/3 L B; with its centre of mass at 0.17 m it is unstable."""
-    wigley = hull_of("wigley").afloat(16, *WATER)
+    wigley = hull_of("wigley").in_still_water(16, *WATER)
     assert wigley.draught == pytest.approx(0.1875, rel=2e-3) and wigley.kb == pytest.approx(0.1171875, rel=2e-3)
     assert wigley.metacentric_height() == pytest.approx(0.0383304, rel=0.02)
     assert wigley.waterplane == pytest.approx(0.6, rel=5e-3)
     top_heavy = hull_of("wigley").model_copy(update={"centre_of_mass": (0.0, 0.17, 0.0)})
-    assert top_heavy.afloat(16, *WATER).metacentric_height() < 0.0
+    assert top_heavy.in_still_water(16, *WATER).metacentric_height() < 0.0
 
 
 def test_a_waterline_ends_within_the_slices_at_the_ends():
     """Of a box, of a wedge at each end, and of the yacht: straight lines between the points of her outline, from
     -6.876 to 6.530 m at 1.052 m, which six cubes over the draught take for whole slices, 14.175 m."""
-    assert hull_of("barge20").afloat(6, *WATER).length == pytest.approx(20.0)
-    assert hull_of("wigley").afloat(6, *WATER).length == pytest.approx(3.0, rel=5e-3)
-    stern, bow = hull_of("yacht").afloat(6, *WATER).ends
+    assert hull_of("barge20").in_still_water(6, *WATER).length == pytest.approx(20.0)
+    assert hull_of("wigley").in_still_water(6, *WATER).length == pytest.approx(3.0, rel=5e-3)
+    stern, bow = hull_of("yacht").in_still_water(6, *WATER).waterline_ends
     assert stern == pytest.approx(-6.876, abs=0.15) and bow == pytest.approx(6.530, abs=0.15)
 
 
 def test_stations_lie_in_the_middle_of_slices_and_reach_the_keel():
     """Wigley's hull is the same at bow and stern, and her keel is sharp."""
-    wigley = hull_of("wigley").afloat(8, *WATER)
+    wigley = hull_of("wigley").in_still_water(8, *WATER)
     z, breadth, draught = wigley.stations
     np.testing.assert_allclose(z, -z[::-1], atol=1e-12)
     np.testing.assert_allclose(breadth, breadth[::-1], atol=1e-9)
@@ -126,20 +126,20 @@ def test_stations_lie_in_the_middle_of_slices_and_reach_the_keel():
 
 
 def test_what_is_too_heavy_sinks():
-    assert hull(BOX, mass=641e3).afloat(8, *WATER).draught == np.inf
-    assert hull(BOX, mass=639e3).afloat(8, *WATER).draught < 4.0
+    assert hull(BOX, mass=641e3).in_still_water(8, *WATER).draught == np.inf
+    assert hull(BOX, mass=639e3).in_still_water(8, *WATER).draught < 4.0
 
 
 def test_added_mass_by_rule_is_near_that_of_a_panel_method():
     """The barge at its natural frequencies: 431.7 t, 11261 and 1167.8 t m2, within 15 %."""
-    added = by_rule(hull_of("barge20").afloat(8, *WATER))
+    added = by_rule(hull_of("barge20").in_still_water(8, *WATER))
     np.testing.assert_allclose(added[[1, 3, 5]], [431.7e3, 11261e3, 1167.8e3], rtol=0.15)
-    assert slenderness(1e6) == pytest.approx(1.0) and slenderness(0.4) == slenderness(2.5)
+    assert pabst_factor(1e6) == pytest.approx(1.0) and pabst_factor(0.4) == pabst_factor(2.5)
 
 
 @pytest.mark.parametrize("name", named("hull"))
 def test_every_ready_made_hull_floats_upright(name):
-    afloat = hull_of(name).afloat(4, *WATER)
+    afloat = hull_of(name).in_still_water(4, *WATER)
     assert 0.0 < afloat.draught < np.inf and afloat.metacentric_height() > 0.0
 
 
@@ -162,7 +162,7 @@ def files(tmp_path_factory):
 @pytest.mark.parametrize("kind", ["stl", "obj"])
 def test_a_mesh_is_turned_scaled_and_filled(files, kind):
     barge = hull_of(str(files / f"barge_mm.{kind}")).model_copy(update={"mass": 320e3, "centre_of_mass": (0, 2.5, 0)})
-    afloat = barge.afloat(8, *WATER)
+    afloat = barge.in_still_water(8, *WATER)
     assert afloat.voxels.volume == pytest.approx(640.0, rel=1e-3)
     assert afloat.draught == pytest.approx(2.0, rel=1e-3)
     assert afloat.metacentric_height() == pytest.approx(1.166667, rel=5e-3)
@@ -214,8 +214,8 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
         body = RigidBody(500.0, np.eye(3), np.array([x, -0.1, 0.0]), unit, np.zeros(3), np.zeros(3))
         hull = solid.Solid(shape, np.array([0.0, 0.3, 0.0]), body, flat=False, felt=False)
         parts = [
-            *shapes.drawn(shape),
-            shapes.outermost(shape),
+            *shapes.drawn_mesh(shape),
+            shapes.convex_corners(shape),
             *hull.make_room(lattice, lattice[:0], [box], spacing, spacing**3),
         ]
         return [array.tobytes() for array in parts]
@@ -227,5 +227,5 @@ def test_what_is_known_of_a_hull_beforehand_comes_from_the_cache_unchanged(tmp_p
         raise AssertionError("worked out anew")
 
     monkeypatch.setattr("scipy.spatial.ConvexHull", never)
-    monkeypatch.setattr(solid.Solid, "carved", never)
+    monkeypatch.setattr(solid.Solid, "carve_room", never)
     assert found(0.0) == first and found(0.25) == other

@@ -9,7 +9,7 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.ship.hull.hull import hull_of
-from ocean_sim.ship.naval.stability import CROSS, Loading, Stability
+from ocean_sim.ship.naval.stability import CROSS_HEELS, Loading, Stability
 
 BREADTH, DRAUGHT, KG = 8.0, 2.0, 2.5  # [m] of barge20, which is 20 m long and 4 m high
 GM = DRAUGHT / 2.0 + BREADTH**2 / 12.0 / DRAUGHT - KG
@@ -17,7 +17,7 @@ GM = DRAUGHT / 2.0 + BREADTH**2 / 12.0 / DRAUGHT - KG
 
 @pytest.fixture(scope="module")
 def barge():
-    return hull_of("barge20").afloat(8.0, 1000.0, 9.81)
+    return hull_of("barge20").in_still_water(8.0, 1000.0, 9.81)
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_areas_of_a_barge_are_those_of_its_sections(barge):
     assert between == pytest.approx(0.1377, rel=0.02) and lever == pytest.approx(0.800, rel=0.02)
     assert (
         heel == pytest.approx(35.0, abs=1.5)
-        and found.vanishing == pytest.approx(73.15, abs=0.5)
+        and found.vanishing_heel == pytest.approx(73.15, abs=0.5)
         and gm == pytest.approx(GM, rel=0.02)
     )
     assert all(row.ok for row in found.criteria)
@@ -99,17 +99,17 @@ def test_a_list_is_that_of_the_free_surface_too_and_levers_are_those_of_the_side
 def test_an_unstable_barge_lolls_where_the_wall_sided_formula_says():
     """tan^2 = -2 GM / BM, within the deck's edge at 26.6 degrees."""
     found = Stability(
-        hull_of("barge20").model_copy(update={"centre_of_mass": (0.0, 3.8, 0.0)}).afloat(8.0, 1000.0, 9.81)
+        hull_of("barge20").model_copy(update={"centre_of_mass": (0.0, 3.8, 0.0)}).in_still_water(8.0, 1000.0, 9.81)
     )
-    assert found.gm < 0.0 and found.rest == pytest.approx(
+    assert found.gm < 0.0 and found.rest_heel == pytest.approx(
         degrees(atan(sqrt(-2.0 * (GM + KG - 3.8) * DRAUGHT * 12.0) / BREADTH)), abs=0.5
     )
-    assert found.vanishing > found.rest + 5.0
+    assert found.vanishing_heel > found.rest_heel + 5.0
 
 
 def test_water_comes_in_where_the_edge_of_the_deck_goes_under_and_no_area_counts_beyond(barge):
     found = Stability(barge, openings={"hatch": (4.0, 4.0, 0.0), "vent": (0.0, 6.0, 0.0)})
-    angle, where = found.flooding
+    angle, where = found.flooding_heel
     assert angle == pytest.approx(degrees(atan(2.0 * DRAUGHT / BREADTH)), abs=0.5) and where == "hatch"
     to_thirty, to_flooding, between = (row.value for row in found.criteria[:3])
     assert to_thirty == to_flooding and between == 0.0
@@ -119,7 +119,7 @@ def test_water_comes_in_where_the_edge_of_the_deck_goes_under_and_no_area_counts
 
 def test_cross_curves_do_not_know_the_centre_of_mass(barge):
     mass, levers = list(Stability(barge).cross_curves().items())[3]
-    heel = CROSS[1]
+    heel = CROSS_HEELS[1]
     wall_sided = (GM + 0.5 * BREADTH**2 / 12.0 / DRAUGHT * tan(radians(heel)) ** 2) * sin(radians(heel))
     assert mass == barge.matter.mass and levers[1] == pytest.approx(wall_sided + KG * sin(radians(heel)), rel=0.01)
 

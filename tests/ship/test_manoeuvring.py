@@ -9,7 +9,7 @@ import pytest
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship.forces.added_mass import by_rule
 from ocean_sim.ship.forces.damping import Damping, Resistance
-from ocean_sim.ship.forces.propulsion import SWIFT, Propeller, Rudder
+from ocean_sim.ship.forces.propulsion import SLIPSTREAM_SHARE, Propeller, Rudder
 from ocean_sim.ship.hull.hull import Hull, hull_of
 from ocean_sim.simulation import Simulation
 from tests.conftest import quickly
@@ -29,10 +29,10 @@ def at_sea(ship: dict, **fluid) -> dict:
 
 
 def test_roll_moves_as_much_water_as_a_panel_method_says_of_a_barge_and_none_of_a_round_one():
-    barge = by_rule(hull_of("barge20").afloat(8.0, 1000.0, 9.81))
+    barge = by_rule(hull_of("barge20").in_still_water(8.0, 1000.0, 9.81))
     assert barge[5] == pytest.approx(1167.8e3, rel=0.03)  # [kg m2] Capytaine at the natural frequency
     shape = {"kind": "cylinder", "length": 6.0, "radius": 1.0}
-    log = Hull.model_validate({"shape": shape, "mass": 3000.0 * pi}).afloat(8.0, 1000.0, 9.81)
+    log = Hull.model_validate({"shape": shape, "mass": 3000.0 * pi}).in_still_water(8.0, 1000.0, 9.81)
     plate = 6.0 * 1000.0 * pi / 16.0
     assert by_rule(log)[5] < 0.02 * plate
 
@@ -40,7 +40,7 @@ def test_roll_moves_as_much_water_as_a_panel_method_says_of_a_barge_and_none_of_
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_hull_that_drifts_under_way_is_turned_further_and_lifted_back(kind):
     """Munk's moment less that of the lift at the stern: at small drift the hull turns into it, in both kinds alike."""
-    still = hull_of("yacht").afloat(4.0, 1000.0, 9.81)
+    still = hull_of("yacht").in_still_water(4.0, 1000.0, 9.81)
     sway, _, surge = by_rule(still)[:3]
     ahead, aside = 6.0, 0.01
     munk = -(sway - surge) * ahead * aside
@@ -86,13 +86,13 @@ def test_waves_from_abeam_do_not_turn_it_about(kind):
 
 def test_a_slipstream_has_the_momentum_of_its_thrust_and_only_a_propeller_with_a_diameter_has_one():
     screw = Propeller(thrust=14400.0, diameter=0.8)
-    far = (screw.slipstream(14400.0, 6.0, 1000.0) - 6.0) / SWIFT + 6.0
+    far = (screw.slipstream_speed(14400.0, 6.0, 1000.0) - 6.0) / SLIPSTREAM_SHARE + 6.0
     through = 0.5 * (far + 6.0) * 1000.0 * pi / 4.0 * 0.8**2  # [kg/s]
     assert through * (far - 6.0) == pytest.approx(14400.0)
-    assert screw.slipstream(-7200.0, 6.0, 1000.0) == 6.0
-    assert Propeller(thrust=14400.0).slipstream(14400.0, 6.0, 1000.0) == 6.0
+    assert screw.slipstream_speed(-7200.0, 6.0, 1000.0) == 6.0
+    assert Propeller(thrust=14400.0).slipstream_speed(14400.0, 6.0, 1000.0) == 6.0
     blade = Rudder(area=1.0, aspect_ratio=1.0, position=(0.0, 0.5, -6.8))
-    mean = blade.behind(screw, 9.0, 6.0)
+    mean = blade.mean_inflow(screw, 9.0, 6.0)
     assert mean**2 == pytest.approx(0.8 * 81.0 + 0.2 * 36.0)
 
 

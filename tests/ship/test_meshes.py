@@ -69,29 +69,29 @@ def test_a_keel_sunk_into_a_hull_counts_once(file, told):
 @pytest.mark.parametrize("house", [((-2, -1, 1), (2, 1, 3)), ((-2, -1, 2), (2, 1, 3)), ((-6, -2, 0), (6, 2, 2))])
 def test_bodies_that_overlap_touch_or_repeat_are_one(file, house):
     other = box(*house)
-    mesh = hull_of(file(box(*HULL), other)).shape.closed()
+    mesh = hull_of(file(box(*HULL), other)).shape.closed_mesh()
     assert mesh.volume == pytest.approx(96.0 + 8.0 * max(0, house[1][2] - 2), rel=1e-6)
 
 
 def test_solids_of_an_ascii_file_are_bodies_of_one_hull(tmp_path):
     bodies = (box(*HULL), box((-3, -0.5, -1), (3, 0.5, 1)))
     (tmp_path / "solids.stl").write_text("\n".join(trimesh.exchange.stl.export_stl_ascii(body) for body in bodies))
-    assert hull_of(str(tmp_path / "solids.stl")).shape.closed().volume == pytest.approx(102.0)
+    assert hull_of(str(tmp_path / "solids.stl")).shape.closed_mesh().volume == pytest.approx(102.0)
 
 
 def test_a_void_inside_stays_dry_and_is_told(file):
     """It displaces as the hull does: no water comes into it."""
     void = inverted(box((-5, -1.5, 0.5), (5, 1.5, 1.5)))
     for bodies in ((box(*HULL), void), (inverted(box(*HULL)), inverted(void))):
-        mesh = hull_of(file(*bodies)).shape.closed()
+        mesh = hull_of(file(*bodies)).shape.closed_mesh()
         assert mesh.volume == pytest.approx(96.0) and "void" in " ".join(mesh.remarks)
 
 
 def test_a_skin_inside_out_is_turned_and_told(file):
     """A whole hull as before, without a word; beside another one, with one."""
-    assert hull_of(file(inverted(box(*HULL)))).shape.closed().remarks == []
+    assert hull_of(file(inverted(box(*HULL)))).shape.closed_mesh().remarks == []
     starboard = inverted(box((-6, -5, 0), (6, -3, 2)))
-    mesh = hull_of(file(box(*HULL), starboard)).shape.closed()
+    mesh = hull_of(file(box(*HULL), starboard)).shape.closed_mesh()
     assert mesh.volume == pytest.approx(144.0) and "faces inwards beside others" in " ".join(mesh.remarks)
 
 
@@ -102,11 +102,11 @@ def test_an_open_shell_is_told_and_floats_alike_for_motions_and_stability(file):
     sides += [((-6, -2, 0), (6, -1.95, 2)), ((-6, 1.95, 0), (6, 2, 2))]
     planks = [box(*side) for side in sides]
     hull = hull_of(file(*planks)).model_copy(update={"mass": 4000.0, "centre_of_mass": (0.0, 1.0, 0.0)})
-    assert "open shell" in " ".join(hull.shape.closed().remarks)
-    draughts = [hull.afloat(cells, 1000.0, 9.81).draught for cells in (8, 16)]
+    assert "open shell" in " ".join(hull.shape.closed_mesh().remarks)
+    draughts = [hull.in_still_water(cells, 1000.0, 9.81).draught for cells in (8, 16)]
     assert draughts[0] == pytest.approx(draughts[1], rel=1e-9)
     assert draughts[0] == pytest.approx(0.05 + 1.6 / 1.59, rel=0.03)
-    assert hull_of(file(outer)).shape.closed().remarks == []
+    assert hull_of(file(outer)).shape.closed_mesh().remarks == []
 
 
 def test_facets_of_no_area_bound_nothing(file):
@@ -114,7 +114,7 @@ def test_facets_of_no_area_bound_nothing(file):
     body.faces = np.concatenate([body.faces, [[0, 0, 1]]])
     with open(file(body, name="needle.obj"), encoding="utf-8") as text:
         assert len(text.read().split("\nf ")) == 14
-    assert hull_of(file(body, name="needle.obj")).shape.closed().volume == pytest.approx(96.0)
+    assert hull_of(file(body, name="needle.obj")).shape.closed_mesh().volume == pytest.approx(96.0)
 
 
 def wedge():
@@ -146,7 +146,7 @@ def test_a_spar_has_cubes_that_are_narrower_than_it_is(file):
     """KB + BM - KG of a square spar of 0.5 m at a draught of 16 m."""
     spar = box((-0.25, -0.25, 0.0), (0.25, 0.25, 20.0))
     hull = hull_of(file(spar), up="z").model_copy(update={"mass": 4000.0, "centre_of_mass": (0.0, 6.0, 0.0)})
-    still = hull.afloat(8, 1000.0, 9.81)
+    still = hull.in_still_water(8, 1000.0, 9.81)
     assert (0.5 / still.voxels.size[[0, 2]] >= 7.9).all()
     assert still.metacentric_height() == pytest.approx(8.0 + 0.5**2 / 12.0 / 16.0 - 6.0, rel=2e-3)
 
@@ -165,7 +165,7 @@ def test_a_mesh_beyond_numbers_is_refused_without_warnings(tmp_path, far):
     ]
     (tmp_path / "far.obj").write_text("\n".join(rows) + "\n")
     with warnings.catch_warnings(action="error"), pytest.raises(BadMesh, match="far"):
-        hull_of(str(tmp_path / "far.obj")).shape.closed()
+        hull_of(str(tmp_path / "far.obj")).shape.closed_mesh()
 
 
 def random_bodies(seed: int):
@@ -205,4 +205,4 @@ def test_random_bodies_have_the_volume_of_their_union(file, seeds):
             scaled = [trimesh.Trimesh(b.vertices * [-1.0, 1.0, 1.0], b.faces, process=False) for b in scaled]
         shape = MeshFile(kind="mesh", file=file(*scaled), scale=1.0 / scale)
         noise = 3.0 * np.sqrt((float(np.prod(trimesh.util.concatenate(bodies).extents)) / wanted - 1.0) / n)
-        assert shape.closed().volume == pytest.approx(wanted, rel=0.01 + noise), seed
+        assert shape.closed_mesh().volume == pytest.approx(wanted, rel=0.01 + noise), seed

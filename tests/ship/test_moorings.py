@@ -9,7 +9,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers import motion as motion_observer
 from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.ship import PARTS
-from ocean_sim.ship.body.rigid_body import RigidBody, oriented
+from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion
 from ocean_sim.ship.forces.moorings import Mooring, Moorings
 from ocean_sim.simulation import Simulation
 
@@ -37,7 +37,7 @@ def spring(z: float, to: float, **keys) -> dict:
 
 def body(z: float = 0.0, speed: float = 0.0) -> RigidBody:
     still = np.zeros(3)
-    turn = oriented(0.0, 0.0, 0.0)
+    turn = euler_quaternion(0.0, 0.0, 0.0)
     return RigidBody(1.0, np.eye(3), np.array([0.0, 0.0, z]), turn, np.array([0.0, 0.0, speed]), still)
 
 
@@ -64,7 +64,9 @@ def test_a_barge_between_two_lines_surges_with_the_period_of_its_springs():
         while simulation.time < 40.0:
             simulation.step()
             v = ship.body.velocity[2]
-            rows.append((simulation.time, ship.body.position[2], 0.5 * whole * v * v + ship.moorings.energy(ship.body)))
+            rows.append(
+                (simulation.time, ship.body.position[2], 0.5 * whole * v * v + ship.moorings.stored_energy(ship.body))
+            )
     t, z, energy = np.array(rows).T
     k = np.flatnonzero(z[1:] * z[:-1] < 0.0)
     crossings = t[k] - z[k] * (t[k + 1] - t[k]) / (z[k + 1] - z[k])

@@ -79,7 +79,7 @@ def test_a_pilot_who_is_told_a_route_on_the_way_keeps_the_speed_and_arrives_a_le
         ship = simulation.ships["ship"]
         pilot = ship.sail([(0.0, 60.0), (40.0, 100.0)], 3.0)
         passed = []
-        while not pilot.arrived(ship.body) and simulation.time < 90.0:
+        while not pilot.has_arrived(ship.body) and simulation.time < 90.0:
             simulation.step()
             if len(passed) < pilot.leg:
                 passed.append(ship.body.position[[0, 2]])

@@ -23,23 +23,29 @@ def test_vectors_and_matrices_are_numpys(drawn):
         (small_linalg.plus(x, y), a + b),
         (small_linalg.minus(x, y), a - b),
         (small_linalg.times(0.7, x), 0.7 * a),
-        (small_linalg.scaled(x, y), a * b),
+        (small_linalg.times_each(x, y), a * b),
         (small_linalg.dot(x, y), a @ b),
         (small_linalg.cross(x, y), np.cross(a, b)),
-        (small_linalg.turned(rows, x), m @ a),
-        (small_linalg.turned_back(rows, x), m.T @ a),
-        (small_linalg.solved(rows, x), np.linalg.solve(m, a)),
+        (small_linalg.matrix_times(rows, x), m @ a),
+        (small_linalg.transpose_times(rows, x), m.T @ a),
+        (small_linalg.solve_3x3(rows, x), np.linalg.solve(m, a)),
     ):
         np.testing.assert_allclose(found, wanted, rtol=0.0, atol=ROUNDING)
 
 
 def test_a_quaternion_turns_as_its_matrix_does(drawn):
     _, a, b = drawn
-    q = small_linalg.normalised((0.3, *a.tolist()))
-    pure = small_linalg.product(small_linalg.product(q, (0.0, *b.tolist())), (q[0], -q[1], -q[2], -q[3]))
-    assert small_linalg.turned(small_linalg.matrix(q), b.tolist()) == pytest.approx(pure[1:], abs=ROUNDING)
-    whole = small_linalg.product(small_linalg.rotation((0.2, 0.0, 0.0)), small_linalg.rotation((0.3, 0.0, 0.0)))
-    assert whole == pytest.approx(small_linalg.rotation((0.5, 0.0, 0.0)), abs=ROUNDING)
+    q = small_linalg.unit_quaternion((0.3, *a.tolist()))
+    pure = small_linalg.quaternion_product(
+        small_linalg.quaternion_product(q, (0.0, *b.tolist())), (q[0], -q[1], -q[2], -q[3])
+    )
+    assert small_linalg.matrix_times(small_linalg.rotation_matrix(q), b.tolist()) == pytest.approx(
+        pure[1:], abs=ROUNDING
+    )
+    whole = small_linalg.quaternion_product(
+        small_linalg.turn_quaternion((0.2, 0.0, 0.0)), small_linalg.turn_quaternion((0.3, 0.0, 0.0))
+    )
+    assert whole == pytest.approx(small_linalg.turn_quaternion((0.5, 0.0, 0.0)), abs=ROUNDING)
 
 
 @pytest.mark.parametrize("speed", [-1.3, 0.0, 0.4])

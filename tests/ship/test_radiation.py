@@ -21,12 +21,12 @@ HALF = 2.0 / 3.0 * pi * 1000.0 * 5.0**3  # [kg] of water that the sphere displac
 
 def test_a_hemisphere_that_heaves_at_once_takes_half_of_its_displacement_along():
     """Hulme 1982: A(infinity) is 1/2 in closed form; the table ends at K a = 10."""
-    assert Radiation(str(SPHERE)).response.added[0, 0] == pytest.approx(0.5 * HALF, rel=0.005)
+    assert Radiation(str(SPHERE)).impulse_response.added[0, 0] == pytest.approx(0.5 * HALF, rel=0.005)
 
 
 @pytest.mark.parametrize("file, motions", [(SPHERE, ["heave"]), (BARGE, ["heave", "pitch"])])
 def test_what_the_table_gives_comes_back(file, motions):
-    given, found = read_columns(file), Radiation(str(file)).response
+    given, found = read_columns(file), Radiation(str(file)).impulse_response
     omega, t = given["omega_rad_s"], found.times
     for k, motion in enumerate(motions):
         unit = "kg" if motion == "heave" else "kg_m2"
@@ -47,15 +47,15 @@ def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass(
         motion[1] = np.cos(omega * time)
         if time > 45.0:
             rows.append((np.cos(omega * time), -omega * np.sin(omega * time), memory.load(time, motion)[0, 1]))
-        memory.keep(time, motion)
+        memory.remember(time, motion)
         time += random.uniform(0.005, 0.04)
     speed, rate, force = np.array(rows).T
     (damping, added), *_ = np.linalg.lstsq(-np.stack([speed, rate], axis=1), force, rcond=None)
     given = read_columns(SPHERE)
     assert damping == pytest.approx(np.interp(omega, given["omega_rad_s"], given["heave_damping_kg_s"]), rel=0.03)
     exact = np.interp(omega, given["omega_rad_s"], given["heave_added_kg"])
-    assert memory.response.added[0, 0] + added == pytest.approx(exact, rel=0.03)
-    assert len(memory.when) * memory.often < memory.response.times[-1] + 3.0 * memory.often  # it forgets
+    assert memory.impulse_response.added[0, 0] + added == pytest.approx(exact, rel=0.03)
+    assert len(memory.when) * memory.often < memory.impulse_response.times[-1] + 3.0 * memory.often  # it forgets
 
 
 def test_a_hull_that_pitches_under_way_feels_strip_theorys_terms_of_speed():
@@ -70,14 +70,14 @@ def test_a_hull_that_pitches_under_way_feels_strip_theorys_terms_of_speed():
         if time > 45.0:
             (_, heave, _), (twist, _, _) = memory.load(time, motion)
             rows.append((omega**2 * pitch, -rate, heave, twist))
-        memory.keep(time, motion)
+        memory.remember(time, motion)
         time += random.uniform(0.005, 0.04)
     *two, heave, twist = np.array(rows).T
     (a35, b35), (a55, b55) = (np.linalg.lstsq(np.stack(two, axis=1), f, rcond=None)[0] for f in (heave, twist))
     at = {
         (what, k): np.interp(omega, found.omega, whole[k, k])
         for k in (0, 1)
-        for what, whole in (("a", found.mass - found.response.added[..., None]), ("b", found.damping))
+        for what, whole in (("a", found.mass - found.impulse_response.added[..., None]), ("b", found.damping))
     }
     over = speed / omega
     assert a35 == pytest.approx(-over / omega * at["b", 0], rel=0.03)
@@ -121,7 +121,7 @@ def test_a_scene_that_is_written_out_and_read_again_has_the_same_damping(changes
 
 
 def test_damping_by_rule_of_a_motion_in_the_table_is_none_but_what_is_given_counts():
-    hull = hull_of("sphere").afloat(4.0, 1000.0, 9.81)
+    hull = hull_of("sphere").in_still_water(4.0, 1000.0, 9.81)
     still, none = np.zeros(6), {"heave", "pitch", "roll", "surge"}
     ruled = Resistance(Damping(), hull, still)
     bare = Resistance(Damping(), hull, still, none)

@@ -14,7 +14,7 @@ from ocean_sim.ship.body import small_linalg, track
 
 NUMBER = st.floats(-3.0, 3.0, allow_nan=False)
 TURN = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)
-UNIT = st.tuples(*[st.floats(-1.0, 1.0)] * 4).map(np.array).filter(lambda q: q @ q > 1e-2).map(rigid.normalised)
+UNIT = st.tuples(*[st.floats(-1.0, 1.0)] * 4).map(np.array).filter(lambda q: q @ q > 1e-2).map(rigid.unit_quaternion)
 
 
 def scipys(q: np.ndarray) -> Rotation:
@@ -25,59 +25,69 @@ def scipys(q: np.ndarray) -> Rotation:
 @given(UNIT, UNIT, UNIT, TURN)
 def test_the_algebra_agrees_with_scipy(p, q, s, v):
     """(4.1) to (4.10)."""
-    np.testing.assert_allclose(rigid.matrix(p), scipys(p).as_matrix(), atol=1e-12)
-    np.testing.assert_allclose(rigid.rotated(p, v), scipys(p).apply(v), atol=1e-12)
-    np.testing.assert_allclose(rigid.matrix(rigid.product(p, q)), (scipys(p) * scipys(q)).as_matrix(), atol=1e-12)
-    np.testing.assert_allclose(rigid.product(rigid.product(p, q), s), rigid.product(p, rigid.product(q, s)), atol=1e-12)
-    np.testing.assert_allclose(rigid.product(p, rigid.inverse(p)), [1, 0, 0, 0], atol=1e-12)
-    np.testing.assert_allclose(rigid.matrix(rigid.rotation(v)), Rotation.from_rotvec(v).as_matrix(), atol=1e-12)
-    np.testing.assert_allclose(rigid.matrix(2.5 * p), rigid.matrix(p), atol=1e-12)
-    assert np.linalg.det(rigid.matrix(p)) == pytest.approx(1.0)
+    np.testing.assert_allclose(rigid.rotation_matrix(p), scipys(p).as_matrix(), atol=1e-12)
+    np.testing.assert_allclose(rigid.rotate_vector(p, v), scipys(p).apply(v), atol=1e-12)
+    np.testing.assert_allclose(
+        rigid.rotation_matrix(rigid.quaternion_product(p, q)), (scipys(p) * scipys(q)).as_matrix(), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        rigid.quaternion_product(rigid.quaternion_product(p, q), s),
+        rigid.quaternion_product(p, rigid.quaternion_product(q, s)),
+        atol=1e-12,
+    )
+    np.testing.assert_allclose(rigid.quaternion_product(p, rigid.quaternion_inverse(p)), [1, 0, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        rigid.rotation_matrix(rigid.turn_quaternion(v)), Rotation.from_rotvec(v).as_matrix(), atol=1e-12
+    )
+    np.testing.assert_allclose(rigid.rotation_matrix(2.5 * p), rigid.rotation_matrix(p), atol=1e-12)
+    assert np.linalg.det(rigid.rotation_matrix(p)) == pytest.approx(1.0)
 
 
 @settings(max_examples=20, deadline=None)
 @given(UNIT, TURN, TURN)
 def test_a_body_that_passes_a_place_turns_as_its_momentum_says(q, velocity, omega):
     """And many at once as each alone."""
-    body = rigid.spinning(rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, velocity, np.zeros(3)), omega)
+    body = rigid.with_spin(rigid.RigidBody(3.0, np.diag([2.0, 3.0, 4.0]), np.zeros(3), q, velocity, np.zeros(3)), omega)
     spins = np.column_stack([omega, -2.0 * omega])
     orientations = np.column_stack([q, body.orientation])
-    changes = track.change(np.column_stack([velocity, velocity]), spins, orientations)
+    changes = track.first_derivative(np.column_stack([velocity, velocity]), spins, orientations)
     places = np.concatenate([np.zeros((3, 2)), 1.7 * orientations])  # of any length
-    found = track.turned(track.Track(np.zeros(2), places, changes * np.repeat([1.0, 1.7], [3, 4])[:, None]))
+    found = track.attitude_of(track.Track(np.zeros(2), places, changes * np.repeat([1.0, 1.7], [3, 4])[:, None]))
     np.testing.assert_allclose(found.spin, spins, atol=1e-12)
     np.testing.assert_allclose(found.orientation[:, 0], q, atol=1e-12)
     np.testing.assert_allclose(found.matrix[..., 1], body.matrix, atol=1e-12)
     np.testing.assert_allclose(found.to_body(found.spin)[:, 0], body.rates, atol=1e-12)
-    np.testing.assert_array_equal(rigid.angles(orientations)[:, 0], rigid.angles(q))
-    np.testing.assert_array_equal(rigid.product(places[3:], orientations)[:, 1], rigid.product(places[3:, 1], q))
+    np.testing.assert_array_equal(rigid.euler_angles(orientations)[:, 0], rigid.euler_angles(q))
+    np.testing.assert_array_equal(
+        rigid.quaternion_product(places[3:], orientations)[:, 1], rigid.quaternion_product(places[3:, 1], q)
+    )
 
 
 @settings(max_examples=50, deadline=None)
 @given(st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(-3.1, 3.1))
 def test_angles_are_yaw_then_pitch_then_roll_about_the_turned_axes(pitch, yaw, roll):
-    q = rigid.oriented(pitch, yaw, roll)
+    q = rigid.euler_quaternion(pitch, yaw, roll)
     expected = Rotation.from_euler("YXZ", [yaw, pitch, roll]).as_matrix()
-    np.testing.assert_allclose(rigid.matrix(q), expected, atol=1e-12)
-    np.testing.assert_allclose(rigid.angles(q), [pitch, yaw, roll], atol=1e-9)
+    np.testing.assert_allclose(rigid.rotation_matrix(q), expected, atol=1e-12)
+    np.testing.assert_allclose(rigid.euler_angles(q), [pitch, yaw, roll], atol=1e-9)
 
 
 def test_a_small_turn_has_its_rate():
     """(4.13), (4.14): the quaternion's rate against a finite difference."""
-    omega, q, h = np.array([0.3, -0.2, 0.5]), rigid.oriented(0.2, 0.4, -0.1), 1e-6
-    rate = (rigid.product(rigid.rotation(omega * h), q) - q) / h
-    np.testing.assert_allclose(rate, 0.5 * rigid.product(np.append(0.0, omega), q), atol=1e-6)
-    np.testing.assert_allclose(2.0 * rigid.product(rate, rigid.inverse(q))[1:], omega, atol=1e-6)
+    omega, q, h = np.array([0.3, -0.2, 0.5]), rigid.euler_quaternion(0.2, 0.4, -0.1), 1e-6
+    rate = (rigid.quaternion_product(rigid.turn_quaternion(omega * h), q) - q) / h
+    np.testing.assert_allclose(rate, 0.5 * rigid.quaternion_product(np.append(0.0, omega), q), atol=1e-6)
+    np.testing.assert_allclose(2.0 * rigid.quaternion_product(rate, rigid.quaternion_inverse(q))[1:], omega, atol=1e-6)
 
 
 def top(omega, inertia=(1.0, 2.0, 3.0)) -> rigid.RigidBody:
     """A body about its centre of mass, its axes along the world's, with an angular velocity [rad/s]."""
     zero = np.zeros(3)
     body = rigid.RigidBody(1.0, np.diag(inertia), zero, np.array([1.0, 0.0, 0.0, 0.0]), zero, zero)
-    return rigid.spinning(body, np.array(omega, dtype=float))
+    return rigid.with_spin(body, np.array(omega, dtype=float))
 
 
-def turned(body, seconds, dt=1.0 / 60.0, step=rigid.advanced):
+def turned(body, seconds, dt=1.0 / 60.0, step=rigid.advance_body):
     for _ in range(round(seconds / dt)):
         body = step(body, np.zeros(3), np.zeros(3), dt)
     return body
@@ -108,7 +118,7 @@ def test_a_torque_free_top_turns_as_by_elliptic_functions(seconds):
 
 def test_the_thesis_step_loses_a_quarter_of_the_energy_of_the_same_top():
     start = top((1.0, 0.0, 1.0))
-    end = turned(start, 60.0, step=rigid.thesis_advanced)
+    end = turned(start, 60.0, step=rigid.thesis_advance)
     assert end.kinetic_energy() / start.kinetic_energy() - 1.0 == pytest.approx(-0.2412, abs=0.002)
     assert apart(end.orientation, np.array(R1[60.0][0])) == pytest.approx(67.77, abs=0.5)
 
@@ -155,17 +165,17 @@ def test_the_quaternion_stays_of_length_one_where_4_24_grows():
     """R4: 60 s at 1 rad/s; (4.24) grows by sqrt(1 + (omega dt / 2)^2) a step."""
     end = turned(top((0.0, 0.0, 1.0)), 60.0)
     assert np.linalg.norm(end.orientation) == pytest.approx(1.0, abs=1e-14)
-    assert apart(end.orientation, rigid.rotation(np.array([0.0, 0.0, 60.0]))) < 1e-6
+    assert apart(end.orientation, rigid.turn_quaternion(np.array([0.0, 0.0, 60.0]))) < 1e-6
     q, dt = np.array([1.0, 0.0, 0.0, 0.0]), 1.0 / 60.0
     for _ in range(3600):
-        q = q + 0.5 * dt * rigid.product(np.array([0.0, 0.0, 0.0, 1.0]), q)
+        q = q + 0.5 * dt * rigid.quaternion_product(np.array([0.0, 0.0, 0.0, 1.0]), q)
     assert np.linalg.norm(q) == pytest.approx(1.13314, abs=1e-4)
 
 
 def test_a_thrown_body_is_half_g_dt_t_beside_the_parabola():
     """R5: the semi-implicit step is ahead by g dt t / 2, the thesis's behind by as much."""
     dt, g, n = 1.0 / 60.0, 9.81, 60
-    for step, side in ((rigid.advanced, -1.0), (rigid.thesis_advanced, 1.0)):
+    for step, side in ((rigid.advance_body, -1.0), (rigid.thesis_advance, 1.0)):
         body = replace(top((0.0, 0.0, 0.0)), velocity=np.array([1.0, 2.0, 3.0]))
         for _ in range(n):
             body = step(body, np.array([0.0, -g, 0.0]), np.zeros(3), dt)
@@ -178,7 +188,7 @@ def test_an_oscillator_neither_grows_nor_dies_but_under_forward_euler():
     """60 s of a heave at 1.445 rad/s: the thesis's amplitude grows to 2.840."""
     omega2, dt = 1.445**2, 1.0 / 60.0
     amplitude = {}
-    for step in (rigid.advanced, rigid.thesis_advanced):
+    for step in (rigid.advance_body, rigid.thesis_advance):
         body = replace(top((0.0, 0.0, 0.0)), position=np.array([0.0, 1.0, 0.0]))
         heights = []
         for _ in range(3600):
@@ -190,26 +200,26 @@ def test_an_oscillator_neither_grows_nor_dies_but_under_forward_euler():
 
 
 def test_what_is_not_free_does_not_move():
-    body = rigid.spinning(
-        replace(top((0, 0, 0)), velocity=np.ones(3), orientation=rigid.oriented(0.1, 0.5, 0.2)), np.ones(3)
+    body = rigid.with_spin(
+        replace(top((0, 0, 0)), velocity=np.ones(3), orientation=rigid.euler_quaternion(0.1, 0.5, 0.2)), np.ones(3)
     )
-    only_heave = rigid.held(body, np.array([False, True, False, False, False, False]))
+    only_heave = rigid.hold_motions(body, np.array([False, True, False, False, False, False]))
     np.testing.assert_allclose(only_heave.velocity, [0.0, 1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(only_heave.angular_velocity, np.zeros(3), atol=1e-12)
-    assert rigid.held(body, np.ones(6, dtype=bool)) is body
+    assert rigid.hold_motions(body, np.ones(6, dtype=bool)) is body
 
 
 def test_motions_that_are_held_do_not_creep_however_long_the_step():
     """Under a torque and a push from all sides only surge and pitch take place, each as if it were alone."""
     body = rigid.RigidBody(
-        2.0, np.diag([1.0, 2.0, 3.0]), np.zeros(3), rigid.oriented(0.1, 0.5, 0.0), np.zeros(3), np.zeros(3)
+        2.0, np.diag([1.0, 2.0, 3.0]), np.zeros(3), rigid.euler_quaternion(0.1, 0.5, 0.0), np.zeros(3), np.zeros(3)
     )
     free, first = np.array([False, False, True, True, False, False]), body.position
-    heading = rigid.about(1, 0.5)
+    heading = rigid.axis_rotation(1, 0.5)
     start, own = body.matrix, body
     for _ in range(50):
-        free_body = rigid.advanced(own, heading @ [3.0, 5.0, 2.0], own.matrix @ [0.2, 4.0, -7.0], 0.1)
-        own = rigid.guided(own, free_body, free, 0.1)
+        free_body = rigid.advance_body(own, heading @ [3.0, 5.0, 2.0], own.matrix @ [0.2, 4.0, -7.0], 0.1)
+        own = rigid.guide_step(own, free_body, free, 0.1)
     moved = heading.T @ (own.position - first)
     np.testing.assert_allclose(moved[:2], 0.0, atol=1e-12)
     assert moved[2] > 5.0
@@ -224,5 +234,5 @@ def test_a_small_system_is_solved_as_numpy_does():
         m = random.normal(size=(3, 3))
         m, b = m @ m.T + 0.1 * np.eye(3), random.normal(size=3)
         np.testing.assert_allclose(
-            small_linalg.solved(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12
+            small_linalg.solve_3x3(m.tolist(), b.tolist()), np.linalg.solve(m, b), rtol=1e-9, atol=1e-12
         )

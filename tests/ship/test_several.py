@@ -9,7 +9,7 @@ import pytest
 from ocean_sim import load, run
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.fluid.patch.relaxation_zone import into_rim
+from ocean_sim.fluid.patch.relaxation_zone import rim_depth
 from ocean_sim.observers import motion
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.reading import schema
@@ -280,7 +280,7 @@ def test_a_platform_rides_in_the_ship_that_it_names(tmp_path):
 def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_path, capsys):
     from ocean_sim.__main__ import answered
     from ocean_sim.observers import render
-    from ocean_sim.pictures.frame_files import Frame, Log, frame_files
+    from ocean_sim.pictures.frame_files import Frame, FrameLog, frame_files
 
     ships = {"a": BARGE | {"velocity": [0.0, 0.0, 2.0]}, "b": BARGE | {"position": [APART, 0.0]}}
     ships["c"] = {"kind": "otter", "position": [60.0, 0.0]}
@@ -288,10 +288,10 @@ def test_frames_keep_every_ship_and_cameras_follow_the_one_that_is_named(tmp_pat
     keys = {"frames": {"every": 0.5, "spacing": 20.0}}
     folder = run(load(at_sea(ships, calm, 1.0, **keys), {"runtime.threads": 1}), tmp_path / "run").folder
     files = frame_files(folder)
-    tracks = Log(files).tracks
+    tracks = FrameLog(files).tracks
     assert list(Frame(files[0]).ships) == list(tracks) == ["ships.a", "ships.b"]  # the otter has no hull to draw
     assert tracks["ships.a"].position[-1, 2] > 1.0 and abs(tracks["ships.b"].position[:, 0] - APART).max() < 1e-3
-    assert render.impossible(folder, "follow", (), "b") is None
+    assert render.obstacle_to_pictures(folder, "follow", (), "b") is None
     assert answered(["render", str(folder), "--ship", "d"]) == 2
     assert "this run draws no ship 'd'; there is a, b" in capsys.readouterr().err
 
@@ -368,8 +368,8 @@ def test_a_ship_nearer_round_the_patch_is_not_in_the_rim():
     """On a patch of 100 m with a rim of 20 m on either side of the seam: 90 m away one way is 10 m the other way."""
     away = np.array([[0.0, 0.0], [29.0, 0.0], [31.0, 0.0], [50.0, 0.0], [90.0, 0.0], [0.0, 45.0]])
     both, slice_ = np.array([100.0, 100.0]), np.array([100.0, 0.0])
-    assert into_rim(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
-    assert into_rim(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])
+    assert rim_depth(away, both, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, 15.0])
+    assert rim_depth(away, slice_, 20.0) == pytest.approx([-30.0, -1.0, 1.0, 20.0, -20.0, -30.0])
 
 
 def test_the_order_in_which_ships_are_written_changes_no_byte(tmp_path):

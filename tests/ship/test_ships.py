@@ -74,8 +74,8 @@ def test_deep_under_water_it_is_pushed_with_its_whole_volume_and_in_the_air_by_n
 def test_a_heeled_and_trimmed_ship_is_righted_whatever_its_heading(barge, heading):
     simulation, rest = barge
     yaw = np.radians(heading)
-    heeled = load_at(simulation, **state(rest) | {"orientation": rigid.oriented(0.0, yaw, 0.1)})
-    own = rigid.about(1, yaw).T @ heeled.torque
+    heeled = load_at(simulation, **state(rest) | {"orientation": rigid.euler_quaternion(0.0, yaw, 0.1)})
+    own = rigid.axis_rotation(1, yaw).T @ heeled.torque
     added = simulation.ships["ship"].added[5] / (simulation.ships["ship"].added[5] + rest.inertia_body[2, 2])
     assert own[2] / (1.0 - added) == pytest.approx(-rest.mass * 9.81 * 1.166667 * 0.1, rel=0.03)
     assert abs(own[0]) < 1e-3 * abs(own[2])
@@ -119,7 +119,7 @@ def test_motion_is_damped(barge):
     assert sinking.force[1] > 0.0
     sliding = load_at(simulation, **state(rest) | {"velocity": np.array([1.0, 0.0, 0.0])})
     assert sliding.force[0] < 0.0
-    turning = load_at(simulation, **state(rigid.spinning(rest, np.array([0.0, 0.2, 0.0]))))
+    turning = load_at(simulation, **state(rigid.with_spin(rest, np.array([0.0, 0.2, 0.0]))))
     assert turning.torque[1] < 0.0
 
 
@@ -127,7 +127,7 @@ def test_under_way_it_feels_a_centripetal_force(barge):
     """With added mass in sway and surge apart, way and yaw together push sideways (C(v) of 4.26)."""
     simulation, rest = barge
     r = 0.1
-    turning = rigid.spinning(rest, np.array([0.0, r, 0.0]))
+    turning = rigid.with_spin(rest, np.array([0.0, r, 0.0]))
     both = load_at(simulation, **state(turning) | {"velocity": np.array([0.0, 0.0, 3.0])}).parts[
         PARTS.index("damping"), 0
     ]
@@ -286,7 +286,7 @@ def ridden(barge, folder, step):
         ship.body = replace(
             rest,
             position=np.array([0.0, heave, 0.0]),
-            orientation=rigid.oriented(0.0, 0.0, roll),
+            orientation=rigid.euler_quaternion(0.0, 0.0, roll),
             velocity=np.array([0.0, speed, 0.0]),
             angular_momentum=np.array([0.0, 0.0, inertia * rate]),
         )
@@ -358,7 +358,7 @@ def test_a_spring_swings_as_its_closed_form_from_the_first_row_on(barge, tmp_pat
             ship.body, simulation.time = body, k * step
             log.observe(simulation)
             ship.acceleration, ship.turning = -4.0 * body.position, np.zeros(3)
-            body = rigid.advanced(body, body.mass * ship.acceleration, np.zeros(3), step)
+            body = rigid.advance_body(body, body.mass * ship.acceleration, np.zeros(3), step)
         log.close()
         rows = csv_file.read_columns(folder / "motion.csv")
         t = rows["time_s"]
@@ -397,7 +397,7 @@ def test_angles_between_two_steps_turn_the_short_way_around(attitude, tmp_path):
     run(load(calm(ship | {"position": [0.0, 30.0, 0.0]}, **keys), over), tmp_path)
     motion = Result(tmp_path).motion
     poses = zip(*(motion[f"{name}_rad"] for name in ("pitch", "yaw", "roll")))
-    turns = np.array([rigid.oriented(*pose) for pose in poses])
+    turns = np.array([rigid.euler_quaternion(*pose) for pose in poses])
     told = np.column_stack([motion[name] for name in ("qw", "qx", "qy", "qz")])
     assert 1.0 - np.abs((turns * told).sum(axis=1)).min() < 1e-9
     assert np.abs((turns[1:] * turns[:-1]).sum(axis=1)).min() > np.cos(0.5 * 0.02)

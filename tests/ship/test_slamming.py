@@ -9,7 +9,7 @@ import pytest
 
 from ocean_sim.observers import health
 from ocean_sim.reading.scene import load
-from ocean_sim.ship.forces.added_mass import WAGNER, Slamming, entry, slenderness
+from ocean_sim.ship.forces.added_mass import WAGNER_FACTOR, Slamming, entry_curve, pabst_factor
 from ocean_sim.ship.hull.hull import Hull
 from ocean_sim.ship.hull.shapes import Outline, Sphere
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
@@ -24,7 +24,7 @@ def wedge(degrees: float) -> Hydrostatics:
     high, ends = tan(radians(degrees)), (-LENGTH / 2.0, LENGTH / 2.0)
     points = [(x, y, z) for x, y in ((0.0, 0.0), (1.0, high)) for z in ends]
     hull = Hull(shape=Outline(kind="outline", points=points), mass=0.98 * DENSITY * high * LENGTH)
-    return hull.floating(high / 16.0, DENSITY, G)
+    return hull.in_cubes(high / 16.0, DENSITY, G)
 
 
 # F / (rho V^3 t) a metre of length by deadrise, of Dobrovol'skaya's similarity solution as Zhao & Faltinsen (1993) are
@@ -45,19 +45,19 @@ def test_a_wedge_enters_at_a_steady_speed_as_similarity_has_it(degrees, within):
     """A grows with the square of the depth, so that F = 2 A V / t. RISE was fitted to these numbers: this shows that
     the cubes keep to the fit, not that the fit is right."""
     hull = wedge(degrees)
-    volume, moved = entry(hull)
+    volume, moved = entry_curve(hull)
     k = 8  # layers under water: half of it, before the chines are wet
     depth, breadth = k * hull.voxels.size[1], 2.0 * k / 16.0
     assert volume[k] == pytest.approx(0.5 * breadth * depth * LENGTH, rel=0.05)
-    found = 2.0 * moved[k] / LENGTH / slenderness(LENGTH / breadth) / (DENSITY * depth**2)
+    found = 2.0 * moved[k] / LENGTH / pabst_factor(LENGTH / breadth) / (DENSITY * depth**2)
     assert found == pytest.approx(SIMILARITY[degrees], rel=within)
 
 
 def test_a_sphere_enters_between_von_karman_and_wagner():
     """Both of a disc, 4/3 rho c^3 (von Karman 1929 with c^2 = 2 R h - h^2, Wagner 1932 with 3 R h), while it is
     flat where it enters; sections by strips are not a disc, within a quarter."""
-    hull = Hull(shape=Sphere(kind="sphere", radius=1.0), mass=2000.0).floating(1.0 / 24.0, DENSITY, G)
-    volume, moved = entry(hull)
+    hull = Hull(shape=Sphere(kind="sphere", radius=1.0), mass=2000.0).in_cubes(1.0 / 24.0, DENSITY, G)
+    volume, moved = entry_curve(hull)
     depth = hull.voxels.size[1] * np.arange(len(volume))
     for h in (0.05, 0.1, 0.2):
         found = np.interp(h, depth, moved)
@@ -70,7 +70,7 @@ def test_momentum_of_hull_and_water_is_kept_whatever_the_step():
     """(m + A) V: von Karman's wedge, without gravity; what leaves the water and enters again pays again, what bobs in
     it does not."""
     hull = wedge(20.0)
-    usual = float(entry(hull)[1][-1])
+    usual = float(entry_curve(hull)[1][-1])
     speeds = []
     for steps in (5, 50):
         slamming, speed = Slamming(hull, usual), -3.0
@@ -82,7 +82,7 @@ def test_momentum_of_hull_and_water_is_kept_whatever_the_step():
         bobs = [slamming.push(v, -1.0, 0.01) for v in (0.2 * slamming.volume, slamming.volume, 0.5 * slamming.volume)]
         assert not any(bobs)
         assert slamming.push(0.0, -1.0, 0.01) == 0.0 and slamming.push(0.2 * slamming.volume, -1.0, 0.01) > 0.0
-    assert WAGNER == pytest.approx(pi**2 / 4.0)
+    assert WAGNER_FACTOR == pytest.approx(pi**2 / 4.0)
 
 
 def test_the_acceleration_of_a_slam_converges_with_the_step():

@@ -28,5 +28,5 @@ def test_the_error_of_a_step_falls_as_its_square(monkeypatch):
     exact = heave(0.0125)
     coarse, fine = (np.std(heave(dt) - exact) / exact.std() for dt in (0.1, 0.05))
     assert coarse < 0.01 and coarse > 3.0 * fine, (coarse, fine)
-    monkeypatch.setattr(Vessel, "centred", property(lambda ship: ship.body))
+    monkeypatch.setattr(Vessel, "centred_body", property(lambda ship: ship.body))
     assert np.std(heave(0.1) - exact) / exact.std() > 2.0 * coarse

@@ -12,7 +12,7 @@ from ocean_sim.ship.naval.hydrostatics import metacentric_heights
 
 
 def heights(hull):
-    return metacentric_heights(hull.shape, hull.afloat(6.0, 1000.0, 9.81))
+    return metacentric_heights(hull.shape, hull.in_still_water(6.0, 1000.0, 9.81))
 
 
 def test_a_box_has_its_closed_form():

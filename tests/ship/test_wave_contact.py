@@ -10,8 +10,8 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.observers.shared.energy import total
 from ocean_sim.reading.scene import load, observer_names
-from ocean_sim.ship.body.rigid_body import RigidBody, advanced, oriented, spinning
-from ocean_sim.ship.hull.distance import around
+from ocean_sim.ship.body.rigid_body import RigidBody, advance_body, euler_quaternion, with_spin
+from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import Box, Sphere
 from ocean_sim.ship.water import wave_contact
 from ocean_sim.ship.water.wall_contact import Sides
@@ -91,7 +91,7 @@ def test_the_distance_to_a_ball_and_to_a_box():
         (Sphere(kind="sphere", radius=0.4), lambda p: np.linalg.norm(p - [0.0, 0.4, 0.0], axis=1) - 0.4),
         (Box(kind="box", length=0.8, breadth=0.6, height=0.5), from_a_box),
     ):
-        values, first, step = around(shape, 0.04, 0.2, 0.2)
+        values, first, step = distance_lattice(shape, 0.04, 0.2, 0.2)
         axes = [first[k] + step[k] * np.arange(values["distance"].shape[k]) for k in range(3)]
         lower, upper = shape.bounds()
         points = random.uniform(lower - 0.15, upper + 0.15, (4000, 3))
@@ -183,7 +183,7 @@ def test_a_light_ship_is_not_thrown_back_and_the_threads_change_nothing(monkeypa
     layer after layer, and side by side on one thread and on two."""
     scene, states = shot({"kind": "ballistic"}, mass=10.0), []
     for threads, serial in ((1, 20_000), (1, 0), (2, 0)):
-        monkeypatch.setattr(wave_contact, "SERIAL", serial)
+        monkeypatch.setattr(wave_contact, "SERIAL_PARTICLES", serial)
         with Simulation(load(scene, QUIET | {"runtime.threads": threads})) as simulation:
             before = momenta(simulation)
             simulation.run(0.2)
@@ -311,7 +311,7 @@ def residual(simulation: Simulation) -> float:
 EXTREMES = {
     "a tenth of the water's density": (1.0 / 6.0, {}),
     "ten times the water's density, it lies on the bed": (100.0 / 6.0, {}),
-    "capsized": (1.0, {"orientation": oriented(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
+    "capsized": (1.0, {"orientation": euler_quaternion(0.0, 0.0, np.pi), "position": np.array([0.0, 0.05, 0.0])}),
     "wholly under water": (1.0, {"position": np.array([0.0, -0.3, 0.0])}),
     "dropped from 5 m": (1.0, {"position": np.array([0.0, 5.0, 0.0])}),
     "wholly out": (1.0, {"position": np.array([0.0, 1.0, 0.0])}),
@@ -328,7 +328,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     simulation = begun(afloat, weight, **own)
     ship = simulation.ships["ship"]
     if "spin" in changes:
-        ship.body = spinning(ship.body, changes["spin"])
+        ship.body = with_spin(ship.body, changes["spin"])
     if "thrust" in changes:  # of a tenth of its weight
         ship.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
     longer, next_step = changes.get("steps", 1.0), simulation.time_step.next
@@ -386,7 +386,7 @@ def struck(restitution: float, friction: float, **changes) -> tuple[Sides, Rigid
         QUIET,
     ).basin.build()
     sides = Sides(Box(kind="box", length=0.4, breadth=0.4, height=0.4), np.array([0.0, 0.2, 0.0]), basin)
-    still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3), "orientation": oriented(0.0, 0.0, 0.0)}
+    still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3), "orientation": euler_quaternion(0.0, 0.0, 0.0)}
     body = RigidBody(1.0, 0.16 / 6.0 * np.eye(3), **(still | {"position": np.array([0.0, -0.8, 0.0])} | changes))
     return sides, body
 
@@ -395,7 +395,7 @@ def bounced(sides: Sides, body: RigidBody, dt: float = 1e-3) -> RigidBody:
     from ocean_sim.ship import Load
 
     def after(load):
-        return advanced(body, load.force, load.torque, dt)
+        return advance_body(body, load.force, load.torque, dt)
 
     return sides.off(after(sides.stopped(Load.of({}), after, dt)))
 
@@ -408,7 +408,7 @@ def test_a_box_bounces_from_the_bed_and_from_a_corner():
     rubbed = bounced(*struck(0.4, 0.1, velocity=np.array([1.0, -2.0, 0.0])))
     assert rubbed.velocity[0] == pytest.approx(1.0 - 0.1 * 2.8, rel=0.2)
     elastic, body = struck(1.0, 0.0, velocity=np.array([-3.0, 0.0, 0.5]), position=np.array([-0.76, 0.0, 0.1]))
-    body = replace(body, orientation=oriented(0.3, 0.4, 0.2))
+    body = replace(body, orientation=euler_quaternion(0.3, 0.4, 0.2))
     after = bounced(elastic, body)
     assert after.velocity[0] > -3.0 and after.kinetic_energy() == pytest.approx(body.kinetic_energy(), rel=1e-3)
     corners = elastic.points @ after.matrix.T + after.position

@@ -6,9 +6,17 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ocean_sim.surface.shared.isosurface import CORNERS, EDGES, FACES, MIDDLES, MOST, is_ambiguous, table
+from ocean_sim.surface.shared.isosurface import (
+    CORNERS,
+    EDGE_MIDDLES,
+    EDGES,
+    FACES,
+    MAX_TRIANGLES,
+    case_table,
+    is_ambiguous,
+)
 
-COUNTS, CUTS, AMBIGUOUS = table()
+COUNTS, CUTS, AMBIGUOUS = case_table()
 
 
 def triangles(case: int) -> list[tuple[int, int, int]]:
@@ -34,7 +42,7 @@ def test_a_case_uses_exactly_the_edges_whose_ends_differ():
     for case in range(256):
         cut = {e for e, (p, q) in enumerate(EDGES) if case >> p & 1 != case >> q & 1}
         assert {e for t in triangles(case) for e in t} == cut, case
-        assert COUNTS[case] <= MOST and all(len(set(t)) == 3 for t in triangles(case)), case
+        assert COUNTS[case] <= MAX_TRIANGLES and all(len(set(t)) == 3 for t in triangles(case)), case
 
 
 def test_within_a_cube_every_side_is_met_once_and_leaves_the_cube_on_a_face():
@@ -72,7 +80,7 @@ def shifted(e: int, axis: int) -> int:
 
 @pytest.mark.parametrize("corner", range(8))
 def test_triangles_face_away_from_the_water(corner):
-    (a, b, c) = (MIDDLES[e] for e in triangles(1 << corner)[0])
+    (a, b, c) = (EDGE_MIDDLES[e] for e in triangles(1 << corner)[0])
     assert np.cross(b - a, c - a) @ (a - CORNERS[corner]) > 0.0
 
 

@@ -13,7 +13,7 @@ TORUS, TUBE = 0.9, 0.35  # [m] radii
 def cut(nodes: Nodes, field: np.ndarray, isosurface: Isosurface | None = None) -> Mesh:
     isosurface = isosurface or Isosurface(nodes)
     isosurface.value.from_numpy(np.append(field.ravel(), np.full(nodes.shape[0], -1.0)))  # and the dry row
-    return isosurface.mesh(isosurface.count())
+    return isosurface.mesh(isosurface.count_surface())
 
 
 def topology(mesh: Mesh) -> tuple[bool, int]:
@@ -81,7 +81,7 @@ def test_two_hundred_random_fields_that_are_dry_all_round_give_closed_surfaces(t
         assert closed and 0.0 < mesh.volume() < 12.0**3
         characteristics.add(characteristic)
     assert len(characteristics) > 20  # handles and bubbles galore
-    assert 0.2 < isosurface.count().ambiguous_share < 0.5
+    assert 0.2 < isosurface.count_surface().ambiguous_share < 0.5
 
 
 def test_the_check_of_closedness_sees_a_missing_triangle_and_one_turned_round(spheres):

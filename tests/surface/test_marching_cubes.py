@@ -16,7 +16,7 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
-from ocean_sim.pictures.water.smoothed_mesh import smoothed
+from ocean_sim.pictures.water.smoothed_mesh import smooth_mesh
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes
 from ocean_sim.surface.shared.density_map import flat_share
 from tests.surface.test_isosurface import topology
@@ -114,7 +114,7 @@ def test_a_jittered_ball_keeps_both_and_smoothing_leaves_the_volume_alone(round_
     places = ball(SPACING)
     surface = put(round_water[0.1], places + np.random.default_rng(2).normal(0.0, 0.1 * SPACING, places.shape))
     raw = surface.mesh()
-    picture = smoothed(raw, surface.nodes.lower, surface.nodes.upper, 0.4 * SPACING)
+    picture = smooth_mesh(raw, surface.nodes.lower, surface.nodes.upper, 0.4 * SPACING)
     assert topology(raw) == (True, 2)
     assert raw.volume() == pytest.approx(4.0 / 3.0 * np.pi, rel=0.01)
     assert picture.volume() == pytest.approx(raw.volume(), rel=2e-3)
@@ -129,7 +129,7 @@ def test_a_slope_meets_a_wall_in_a_clean_line_when_smoothed(tank):
     flat on the wall ends where the water inside does, in a line."""
     places = STILL[STILL[:, 1] < -0.3 - 0.25 * STILL[:, 0]]
     raw = put(tank, places).mesh()
-    picture = smoothed(raw, tank.nodes.lower, tank.nodes.upper, 0.4 * SPACING)
+    picture = smooth_mesh(raw, tank.nodes.lower, tank.nodes.upper, 0.4 * SPACING)
     rims = {}
     for name, mesh in (("raw", raw), ("smoothed", picture)):
         on_wall = np.flatnonzero(np.isclose(mesh.vertices[:, 2], 0.6) & (np.abs(mesh.vertices[:, 0]) < 0.6))
@@ -247,14 +247,14 @@ def test_only_rows_near_water_are_kept_and_the_rest_is_dry(tank):
     rows, banded = tank.isosurface.rows, jet.mesh()
     assert rows.count[None] < 0.8 * rows.all
     rows.near.fill(1)
-    rows.keep()
-    tank.map.fill(rows, tank.isosurface.value, tank.isovalue)
+    rows.keep_rows()
+    tank.map.fill_rows(rows, tank.isosurface.value, tank.isovalue)
     whole = tank.cut(0)[0]
     assert rows.count[None] == rows.all
     for array in ("vertices", "triangles", "normals"):
         np.testing.assert_array_equal(getattr(banded, array), getattr(whole, array))
     rows.near.fill(0)  # a control: without rows there is nothing
-    rows.keep()
+    rows.keep_rows()
     assert len(tank.cut(0)[0].triangles) == 0
 
 

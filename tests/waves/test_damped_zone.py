@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.waves import Spectrum, absorption, angular_frequency, group_speed, profiles
-from ocean_sim.waves.absorption import PROFILE, RATE, damping_rate, reflected, reflection
+from ocean_sim.waves.absorption import DAMPING_POWER, RATE, damping_rate, reflection, sea_reflection
 
 DEPTH = 0.5
 
@@ -33,7 +33,7 @@ def test_weak_damping_takes_the_work_it_does_in_a_standing_wave(kh):
     x, y = np.linspace(0.0, length, 2001), np.linspace(-DEPTH, 0.0, 2001)
     c, s = profiles(k, y, DEPTH)
     level, upright = np.trapezoid(c * c, y), np.trapezoid(s * s, y)
-    away, damping = k * (length - x), rate * k * speed * (x / length) ** PROFILE
+    away, damping = k * (length - x), rate * k * speed * (x / length) ** DAMPING_POWER
     squares = 2.0 * (level * np.sin(away) ** 2 + upright * np.cos(away) ** 2)
     lost = np.trapezoid(damping * squares, x) / (0.5 * (level + upright) * speed)
     assert 1.0 - sent_back(kh, 0.7, rate) ** 2 == pytest.approx(lost, rel=0.005)
@@ -48,7 +48,7 @@ def test_long_waves_are_those_of_the_shallow_water_equations():
 
     def slopes(away: float, state: np.ndarray) -> np.ndarray:
         eta, q = state
-        r = omega * (1.0 - away / length) ** PROFILE
+        r = omega * (1.0 - away / length) ** DAMPING_POWER
         return np.array([(r - 1j * omega) * q / (GRAVITY * depth), -1j * omega * eta])
 
     eta, q = solve_ivp(slopes, (0.0, length), np.array([1.0 + 0j, 0.0 + 0j]), rtol=1e-9, atol=1e-12).y[:, -1]
@@ -97,9 +97,9 @@ def test_of_a_sea_it_tells_the_highest_wave_and_all_of_them():
     k = float(sea.wavenumber[sea.highest])
     length = 1.5 * 2.0 * np.pi / k
     rate = damping_rate(k, DEPTH, GRAVITY, length)
-    peak, whole = reflected(sea, length, rate)
+    peak, whole = sea_reflection(sea, length, rate)
     each = reflection(sea.omega, DEPTH, GRAVITY, length, rate)
     assert peak == pytest.approx(each[sea.highest], rel=1e-6)
     assert whole == pytest.approx(np.sqrt((sea.amplitude**2 * each**2).sum() / (sea.amplitude**2).sum()), rel=0.05)
     assert peak < 0.005 and whole < 0.01
-    assert reflected(sea, 0.25 * length, rate)[1] > 10.0 * whole
+    assert sea_reflection(sea, 0.25 * length, rate)[1] > 10.0 * whole

@@ -21,7 +21,7 @@ AT = np.random.default_rng(1).uniform(-50.0, 50.0, (20, 2))
 def test_a_swd_file_is_what_the_format_says():
     """magic, fmt, shp, amp, prog, date, nid, cid, grav, lscale, nstrip, nsteps, dt, order, n, d, then four a wave; the
     elevation is A cos(omega t - kx x - ky y + delta) with x along heading 0 and y along heading 90."""
-    data = exchange.swd(SEA, "two waves")
+    data = exchange.to_swd(SEA, "two waves")
     head = struct.unpack_from("<fiii30s20si9s", data)
     assert head[:4] == (np.float32(37.0221), 100, 6, 1) and head[6:] == (9, b"two waves")
     at = struct.calcsize("<fiii30s20si9s")
@@ -38,11 +38,11 @@ def test_a_swd_file_is_what_the_format_says():
 
 def test_a_swd_file_comes_back_and_others_are_refused(tmp_path):
     path = tmp_path / "sea.swd"
-    path.write_bytes(exchange.swd(SEA))
+    path.write_bytes(exchange.to_swd(SEA))
     np.testing.assert_allclose(
         waves.elevation(exchange.of_swd(path), AT, 7.0), waves.elevation(SEA, AT, 7.0), atol=2e-6
     )
-    data = exchange.swd(SEA)
+    data = exchange.to_swd(SEA)
     for wrong, sentence in (
         (b"hello\n", "it begins otherwise; a .swd file"),
         (data[:-1], "ends too early"),
@@ -57,7 +57,7 @@ def test_a_swd_file_comes_back_and_others_are_refused(tmp_path):
 def test_elevations_for_openfast_come_back(tmp_path):
     time = np.arange(50) * 0.1
     path = tmp_path / "sea.Elev"
-    path.write_text(exchange.openfast(time, np.sin(time)))
+    path.write_text(exchange.to_openfast(time, np.sin(time)))
     back, eta = exchange.of_openfast(path)
     np.testing.assert_allclose(back, time, atol=1e-6)
     np.testing.assert_allclose(eta, np.sin(time), atol=1e-8)
@@ -85,7 +85,7 @@ def test_the_library_of_the_format_reads_what_is_written(tmp_path):
     """spectral_wave_data by DNV, which wrote the format: elevations, and the sea that it was told of."""
     library = pytest.importorskip("spectral_wave_data", reason="spectral_wave_data, the format's own reader, is absent")
     path = tmp_path / "sea.swd"
-    path.write_bytes(exchange.swd(SEA, "two waves"))
+    path.write_bytes(exchange.to_swd(SEA, "two waves"))
     sea = library.SpectralWaveData(str(path), 0.0, 0.0, 0.0, 0.0)
     sea.update_time(7.0)
     np.testing.assert_allclose([sea.elev(z, x) for x, z in AT], waves.elevation(SEA, AT, 7.0), atol=2e-6)
@@ -98,7 +98,7 @@ def test_it_sees_the_velocities_of_linear_theory(tmp_path):
     library = pytest.importorskip("spectral_wave_data", reason="spectral_wave_data, the format's own reader, is absent")
     low = replace(SEA, amplitude=1e-4 * SEA.amplitude)
     path = tmp_path / "low.swd"
-    path.write_bytes(exchange.swd(low))
+    path.write_bytes(exchange.to_swd(low))
     sea = library.SpectralWaveData(str(path), 0.0, 0.0, 0.0, 0.0)
     sea.update_time(7.0)
     moved = waves.velocity(low, np.insert(AT, 1, -3.0, axis=1), 7.0)
@@ -111,7 +111,7 @@ def test_pandas_reads_elevations_as_the_table_that_they_are(tmp_path):
     pandas = pytest.importorskip("pandas", reason="pandas, a reader of tables that is not ours, is absent")
     time = np.arange(50) * 0.1
     path = tmp_path / "sea.Elev"
-    path.write_text(exchange.openfast(time, np.sin(time)))
+    path.write_text(exchange.to_openfast(time, np.sin(time)))
     table = pandas.read_csv(path, sep=r"\s+", skiprows=[0, 2])
     assert list(table.columns) == ["Time", "WaveElev"]
     np.testing.assert_allclose(table["Time"], time, atol=1e-6)
@@ -121,7 +121,7 @@ def test_pandas_reads_elevations_as_the_table_that_they_are(tmp_path):
 def test_openfasts_own_reader_of_tables_finds_names_units_and_rows(tmp_path):
     reader = pytest.importorskip("openfast_io.FAST_output_reader", reason="openfast_io is absent")
     path = tmp_path / "sea.Elev"
-    path.write_text(exchange.openfast(np.arange(9) * 0.1, np.arange(9) * 0.01, "nine rows"))
+    path.write_text(exchange.to_openfast(np.arange(9) * 0.1, np.arange(9) * 0.01, "nine rows"))
     data, info = reader.load_ascii_output(str(path), 3, 0, 1, 2)
     assert info["attribute_names"] == ["Time", "WaveElev"] and info["attribute_units"] == ["s", "m"]
     np.testing.assert_allclose(data, np.stack([np.arange(9) * 0.1, np.arange(9) * 0.01], axis=1), atol=1e-9)

@@ -137,15 +137,15 @@ def test_the_surface_has_no_pressure_and_moves_with_the_water(sea):
 
 
 def test_deep_under_the_waves_the_pressure_is_that_of_still_water():
-    sea = waves.regular(0.2, 2.0, np.array([1.0, 0.0]), 500.0)
+    sea = waves.regular_wave(0.2, 2.0, np.array([1.0, 0.0]), 500.0)
     deep = np.array([[0.0, -100.0, 0.0], [3.0, -499.0, 0.0]])
     np.testing.assert_allclose(waves.pressure(sea, deep, 0.3, 1000.0), -1000.0 * GRAVITY * deep[:, 1], rtol=1e-6)
 
 
 def test_headings_say_where_waves_go_to():
     for heading, dimension, expected in [(0.0, 3, (0, 1)), (90.0, 3, (1, 0)), (None, 2, (1, 0)), (270.0, 2, (-1, 0))]:
-        np.testing.assert_allclose(waves.direction(heading, dimension), expected, atol=1e-15)
-    sea = waves.regular(0.2, 2.0, waves.direction(90.0, 3), 5.0)
+        np.testing.assert_allclose(waves.heading_vector(heading, dimension), expected, atol=1e-15)
+    sea = waves.regular_wave(0.2, 2.0, waves.heading_vector(90.0, 3), 5.0)
     c = sea.omega[0] / sea.wavenumber[0]
     crest = np.array([[c * 0.4, 0.0]])  # where the crest of time 0 has gone to
     assert waves.elevation(sea, crest, 0.4)[0] == pytest.approx(0.1)
@@ -154,12 +154,12 @@ def test_headings_say_where_waves_go_to():
 
 def test_what_cannot_be_is_said():
     basin = BasinConfig(length=10.0, depth=0.5).build()
-    assert not list(waves.unsuited(basin, 0.05, 1.5))
-    assert "would break" in next(waves.unsuited(basin, 0.5, 1.0))
+    assert not list(waves.basin_faults(basin, 0.05, 1.5))
+    assert "would break" in next(waves.basin_faults(basin, 0.5, 1.0))
     sideways = BasinConfig(length=10.0, depth=0.5, gravity=(1.0, -9.0, 0.0)).build()
-    assert "straight down" in next(waves.unsuited(sideways))
-    assert "2-D" in next(waves.misdirected(45.0, basin))
-    assert not list(waves.misdirected(270.0, basin))
+    assert "straight down" in next(waves.basin_faults(sideways))
+    assert "2-D" in next(waves.heading_faults(45.0, basin))
+    assert not list(waves.heading_faults(270.0, basin))
     with pytest.raises(ValidationError, match="no gamma"):
         waves.Spectrum(kind="pierson_moskowitz", significant_wave_height=1.0, peak_period=5.0, gamma=3.3)
     with pytest.raises(ValidationError, match="either height"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.waves.orbits import circulation, orbit
+from ocean_sim.waves.orbits import circulation, fit_orbit
 from tests.waves.closed_forms import orbit_ratio, orbit_sizes, stokes_drift
 
 DEPTH, PERIOD, HEIGHT, PERIODS, STEPS = 0.5, 1.2, 0.04, 5, 200
@@ -15,7 +15,7 @@ LEVELS = np.array([-0.05, -0.15, -0.3, -0.45])  # [m]
 
 @pytest.fixture(scope="module")
 def sea() -> waves.Components:
-    return waves.regular(HEIGHT, PERIOD, np.array([1.0, 0.0]), DEPTH)
+    return waves.regular_wave(HEIGHT, PERIOD, np.array([1.0, 0.0]), DEPTH)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def paths(sea):
 @pytest.mark.parametrize("n", range(4))
 def test_orbits_of_linear_theory(sea, paths, n):
     time, x = paths
-    found, k = orbit(time, x[:, n], PERIOD), float(sea.wavenumber[0])
+    found, k = fit_orbit(time, x[:, n], PERIOD), float(sea.wavenumber[0])
     mean = x[:, n, 1].mean()
     along, up = orbit_sizes(HEIGHT / 2.0, k, mean, DEPTH)
     assert found.along_m == pytest.approx(along, rel=0.01) and found.up_m == pytest.approx(up, rel=0.01)
@@ -48,7 +48,7 @@ def test_orbits_of_linear_theory(sea, paths, n):
 
 def test_orbits_shrink_and_flatten_towards_the_bed(paths):
     time, x = paths
-    found = [orbit(time, x[:, n], PERIOD) for n in range(4)]
+    found = [fit_orbit(time, x[:, n], PERIOD) for n in range(4)]
     for high, low in pairwise(found):
         assert low.along_m < high.along_m and low.ratio < high.ratio and low.drift_m_s < high.drift_m_s
 
@@ -62,7 +62,7 @@ def test_the_drift_is_second_order(sea):
 def test_a_path_that_is_too_short_is_refused(paths):
     time, x = paths
     with pytest.raises(ValueError, match="shorter than two periods"):
-        orbit(time[:100], x[:100, 0], PERIOD)
+        fit_orbit(time[:100], x[:100, 0], PERIOD)
 
 
 def test_circulation_of_a_vortex_and_of_a_stream():

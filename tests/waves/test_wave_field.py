@@ -24,7 +24,7 @@ def test_a_scene_that_is_loaded_is_asked_as_a_dict_is(field):
 
 def test_water_is_that_of_columns_stretched_from_bed_to_surface():
     """One wave: a omega cosh k(y' + h) / sinh k h cos(k x - omega t), with Wheeler's y' = h (y - eta) / (h + eta)."""
-    sea = waves.regular(1.0, 5.0, waves.direction(90.0, 3), 5.0)
+    sea = waves.regular_wave(1.0, 5.0, waves.heading_vector(90.0, 3), 5.0)
     k, omega, theta, time = float(sea.wavenumber[0]), 2.0 * np.pi / 5.0, -0.1, 2.0
     x = (theta + omega * time) / k
     eta = 0.5 * np.cos(theta)
@@ -44,7 +44,7 @@ def test_normals_are_across_the_surface(field):
 
 def test_water_at_the_surface_rises_as_the_surface_does(field):
     """To first order in the steepness."""
-    sea = WaveField(waves.regular(0.01, 5.0, waves.direction(30.0, 3), 40.0))
+    sea = WaveField(waves.regular_wave(0.01, 5.0, waves.heading_vector(30.0, 3), 40.0))
     at = np.random.default_rng(2).uniform(-30.0, 30.0, (20, 2))
     rising = (sea.elevation(at, 3.001) - sea.elevation(at, 2.999)) / 0.002
     moved = sea.velocity(np.insert(at, 1, 0.0, axis=1), 3.0)

@@ -9,17 +9,17 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
 from ocean_sim.verbs.waves import sampling
-from ocean_sim.waves.orbits import breaking_cover, falling
+from ocean_sim.waves.orbits import breaking_cover, surface_fall
 from ocean_sim.waves.record import (
     Treatment,
     Unmeasurable,
-    crossings,
-    measured,
+    linear_trend,
+    measure_record,
+    record_spectra,
     sampling_error,
-    segments,
-    spectra,
-    trend,
-    welch,
+    segment_count,
+    up_crossings,
+    welch_density,
     zero_crossing_waves,
 )
 
@@ -53,7 +53,7 @@ def six_cosines(interval: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("interval", [0.02, 0.1, 0.25])
 def test_the_known_record_of_six_cosines(interval):
-    found = measured(*six_cosines(interval)).numbers()
+    found = measure_record(*six_cosines(interval)).numbers()
     for key, value in KNOWN.items():
         assert found[key] == pytest.approx(value, rel=1e-4 if interval < 0.2 else 3e-4), key
     assert found["tp_s"] == pytest.approx(8.0, rel=1e-3)  # the greatest of the six
@@ -62,7 +62,7 @@ def test_the_known_record_of_six_cosines(interval):
 @pytest.mark.parametrize("mean", [0.0, -3.0])
 def test_a_single_cosine(mean):
     time = np.arange(0.0, 60.0, 0.05)
-    found = measured(time, mean + 0.3 * np.cos(2.0 * np.pi * time / 3.1 + 0.2))
+    found = measure_record(time, mean + 0.3 * np.cos(2.0 * np.pi * time / 3.1 + 0.2))
     assert found.hs_m == pytest.approx(0.6, rel=1e-6) and found.hmax_m == pytest.approx(0.6, rel=1e-6)
     assert found.hm0_m == pytest.approx(0.3 * 8.0**0.5, rel=5e-3)
     assert found.waves == 18 and found.tz_s == pytest.approx(3.1, rel=1e-6)
@@ -80,7 +80,7 @@ def test_a_jonswap_sea_has_the_moments_of_its_components():
     for seed in range(2):
         its = sea(seed)
         angle = its.phase[:, None] - its.omega[:, None] * time
-        found = measured(time, its.amplitude @ np.cos(angle))
+        found = measure_record(time, its.amplitude @ np.cos(angle))
         variance, f = 0.5 * its.amplitude**2, its.omega / (2.0 * np.pi)
         assert found.hm0_m == pytest.approx(2.0, rel=0.005)
         assert found.tm01_s == pytest.approx(variance.sum() / (variance * f).sum(), rel=1e-3)
@@ -94,7 +94,8 @@ def worst_error(periods: float, sample: float) -> float:
     """Worst relative error of T_p over phases of a sine of 1 s about a mean, in a record of so many of its periods."""
     time = np.arange(0.0, periods, sample)
     found = [
-        measured(time, 3.0 + 0.2 * np.sin(2.0 * np.pi * time + phase)).tp_s for phase in np.arange(0.0, 6.28, 1.05)
+        measure_record(time, 3.0 + 0.2 * np.sin(2.0 * np.pi * time + phase)).tp_s
+        for phase in np.arange(0.0, 6.28, 1.05)
     ]
     return max(np.inf if period is None else abs(period - 1.0) for period in found)
 
@@ -110,7 +111,7 @@ def test_the_peak_period_of_a_sine_of_any_number_of_periods(sample):
 def test_the_peak_period_of_a_few_waves_is_right_or_none(periods):
     time = np.linspace(0.0, periods, 200)
     for phase in np.arange(0.0, 6.28, 0.7):
-        found = measured(time, 0.5 + np.sin(2.0 * np.pi * time + phase))
+        found = measure_record(time, 0.5 + np.sin(2.0 * np.pi * time + phase))
         assert found.tp_s is None if periods < 2.9 else found.tp_s == pytest.approx(1.0, rel=0.02)
         assert (found.tm01_s is None) == (found.tm02_s is None) == (found.tp_s is None)
 
@@ -118,8 +119,8 @@ def test_the_peak_period_of_a_few_waves_is_right_or_none(periods):
 def test_sines_of_a_short_record_have_each_their_own_period():
     time = np.arange(0.0, 20.0, 0.05)
     for period in (3.0, 3.5, 4.0, 5.0, 6.0):
-        assert measured(time, np.sin(2.0 * np.pi * time / period + 1.0)).tp_s == pytest.approx(period, rel=0.01)
-    assert measured(time, np.sin(2.0 * np.pi * time / 9.0)).tp_s is None
+        assert measure_record(time, np.sin(2.0 * np.pi * time / period + 1.0)).tp_s == pytest.approx(period, rel=0.01)
+    assert measure_record(time, np.sin(2.0 * np.pi * time / 9.0)).tp_s is None
 
 
 def test_noise_and_a_slow_rise_of_the_level_leave_the_peak_period():
@@ -127,8 +128,8 @@ def test_noise_and_a_slow_rise_of_the_level_leave_the_peak_period():
     for periods in (5, 8, 15, 30, 100):
         time = np.linspace(0.0, periods, 4000)
         record = np.sin(2.0 * np.pi * time + 0.3) + noise
-        assert measured(time, record).tp_s == pytest.approx(1.0, rel=0.02)
-        assert measured(time, record + 0.2 * time / periods).tp_s == pytest.approx(1.0, rel=0.02)
+        assert measure_record(time, record).tp_s == pytest.approx(1.0, rel=0.02)
+        assert measure_record(time, record + 0.2 * time / periods).tp_s == pytest.approx(1.0, rel=0.02)
 
 
 @pytest.mark.parametrize("gamma, bias, scatter", [(3.3, 0.03, 0.05), (1.0, 0.07, 0.10)])
@@ -138,26 +139,26 @@ def test_the_peak_period_of_a_sea_scatters_no_more_than_averaged_spectra_do(gamm
     for seed in range(60):
         spectrum = waves.Spectrum(significant_wave_height=2.0, peak_period=8.0, gamma=gamma, seed=seed)
         its = spectrum.components(np.array([1.0, 0.0]), 100.0)
-        found.append(measured(time, its.amplitude @ np.cos(its.phase[:, None] - its.omega[:, None] * time)).tp_s)
+        found.append(measure_record(time, its.amplitude @ np.cos(its.phase[:, None] - its.omega[:, None] * time)).tp_s)
     ratio = np.array(found) / 8.0
     assert abs(ratio.mean() - 1.0) < bias and ratio.std() < scatter
 
 
 def test_a_long_record_is_averaged_over_eight_segments():
-    assert segments(0.25, six_cosines(0.25)[1]) == 8
+    assert segment_count(0.25, six_cosines(0.25)[1]) == 8
     for periods, count in ((4, 1), (8, 1), (10, 2), (20, 5), (28, 8)):
         sine = np.sin(2.0 * np.pi * np.linspace(0.0, periods, 2001))
-        assert segments(periods / 2000, sine) == count
+        assert segment_count(periods / 2000, sine) == count
 
 
 def test_spectra_of_several_gauges_have_common_frequencies():
     time = np.arange(0.0, 60.0, 0.05)
     heights = {"still": 0.0 * time, "short": np.sin(6.0 * time), "long": np.sin(0.7 * time)}
-    frequency, densities = spectra(time, heights)
+    frequency, densities = record_spectra(time, heights)
     assert frequency[1] == pytest.approx(1.0 / 60.0)  # what the longest waves need
     assert not densities["still"].any()
     assert np.trapezoid(densities["short"], frequency) == pytest.approx(0.5, rel=0.03)
-    assert len(spectra(time, {"still": 0.0 * time})[0]) < len(frequency)
+    assert len(record_spectra(time, {"still": 0.0 * time})[0]) < len(frequency)
 
 
 def test_gaussian_waves_of_a_narrow_band():
@@ -172,7 +173,7 @@ def test_gaussian_waves_of_a_narrow_band():
     assert highest[: len(heights) // 3].mean() == pytest.approx(4.004, rel=0.03)
     assert heights.mean() == pytest.approx(2.507, rel=0.03)
     assert np.sqrt((heights**2).mean()) == pytest.approx(2.828, rel=0.03)
-    assert measured(interval * np.arange(n), record).hs_m == pytest.approx(4.004, rel=0.03)
+    assert measure_record(interval * np.arange(n), record).hs_m == pytest.approx(4.004, rel=0.03)
 
 
 def test_a_trend_is_taken_off_on_request():
@@ -180,20 +181,20 @@ def test_a_trend_is_taken_off_on_request():
     rise alone is 2 / sqrt 12 m, and waves are missed where the record is far from its mean."""
     time, record = six_cosines(0.1)
     rising = record + 1e-3 * time - 0.7
-    found = measured(time, rising, Treatment(detrended=True))
+    found = measure_record(time, rising, Treatment(detrended=True))
     for key, value in KNOWN.items():
         assert found.numbers()[key] == pytest.approx(value, rel=1e-3), key
-    assert trend(0.1, rising) == pytest.approx(1e-3, abs=3e-5)  # what cosines cut short leave of a slope
-    left = measured(time, rising)
+    assert linear_trend(0.1, rising) == pytest.approx(1e-3, abs=3e-5)  # what cosines cut short leave of a slope
+    left = measure_record(time, rising)
     assert left.hm0_m == pytest.approx(4.0 * (record.var() + 4.0 / 12.0) ** 0.5, rel=5e-3) and left.waves < 290
-    low = spectra(time, {"a": rising}, Treatment(detrended=True))[1]["a"][1]
-    assert low < 0.01 * spectra(time, {"a": rising})[1]["a"][1]
+    low = record_spectra(time, {"a": rising}, Treatment(detrended=True))[1]["a"][1]
+    assert low < 0.01 * record_spectra(time, {"a": rising})[1]["a"][1]
 
 
 def test_a_level_that_rises_evenly_is_still_water_less_its_trend():
     time = np.arange(200) * 0.1
-    assert measured(time, 3.0 + 0.02 * time, Treatment(detrended=True)).numbers()["hm0_m"] == 0.0
-    assert measured(time, 3.0 + 0.02 * time).hm0_m == pytest.approx(4.0 * 0.02 * 20.0 / 12.0**0.5, rel=1e-3)
+    assert measure_record(time, 3.0 + 0.02 * time, Treatment(detrended=True)).numbers()["hm0_m"] == 0.0
+    assert measure_record(time, 3.0 + 0.02 * time).hm0_m == pytest.approx(4.0 * 0.02 * 20.0 / 12.0**0.5, rel=1e-3)
 
 
 def test_noise_about_zero_makes_no_waves_with_hysteresis():
@@ -201,12 +202,12 @@ def test_noise_about_zero_makes_no_waves_with_hysteresis():
     time = np.arange(0.0, 300.0, 0.01)
     sine = -0.1 * np.cos(2.0 * np.pi * time / 4.0)
     noisy = sine + 0.004 * np.random.default_rng(4).normal(size=len(time))
-    clean, counted = measured(time, sine), measured(time, noisy, Treatment(hysteresis=0.03))
-    assert clean.waves == counted.waves == 74 and measured(time, noisy).waves > 150
+    clean, counted = measure_record(time, sine), measure_record(time, noisy, Treatment(hysteresis=0.03))
+    assert clean.waves == counted.waves == 74 and measure_record(time, noisy).waves > 150
     assert counted.tz_s == pytest.approx(4.0, abs=2.0 * 0.026 / 74)  # noise over the slope at a crossing is 26 ms
     assert counted.hs_m == pytest.approx(0.2, abs=6.0 * 0.004)  # the greatest of noise on crest and trough
-    assert measured(time, sine, Treatment(hysteresis=0.0999)).waves == 74
-    assert measured(time, sine, Treatment(hysteresis=0.1001)).waves == 0
+    assert measure_record(time, sine, Treatment(hysteresis=0.0999)).waves == 74
+    assert measure_record(time, sine, Treatment(hysteresis=0.1001)).waves == 0
 
 
 def test_hysteresis_leaves_out_what_stays_within_it():
@@ -215,11 +216,11 @@ def test_hysteresis_leaves_out_what_stays_within_it():
     time = np.arange(0.0, 90.0, 0.01)
     size = np.where((time // 2.0).astype(int) % 3 == 2, 0.05, 0.5)
     record = size * np.sin(np.pi * time - 1e-6)
-    all_times, _ = crossings(0.01, record)
-    some_times, before = crossings(0.01, record, 0.06)
+    all_times, _ = up_crossings(0.01, record)
+    some_times, before = up_crossings(0.01, record, 0.06)
     assert len(all_times) == 45 and len(some_times) == 29  # before the first the record has not been below -0.06 m
     assert set(some_times) <= set(all_times) and (record[before] < 0.0).all()
-    np.testing.assert_array_equal(crossings(0.01, record, 0.04)[0], all_times[1:])
+    np.testing.assert_array_equal(up_crossings(0.01, record, 0.04)[0], all_times[1:])
     heights, periods = zero_crossing_waves(0.01, record, 0.06)
     assert heights == pytest.approx(1.0, rel=1e-6) and sorted(set(periods.round(3))) == [2.0, 4.0]
 
@@ -251,19 +252,19 @@ def test_the_command_takes_off_a_trend_and_noise(tmp_path, capsys):
 
 def test_the_spectrum_holds_the_variance():
     _, record = six_cosines(0.25)
-    frequency, density = welch(0.25, record)
+    frequency, density = welch_density(0.25, record)
     assert np.trapezoid(density, frequency) == pytest.approx(0.71125, rel=0.02)
 
 
 def test_uneven_samples_are_put_on_even_times():
     time, record = six_cosines(0.05)
     kept = np.random.default_rng(2).uniform(size=len(time)) > 0.1
-    found = measured(time[kept], record[kept])
+    found = measure_record(time[kept], record[kept])
     assert found.hm0_m == pytest.approx(3.37343, rel=0.002) and abs(found.waves - 309) <= 1
 
 
 def test_still_water_has_no_waves():
-    found = measured(np.arange(100) * 0.1, np.full(100, 0.2))
+    found = measure_record(np.arange(100) * 0.1, np.full(100, 0.2))
     assert found.numbers() == {
         "hs_m": 0.0,
         "hm0_m": 0.0,
@@ -278,7 +279,7 @@ def test_still_water_has_no_waves():
 
 def test_a_record_shorter_than_a_wave_has_a_deviation_alone():
     time = np.arange(100) * 0.1
-    found = measured(time, np.sin(2.0 * np.pi * time / 15.0)).numbers()
+    found = measure_record(time, np.sin(2.0 * np.pi * time / 15.0)).numbers()
     assert found.pop("hm0_m") > 1.0 and found.pop("waves") == 0 and set(found.values()) == {None}
 
 
@@ -296,12 +297,12 @@ GAP = np.concatenate([np.arange(0.0, 200.05, 0.1), np.arange(300.0, 600.0, 0.1)]
 )
 def test_what_is_no_record_says_why(time, height, why):
     with pytest.raises(Unmeasurable, match=why):
-        measured(time, height)
+        measure_record(time, height)
 
 
 def test_a_record_whose_interval_changes_is_one():
     time = np.concatenate([np.arange(0.0, 100.0, 0.1), np.arange(100.0, 600.0, 0.5)])
-    sea = measured(time, 0.5 * np.sin(2.0 * np.pi * time / 7.0))
+    sea = measure_record(time, 0.5 * np.sin(2.0 * np.pi * time / 7.0))
     assert sea.tz_s == pytest.approx(7.0, rel=1e-3) and sea.hs_m == pytest.approx(1.0, rel=0.02)
 
 
@@ -447,11 +448,13 @@ def test_the_command_reports_circulation_white_caps_and_the_gain(tmp_path, capsy
 def test_waves_that_are_not_steep_or_too_short_to_count_are_not_white(tmp_path):
     x = 0.5 * np.arange(80)
     long, short = (np.tile(a * np.cos(k * x)[:, None], (1, 3)) for a, k in ((0.5, 0.5), (0.2, 2.0 * np.pi)))
-    assert breaking_cover(falling(long, 0.5, 0.5)) == 0.0  # 0.25 g
-    assert breaking_cover(falling(3.0 * long, 0.5, 0.5)) > 0.2
-    assert breaking_cover(falling(3.0 * long, 0.5, 0.5, depth=0.2)) == 0.0  # long waves on shallow water fall slowly
-    assert breaking_cover(falling(short, 0.5, 0.5)) > 0.2
-    assert breaking_cover(falling(short, 0.5, 0.5, shortest=2.0)) == 0.0
+    assert breaking_cover(surface_fall(long, 0.5, 0.5)) == 0.0  # 0.25 g
+    assert breaking_cover(surface_fall(3.0 * long, 0.5, 0.5)) > 0.2
+    assert (
+        breaking_cover(surface_fall(3.0 * long, 0.5, 0.5, depth=0.2)) == 0.0
+    )  # long waves on shallow water fall slowly
+    assert breaking_cover(surface_fall(short, 0.5, 0.5)) > 0.2
+    assert breaking_cover(surface_fall(short, 0.5, 0.5, shortest=2.0)) == 0.0
 
 
 def measured_by_the_command(tmp_path, capsys, height, *options, time=None):
@@ -487,7 +490,7 @@ def test_records_of_other_programs_are_read_whole_or_refused(tmp_path, capsys, m
 
     monkeypatch.chdir(tmp_path)
     time, height = (values[:400] for values in six_cosines(0.5))
-    Path("sea.Elev").write_text(exchange.openfast(time, height))
+    Path("sea.Elev").write_text(exchange.to_openfast(time, height))
     Path("sea.csv").write_text("time_s,WaveElev_m\n" + "".join(f"{t:.6f},{h:.9e}\n" for t, h in zip(time, height)))
     answers = []
     for name in ("sea.Elev", "sea.csv"):

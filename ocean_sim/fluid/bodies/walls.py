@@ -17,7 +17,7 @@ from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.water_keys import free_fall_speed
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
-from ocean_sim.waves.absorption import PROFILE, damping_rate, reflected
+from ocean_sim.waves.absorption import DAMPING_POWER, damping_rate, sea_reflection
 
 REGULAR, RANDOM = 1.0, 2.0  # [wavelengths] of a zone
 MOST = 0.5  # of the basin that the zones along an axis take
@@ -55,7 +55,7 @@ class Zone:
     def sent_back(self) -> tuple[float, float]:
         """Height over that of the waves of what comes back, by linear theory: of the highest, and of all of them."""
         assert self.coming is not None
-        return reflected(self.coming, self.length, self.rate)
+        return sea_reflection(self.coming, self.length, self.rate)
 
     @property
     def statement(self) -> str:
@@ -87,7 +87,7 @@ class Zone:
 
 def coming(basin: Basin, initial: Initial | None) -> waves.Components | None:
     """The waves of a scene: of its wavemaker, of its initial state, or of the period at which its tank moves."""
-    if any(waves.unsuited(basin)):
+    if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
         return basin.piston.sea
@@ -151,7 +151,7 @@ class Target:
     def turn(self, time: float) -> None:
         """Take it at a time [s]."""
         if self.waving:
-            self.waves.turn(time)
+            self.waves.set_time(time)
 
     @ti.func
     def velocity(self, x):
@@ -262,12 +262,12 @@ class Walls:
 
     @ti.func
     def relaxed(self, x, v, dt):
-        """Velocity after dt in the zones before absorbing sides: dv/dt = rate s^PROFILE (target - v), s from 0 where a
-        zone begins to 1 at its side, solved over dt."""
+        """Velocity after dt in the zones before absorbing sides: dv/dt = rate s^q (target - v), q = DAMPING_POWER, s
+        from 0 at the edge of a zone to 1 at its side, solved over dt."""
         for axis, begin, end, rate, target in ti.static(self.zones):
             s = (x[axis] - begin) / (end - begin)
             if s > 0.0:
-                v += (1.0 - ti.exp(-dt * rate * tm.min(s, 1.0) ** PROFILE)) * (target.velocity(x) - v)
+                v += (1.0 - ti.exp(-dt * rate * tm.min(s, 1.0) ** DAMPING_POWER)) * (target.velocity(x) - v)
         return v
 
     @ti.func

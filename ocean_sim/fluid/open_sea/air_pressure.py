@@ -1,10 +1,9 @@
-"""What winds do to a surface without particles: the vertical part of their force, as a pressure on it.
+"""Wind on a surface without particles: the vertical part of its force, as a pressure on the surface.
 
-A wind is asked in the middle of each cell of a tile: on the surface of the cell, its slope included, where it acts on a
-surface, and in a few slabs from there downwards for its force on their mass. A force f on every
-kilogram at a depth moves a wave as a pressure -rho f dy sinh k(y+h) / sinh kh on the surface would, by linear theory:
-to the waves that are shorter than it is deep it does little. Horizontal forces are left out: a stress drags water
-along, it makes no waves here.
+The force is taken in the middle of each cell of a tile: on the sloping surface of the cell where the wind acts on
+surfaces, and in a few slabs below it where it acts on mass. By linear theory a force f on every kilogram of a slab of
+thickness dy moves a wave as the pressure -rho f dy sinh k(y+h) / sinh kh on the surface would: a wave shorter than the
+slab is deep hardly feels it. Horizontal forces are left out: a stress drags water along and makes no waves here.
 """
 
 from typing import Any, ClassVar
@@ -17,12 +16,12 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.waves import profiles
 from ocean_sim.wind import Wind
 
-SLABS = 4
+WIND_SLABS = 4  # slabs of water in which a wind acts on mass
 
 
 @in_kernels
 class AirPressure:
-    """Impulses of a wind on the cells of a tile, gathered until they are asked for."""
+    """Impulses of a wind on the cells of a tile, summed between steps of the tile."""
 
     left_out: ClassVar[tuple[str, ...]] = ("weights",)
 
@@ -30,7 +29,7 @@ class AirPressure:
         self.wind, self.tile, self.density = wind, tile, density
         self.cell, self.cells, self.rows = tile.cell, tile.cells, tile.rows
         deepest = min(tile.depth, tile.side / PER_TILE)
-        edges = deepest * (np.arange(SLABS + 1) / SLABS) ** 2
+        edges = deepest * (np.arange(WIND_SLABS + 1) / WIND_SLABS) ** 2
         on_top = [0.0] if wind.needs_area else []
         self.middle = (*on_top, *(float(d) for d in 0.5 * (edges[1:] + edges[:-1])))  # depth of each [m]
         self.thick = (*on_top, *(float(d) for d in np.diff(edges)))  # [m]
@@ -43,35 +42,35 @@ class AirPressure:
     @staticmethod
     def bytes(cells: int, word: int) -> int:
         """Memory that so many cells take."""
-        return cells * (8 * (SLABS + 1) + 2 * word)
+        return cells * (8 * (WIND_SLABS + 1) + 2 * word)
 
-    def lean(self, along: np.ndarray, across: np.ndarray) -> None:
-        """The slopes of the surface along x and z, (cells, rows), from now on."""
+    def set_slopes(self, along: np.ndarray, across: np.ndarray) -> None:
+        """Set the slopes of the surface along x and z, (cells, rows)."""
         if self.slope is not None:
-            self.slope.from_numpy(np.stack([along, across], axis=-1).astype(self.real))
+            self.slope.from_numpy(np.stack([along, across], axis=-1).astype(self.number_type))
 
     @property
-    def real(self) -> type:
-        """The type of its numbers."""
+    def number_type(self) -> type:
+        """NumPy type of the fields of floats."""
         return self.slope.to_numpy().dtype.type if self.slope is not None else np.float64
 
-    def gather(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
-        """What the wind does in its step of dt [s]; how far the water has drifted, and the tile's centre in its axes
-        [m]."""
+    def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
+        """Add the impulse of the wind in its step of dt [s]; `drift` of the water, and the tile's `centre` in the axes
+        of the water [m]."""
         first = np.array([axis[0] for axis in self.tile.nodes()])
-        self.add(self.wind.since, self.wind.step, dt, *first, *drift, *centre)
+        self.add_impulses(self.wind.since, self.wind.step, dt, *first, *drift, *centre)
         self.gathered += dt
 
-    def taken(self) -> np.ndarray:
-        """The modes of the mean pressure over the density [m2/s2] since it was last taken."""
+    def take_pressure(self) -> np.ndarray:
+        """Modes of the mean pressure over the density [m2/s2] since the last call; the sum starts anew."""
         tile, pushed = self.tile, self.impulse.to_numpy()
-        modes = sum(weight * tile.waves(slab) for weight, slab in zip(self.weights, pushed))
+        modes = sum(weight * tile.to_modes(slab) for weight, slab in zip(self.weights, pushed))
         span, self.gathered = self.gathered, 0.0
         self.impulse.fill(0.0)
         return -modes / span if span else np.zeros(tile.k.shape)
 
     @ti.kernel
-    def add(
+    def add_impulses(
         self,
         since: float,
         step: float,
@@ -85,8 +84,8 @@ class AirPressure:
     ):
         self.wind.set_clock(since, step)
         for i, k in ti.ndrange(self.cells, self.rows):
-            x = nearest(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
-            z = nearest(first_z + k * self.cell, centre_z, self.cell * self.rows) + drift_z
+            x = nearest_image(first_x + i * self.cell, centre_x, self.cell * self.cells) + drift_x
+            z = nearest_image(first_z + k * self.cell, centre_z, self.cell * self.rows) + drift_z
             for slab in ti.static(range(len(self.middle))):
                 area = tm.vec3(0.0)
                 if ti.static(slab == 0 and self.wind.needs_area):
@@ -101,6 +100,6 @@ class AirPressure:
 
 
 @ti.func
-def nearest(x, centre, side):
+def nearest_image(x, centre, side):
     """The image of x, which repeats itself, that is nearest to a centre."""
     return x - side * ti.round((x - centre) / side)

@@ -17,20 +17,20 @@ if TYPE_CHECKING:  # they are imported only where there are tiles
     from ocean_sim.fluid.open_sea.wave_tile import OnTile
 
 POINTS_PER_WAVE = 16  # at which a wave is drawn
-SMOOTH = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
+SMOOTH_STEP_PERIODS = 0.04  # [periods] times a quarter (the force number of `courant`): a hundred steps a wave
 
 
 def status_of(sea: waves.Components, density: float) -> Status:
-    """Of water that never changes its kind of motion: the sums of all waves' speeds and accelerations at the surface by
-    the root of squares, sqrt 2 deviations if they are random."""
+    """Status that holds at all times: root sum of squares of the waves' speeds and accelerations at the surface, sqrt 2
+    standard deviations of random waves."""
     speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega  # [m/s]
     fastest, hardest = np.linalg.norm(speed), np.linalg.norm(speed * sea.omega)
     return Status(float(fastest), float(hardest), density, density, 0, True)
 
 
 class OpenWater(Fluid):
-    """The sum, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves and
-    all `tiles`. Without more it is plane waves alone, in water that rests."""
+    """Sum of waves, for kernels and for Python: kernels read the plane waves and the `sheets`, Python the plane waves
+    and all `tiles`. By default it is plane waves alone, in water at rest."""
 
     sound_speed = 0.0  # [m/s] nothing is compressed
 
@@ -56,7 +56,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def velocity(self, position):
-        """[m/s]; above the water that of its surface."""
+        """Velocity [m/s]; above the water that of its surface."""
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(self.current[0], 0.0, self.current[1]) + self.waves.velocity_at(position, y)
         for sheet in ti.static(self.sheets):
@@ -65,7 +65,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def acceleration(self, position):
-        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
+        """Acceleration [m/s2] of the water by linear theory, -grad p / rho less gravity."""
         y = self.waves.stretched(position, self.elevation(position.x, position.z))
         a = self.waves.acceleration_at(position, y)
         for sheet in ti.static(self.sheets):
@@ -74,7 +74,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def rise(self, x, z):
-        """Elevation of what is not plane waves [m], when the last step began."""
+        """Elevation of the waves on tiles [m] when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.before)
@@ -82,8 +82,8 @@ class OpenWater(Fluid):
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of what is not plane waves when the last step began, at
-        a depth of the unstretched column."""
+        """Velocity [m/s] and acceleration [m/s2] of current and waves on tiles when the last step began, at a depth of
+        the unstretched column."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
             v += sheet.velocity(x, z, depth, sheet.before)
@@ -101,70 +101,70 @@ class OpenWater(Fluid):
         sea, (dx, dz) = self.waves.sea, np.array([x, z]) - self.before * np.array(self.current)
         angle = sea.wavevector[:, 0] * dx + sea.wavevector[:, 1] * dz + sea.phase - sea.omega * self.before
         heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
-        return Arriving(sea.grown(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
+        return Arriving(sea.ramp_share(self.before) * sea.amplitude, angle, sea.omega, heading, sea.wavenumber)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
-        return self.heights(np.asarray(points, dtype=float) - self.drift)
+        return self.water_elevations(np.asarray(points, dtype=float) - self.drift)
 
     def undisturbed_elevations(self, points: np.ndarray, elevation: np.ndarray) -> np.ndarray:
         return elevation
 
-    def heights(self, points: np.ndarray) -> np.ndarray:
-        """The same of points in the axes of the water."""
-        return self.sum_of(points, self.tiles)
+    def water_elevations(self, points: np.ndarray) -> np.ndarray:
+        """(m,) heights [m] at points in the axes of the water."""
+        return self.sum_elevations(points, self.tiles)
 
-    def sum_of(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """The same of the plane waves and of these tiles."""
+    def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
+        """(m,) heights [m] of the plane waves and of these tiles, in the axes of the water."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
-            there = one.seen(points)
+            there = one.covers(points)
             if there.any():
                 eta[there] += one.elevation(points[there], self.time)
         return eta
 
     def velocities(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m, 3) velocities [m/s]; above the water that of its surface."""
-        at, (_, y) = self.in_water(points)
-        return self.flow(at, y)
+        at, (_, y) = self.locate_points(points)
+        return self.flow_velocities(at, y)
 
     def surface_velocities(self, points: np.ndarray) -> np.ndarray:
         at = np.asarray(points, dtype=float) - self.drift
-        return self.flow(at, np.zeros(len(at)))
+        return self.flow_velocities(at, np.zeros(len(at)))
 
-    def flow(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
         """(m, 3) velocities [m/s] at x and z in the axes of the water (m, 2) and heights in the unstretched column (m,)
         [m]."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
         for one in self.tiles:
-            there = one.seen(at)
+            there = one.covers(at)
             v[there] += one.velocities(at[there], y[there], self.time)
         return v
 
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """(m, 3) points [m] -> (m,) pressures [Pa]; 0 above the water."""
-        at, (eta, y) = self.in_water(points)
+        at, (eta, y) = self.locate_points(points)
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         head = waves.pressure_head(self.waves.sea, stretched, self.time) - points[:, 1]
         for one in self.tiles:
-            there = one.seen(at)
+            there = one.covers(at)
             head[there] += one.heads(at[there], y[there], self.time)
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
-    def in_water(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Of points (m, 3): x and z in the axes of the water (m, 2), and over them the elevation (m,) and the height in
-        the unstretched column (m,) [m]."""
+    def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """x and z (m, 2) of points (m, 3) in the axes of the water, and there the elevation (m,) and the height of the
+        points in the unstretched column (m,) [m]."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
-        eta = self.heights(at)
-        return at, (eta, waves.stretched(self.waves.sea, points, eta))
+        eta = self.water_elevations(at)
+        return at, (eta, waves.stretched_height(self.waves.sea, points, eta))
 
 
 @in_kernels
-class Felt(OpenWater):
-    """Open water as one of several ships feels it: without the waves that she makes herself."""
+class WaterForShip(OpenWater):
+    """Open water for one of several ships: without the waves that she makes herself."""
 
     def __init__(self, whole: OpenWater, tiles: "Sequence[OnTile]", sheets: "tuple[Sheet, ...]") -> None:
         self.whole, self.tiles, self.sheets = whole, tiles, sheets
@@ -188,7 +188,7 @@ class Felt(OpenWater):
         return self.whole.status
 
     def advance(self, dt: float) -> None:
-        """The whole goes on by itself."""
+        """Do nothing: the whole advances by itself."""
 
     def limits(self) -> Limits:
         return self.whole.limits()

@@ -14,7 +14,7 @@ NO_DRIFT = (
 
 @in_kernels
 class PlaneWaves:
-    """A sea at one time; what it does follows from it."""
+    """Plane waves of a sea at one time, on the device."""
 
     def __init__(self, sea: waves.Components) -> None:
         n = len(sea.amplitude)
@@ -27,21 +27,21 @@ class PlaneWaves:
 
     @staticmethod
     def bytes(waves: int, word: int) -> int:
-        """Memory that it takes."""
+        """Memory of so many waves [bytes]."""
         return waves * (6 * word + 4 * 8) + word
 
     def begin(self, sea: waves.Components) -> None:
-        """These waves from time 0 on; as many as there were, of the same depth."""
+        """Replace the waves, from time 0 on, by as many others on the same depth."""
         self.sea = sea
         self.begun += 1
         speed = sea.amplitude * sea.gravity * sea.wavenumber / sea.omega
         each = np.stack([sea.amplitude, sea.wavenumber, *sea.wavevector.T, speed], axis=1)
         turns = np.stack([sea.phase, sea.omega, *sea.wavevector.T], axis=1) / (2.0 * np.pi)
-        self.hold(each.astype(self.real), turns)
-        self.turn(0.0)
+        self.store_waves(each.astype(self.real), turns)
+        self.set_time(0.0)
 
     @ti.kernel
-    def hold(self, each: Array2, turns: Doubles2):
+    def store_waves(self, each: Array2, turns: Doubles2):
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
@@ -49,13 +49,13 @@ class PlaneWaves:
             for c in ti.static(range(4)):
                 self.at_first[i][c] = turns[i, c]
 
-    def turn(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """The waves at a time [s], carried by a current along x and z so far [m]; phases are kept in f64 and small,
-        whatever the precision and length of the run."""
-        self.take(time, *drift, self.sea.grown(time))
+    def set_time(self, time: float, drift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Set the time [s], and the way [m] along x and z by which a current has carried the waves. Phases are kept
+        small and in f64, so they stay exact in a run of any length and precision."""
+        self.compute_phases(time, *drift, self.sea.ramp_share(time))
 
     @ti.kernel
-    def take(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
+    def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
@@ -65,7 +65,7 @@ class PlaneWaves:
 
     @ti.func
     def elevation(self, x, z):
-        """[m]"""
+        """Elevation [m]."""
         eta = 0.0
         for i in range(self.amplitude.shape[0]):
             eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
@@ -73,18 +73,18 @@ class PlaneWaves:
 
     @ti.func
     def stretched(self, position, eta):
-        """Wheeler's y' [m] of a position under an elevation."""
+        """Height y' [m] in the unstretched column of a position under an elevation (Wheeler)."""
         h = ti.static(self.sea.depth)
         return ti.min(h * (position.y - eta) / ti.max(h + eta, 1e-6 * h), 0.0)
 
     @ti.func
     def velocity(self, position):
-        """[m/s]; above the water that of its surface."""
+        """Velocity [m/s]; above the water that of its surface."""
         return self.velocity_at(position, self.stretched(position, self.elevation(position.x, position.z)))
 
     @ti.func
     def velocity_at(self, position, y):
-        """[m/s] by linear theory at a height y of the unstretched column."""
+        """Velocity [m/s] by linear theory at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -96,13 +96,8 @@ class PlaneWaves:
         return self.grown[None] * v
 
     @ti.func
-    def acceleration(self, position):
-        """[m/s2] by linear theory, -grad p / rho less gravity: what a body that is small against the waves feels."""
-        return self.acceleration_at(position, self.stretched(position, self.elevation(position.x, position.z)))
-
-    @ti.func
     def acceleration_at(self, position, y):
-        """The same at a height y of the unstretched column."""
+        """Acceleration [m/s2] by linear theory, -grad p / rho less gravity, at a height y of the unstretched column."""
         h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
         a = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
@@ -114,13 +109,8 @@ class PlaneWaves:
         return self.grown[None] * a
 
     @ti.func
-    def head(self, position, eta):
-        """Pressure over rho g [m] under an elevation, hydrostatic and that of the waves."""
-        return self.head_at(position, self.stretched(position, eta))
-
-    @ti.func
     def head_at(self, position, y):
-        """The same at a height y of the unstretched column."""
+        """Pressure over rho g [m], hydrostatic and that of the waves, at a height y of the unstretched column."""
         h = ti.static(self.sea.depth)
         head = 0.0
         for i in range(self.amplitude.shape[0]):

@@ -14,13 +14,13 @@ from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import profiles
 
-LEVELS = 6
-WORDS = 2 * (1 + 6 * LEVELS)  # numbers a cell
-CLOCK = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
+SHEET_LEVELS = 6  # levels below the still surface, with it
+WORDS_PER_CELL = 2 * (1 + 6 * SHEET_LEVELS)  # numbers a cell
+CLOCK_COLUMNS = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the last four [m]
 
 
 @ti.func
-def cubic(s):
+def cubic_weights(s):
     """Weights of four values for a share s of the way from the second to the third (Keys 1981, IEEE Trans. ASSP 29)."""
     return tm.vec4(
         0.5 * s * (-1.0 + s * (2.0 - s)),
@@ -32,7 +32,7 @@ def cubic(s):
 
 @in_kernels
 class Sheet:
-    """What a tile shows around its centre; beyond its edges nothing, or the same again where it `repeats`."""
+    """Waves of a tile around its centre; beyond its edges none, or its images where it `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -42,30 +42,30 @@ class Sheet:
         self.tile, self.repeats = tile, repeats
         self.cell, self.cells, self.rows = tile.cell, tile.cells, tile.rows
         deepest = min(tile.depth, tile.side / PER_TILE)
-        self.depths = tuple(float(d) for d in deepest * (np.arange(LEVELS) / (LEVELS - 1)) ** 2)  # [m]
+        self.depths = tuple(float(d) for d in deepest * (np.arange(SHEET_LEVELS) / (SHEET_LEVELS - 1)) ** 2)  # [m]
         self.fading = 2.0 * np.pi * PER_TILE / tile.side if deepest < tile.depth else 0.0  # [1/m]
         self.level = ti.field(float, shape=(2, *tile.shape))  # [m]
-        self.speed = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s]
-        self.pull = ti.Vector.field(3, float, shape=(2, LEVELS, *tile.shape))  # [m/s2]
-        self.clock = ti.field(ti.f64, shape=(2, len(CLOCK)))
+        self.speed = ti.Vector.field(3, float, shape=(2, SHEET_LEVELS, *tile.shape))  # [m/s]
+        self.pull = ti.Vector.field(3, float, shape=(2, SHEET_LEVELS, *tile.shape))  # [m/s2]
+        self.clock = ti.field(ti.f64, shape=(2, len(CLOCK_COLUMNS)))
         self.real = to_numpy_type(self.level.dtype)
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
-    def write(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
-        """Modes of the elevation, of the potential at the still surface and of its growth in time, at one of the two
-        times."""
+    def write_modes(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
+        """Write modes of the elevation, of the potential at the still surface and of its growth in time, at one of the
+        two times."""
         tile, modes = self.tile, [e]
         for c, s in self.profiles:
             for of in (potential, growth):
                 x, z = tile.slopes(c * of)
                 modes += [x, tile.k * s * of, z]
         single = np.complex64 if self.real == np.float32 else np.complex128
-        values = tile.values(np.array(modes, dtype=single)).astype(self.real)
-        self.take(slot, values)
+        values = tile.to_values(np.array(modes, dtype=single)).astype(self.real)
+        self.store_values(slot, values)
 
     def set_clock(self, shares: tuple[float, float], drifts: np.ndarray, centre: np.ndarray) -> None:
-        """How far the time is from the first to the second, and how far the water has drifted (2, 2), each `now` and
-        `before`; and the tile's centre in its axes [m]."""
+        """Set the share of the way from the first time to the second, and the drift of the water (2, 2) [m], each `now`
+        and `before`; and the tile's centre in the axes of the water [m]."""
         tile = self.tile
         size = np.array([tile.side, tile.width])
         first = np.array([axis[0] for axis in tile.nodes()]) + size * np.round(centre / size)
@@ -73,17 +73,17 @@ class Sheet:
         self.clock.from_numpy(np.array(rows))
 
     @ti.kernel
-    def take(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
+    def store_values(self, slot: int, values: ti.types.ndarray(ndim=3)):  # type: ignore[valid-type]
         for i, k in ti.ndrange(self.cells, self.rows):
             self.level[slot, i, k] = values[0, i, k]
-            for l in range(LEVELS):
+            for l in range(SHEET_LEVELS):
                 for c in ti.static(range(3)):
                     self.speed[slot, l, i, k][c] = values[1 + 6 * l + c, i, k]
                     self.pull[slot, l, i, k][c] = values[4 + 6 * l + c, i, k]
 
     @ti.func
-    def place(self, x, z, when: Template):
-        """Cell and shares of the way to the next, and whether there is anything to be seen."""
+    def locate_cell(self, x, z, when: Template):
+        """Cell, shares of the way to the next along x and z, and true if the sheet covers the place."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -94,52 +94,53 @@ class Sheet:
         return i, k, ti.cast(a - i, float), ti.cast(b - k, float), there
 
     @ti.func
-    def along(self, i):
-        """The cell of the tile that a cell along x is."""
+    def wrap_x(self, i):
+        """Index along x of the cell on the tile."""
         return i - self.cells * int(ti.floor(i / self.cells))
 
     @ti.func
-    def across(self, k):
-        """The cell of the tile that a cell along z is."""
+    def wrap_z(self, k):
+        """Index along z of the cell on the tile."""
         return k - self.rows * int(ti.floor(k / self.rows))
 
     @ti.func
     def elevation(self, x, z, when: Template):
-        """[m], `now` or `before`."""
-        i, k, a, b, there = self.place(x, z, when)
+        """Elevation [m], `now` or `before`."""
+        i, k, a, b, there = self.locate_cell(x, z, when)
         eta, late = 0.0, ti.cast(self.clock[when, 0], float)
         if there:
-            u, v = cubic(a), cubic(b)
+            u, v = cubic_weights(a), cubic_weights(b)
             for p in range(4):
-                line, cell = 0.0, self.along(i + p - 1)
+                line, cell = 0.0, self.wrap_x(i + p - 1)
                 for q in range(4):
-                    other = self.across(k + q - 1)
+                    other = self.wrap_z(k + q - 1)
                     line += v[q] * ((1.0 - late) * self.level[0, cell, other] + late * self.level[1, cell, other])
                 eta += u[p] * line
         return eta
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """[m/s] at a depth of the unstretched column."""
-        return self.between(self.speed, x, z, depth, when)
+        """Velocity [m/s] at a depth of the unstretched column."""
+        return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """[m/s2], likewise."""
-        return self.between(self.pull, x, z, depth, when)
+        """Acceleration [m/s2] at a depth of the unstretched column."""
+        return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func
-    def between(self, field: Template, x, z, depth, when: Template):
-        i, k, a, b, there = self.place(x, z, when)
+    def interpolate(self, field: Template, x, z, depth, when: Template):
+        i, k, a, b, there = self.locate_cell(x, z, when)
         total, late = tm.vec3(0.0), ti.cast(self.clock[when, 0], float)
         if there:
+            # Lagrange's cubic over the four levels around the depth, bilinear in the cell, linear in time.
             depths = ti.Vector(self.depths)
-            d = ti.min(depth, depths[LEVELS - 1])
+            d = ti.min(depth, depths[SHEET_LEVELS - 1])
             first = 0
-            for l in ti.static(range(1, LEVELS - 3)):
+            for l in ti.static(range(1, SHEET_LEVELS - 3)):
                 if d > depths[l + 1]:
                     first = l
-            i0, i1, k0, k1 = self.along(i), self.along(i + 1), self.across(k), self.across(k + 1)
+            i0, i1, k0, k1 = self.wrap_x(i), self.wrap_x(i + 1), self.wrap_z(k), self.wrap_z(k + 1)
             for l in range(first, first + 4):
                 weight = 1.0
                 for m in range(first, first + 4):

@@ -1,12 +1,12 @@
 """A tile of open sea that repeats itself, and the linear waves on it: elevation and surface potential.
 
-The tile rests in the water, and a ship sails across it: what leaves at one side comes in at the other, but for the rim
-opposite the ship, which stays with her and calms it. Seen from the ship the water streams past and its waves end at the
-edge of her tile. So nothing is ever shifted, and no coordinate grows: positions count modulo the side.
+The tile rests in the water, and a ship sails across it. Waves that leave at one side come in at the other, but a rim
+opposite the ship travels with her and damps them: seen from her, waves end at the edge of her tile. So nothing is ever
+shifted, and no coordinate grows: positions count modulo the side.
 
-A step of linear theory is exact, whatever its length: each mode turns by omega, omega^2 = g k tanh kh. Pressure on the
-surface acts in two halves, where it is before and where it is after the step; the second one where the ship has gone
-to, or the waves that she makes are of first order in the step only.
+A step of linear theory is exact at any length: each mode turns by omega, omega^2 = g k tanh kh. Pressure on the surface
+acts in two halves, before and after the step, the second where the ship is by then; with one alone her waves would be
+of first order in the step.
 """
 
 from abc import abstractmethod
@@ -17,11 +17,11 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ocean_sim.waves import MANY, profiles
+from ocean_sim.waves import MIN_LATTICE_POINTS, profiles
 
-RIM = 0.15  # of the side, at each edge of the tile, in which waves are calmed
+RIM_SHARE = 0.15  # share of the side, at each edge of the tile, in which waves are damped
 PER_TILE = 6.0  # waves on a tile, for which the rim is made
-CALMING = 0.8  # their decay over their frequency, at the edge itself
+RIM_DAMPING_RATIO = 0.8  # decay of these waves over their frequency, at the edge itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +33,9 @@ class Tile:
         "kz",
         "k",
         "omega",
-        "directed",
-        "smooth",
-        "turning",
+        "directed_modes",
+        "smoothing",
+        "turn_cache",
     )  # made again when asked for
 
     side: float  # along x [m]
@@ -61,53 +61,52 @@ class Tile:
 
     @property
     def width(self) -> float:
-        """Along z [m]."""
+        """Side along z [m]."""
         return self.cell * self.rows
 
     @cached_property
     def kx(self) -> np.ndarray:
-        """(cells, 1) [rad/m]."""
+        """(cells, 1) wavenumbers along x [rad/m]."""
         return 2.0 * np.pi * np.fft.fftfreq(self.cells, self.cell)[:, None]
 
     @cached_property
     def kz(self) -> np.ndarray:
-        """(1, columns) [rad/m]."""
+        """(1, columns) wavenumbers along z [rad/m]."""
         return 2.0 * np.pi * np.fft.rfftfreq(self.rows, self.cell)[None, : self.columns]
 
     @cached_property
     def k(self) -> np.ndarray:
-        """(cells, columns) [rad/m]."""
+        """(cells, columns) wavenumbers [rad/m]."""
         return np.hypot(self.kx, self.kz)
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """The same [rad/s]."""
+        """(cells, columns) frequencies [rad/s]."""
         return np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth))
 
     @cached_property
-    def smooth(self) -> np.ndarray:
-        """What a Gaussian as broad as a cell leaves of each mode."""
+    def smoothing(self) -> np.ndarray:
+        """Factor of each mode in smoothing by a Gaussian as broad as a cell."""
         return np.exp(-0.5 * (self.k * self.cell) ** 2)
 
     @cached_property
-    def turning(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """By step [s]: cos omega dt, and sin omega dt times omega / g and g / omega; the last one that was asked
-        for."""
+    def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """cos omega dt, and sin omega dt times omega / g and g / omega, of the last step dt [s]."""
         return {}
 
-    def turned(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """Modes of elevation and potential dt [s] later where nothing acts; the mean level stays."""
-        if dt not in self.turning:
-            self.turning.clear()
+        if dt not in self.turn_cache:
+            self.turn_cache.clear()
             omega, g = self.omega, self.gravity
             s = np.sin(omega * dt)
             back = np.divide(g * s, omega, out=np.zeros(omega.shape), where=omega > 0.0)
-            self.turning[dt] = np.cos(omega * dt), omega / g * s, back
-        c, up, back = self.turning[dt]
+            self.turn_cache[dt] = np.cos(omega * dt), omega / g * s, back
+        c, up, back = self.turn_cache[dt]
         return e * c + p * up, p * c - e * back
 
     @cached_property
-    def directed(self) -> np.ndarray:
+    def directed_modes(self) -> np.ndarray:
         """1 for every mode that has a direction, 0 for the shortest along either axis, whose slope is unknown."""
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
@@ -116,7 +115,7 @@ class Tile:
             clear[:, self.rows // 2] = 0.0
         return clear
 
-    def waves(self, values: np.ndarray) -> np.ndarray:
+    def to_modes(self, values: np.ndarray) -> np.ndarray:
         """(..., cells, columns) the modes of (..., cells, rows) values; on one thread, so that its bytes are the same
         with any number of them."""
         from scipy.fft import fft, rfft, rfft2
@@ -125,8 +124,8 @@ class Tile:
             return rfft2(values, workers=1)
         return fft(rfft(values, axis=-1, workers=1)[..., : self.columns], axis=-2, workers=1)
 
-    def values(self, modes: np.ndarray) -> np.ndarray:
-        """The values of modes."""
+    def to_values(self, modes: np.ndarray) -> np.ndarray:
+        """(..., cells, rows) values of modes."""
         from scipy.fft import ifft, irfft, irfft2
 
         if self.part == 1.0:
@@ -135,24 +134,24 @@ class Tile:
 
     def slopes(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The modes of the slopes along x and z."""
-        clear = self.directed * modes
+        clear = self.directed_modes * modes
         return 1j * self.kx * clear, 1j * self.kz * clear
 
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where the values stand along x and z [m]: in the middle of each cell, around the origin."""
+        """Middles of the cells along x and z [m], around the origin; values stand there."""
         x = (np.arange(self.cells) + 0.5) * self.cell - 0.5 * self.side
         z = (np.arange(self.rows) + 0.5) * self.cell - 0.5 * self.width
         return x, z
 
-    def corner(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def cell_corner(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(m, 2) points x, z [m] -> whole cells and the shares of the way to the next, (m, 2) each."""
         at = (points + 0.5 * np.array([self.side, self.width])) / self.cell - 0.5
         whole = np.floor(at)
         return whole.astype(int), at - whole
 
-    def spread(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
+    def spread_modes(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
         """The modes of amounts (m,) at points x, z (m, 2) [m], over the area of a cell and smoothed over one."""
-        whole, share = self.corner(points)
+        whole, share = self.cell_corner(points)
         i, k = whole.T % np.array([[self.cells], [self.rows]])
         (right, top), (left, bottom) = share.T, 1.0 - share.T
         over, beyond = (i + 1) % self.cells, (k + 1) % self.rows
@@ -161,12 +160,15 @@ class Tile:
         )
         shares = np.concatenate([left * bottom, right * bottom, left * top, right * top]) * np.tile(amounts, 4)
         total = np.bincount(cells, shares, self.cells * self.rows)
-        return self.smooth / self.cell**2 * self.waves(total.reshape(self.shape))
+        return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
-    def at(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def interpolate(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(m,) values between cells, by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29), at points (m, 2)."""
-        whole, share = self.corner(points)
-        along, across = cubic(share[:, 0]), cubic(share[:, 1]) if self.rows > 1 else [np.ones(len(points))]
+        whole, share = self.cell_corner(points)
+        along, across = (
+            cubic_weights(share[:, 0]),
+            cubic_weights(share[:, 1]) if self.rows > 1 else [np.ones(len(points))],
+        )
         first = -1 if self.rows > 1 else 0
         found = np.zeros(len(points))
         for i, weight in enumerate(along):
@@ -177,8 +179,8 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Of linear waves over the density [m4/s2 m]: that of the height and that of the motion."""
-        e, p = self.waves(eta), self.waves(phi)
+        """Energy of linear waves over the density [m5/s2], potential and kinetic."""
+        e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
         if self.rows % 2 == 0 and self.part == 1.0:
@@ -187,8 +189,8 @@ class Tile:
         return 0.5 * float((twice * each).sum()) * self.cell**2 / (self.cells * self.rows)
 
 
-class Shown(NamedTuple):
-    """What a tile shows now: modes of the elevation, of the potential at the still surface, and of its growth."""
+class TileModes(NamedTuple):
+    """Modes of a tile at one time: elevation, potential at the still surface, and growth of that potential."""
 
     e: np.ndarray
     potential: np.ndarray
@@ -196,48 +198,51 @@ class Shown(NamedTuple):
 
 
 class OnTile:
-    """Waves on a tile that can be asked for, at times [s] and points x, z (m, 2) in the axes of the water [m]."""
+    """Waves on a tile, at times [s] and at points x, z (m, 2) in the axes of the water [m]."""
 
     tile: Tile
 
     @abstractmethod
-    def shown(self, time: float) -> Shown:
-        """All of it."""
+    def modes_at(self, time: float) -> TileModes:
+        """Modes at a time [s]."""
 
-    def seen(self, points: np.ndarray) -> np.ndarray:
-        """(m,) whether there is anything at points: everywhere."""
+    def covers(self, points: np.ndarray) -> np.ndarray:
+        """(m,) true for points with waves: everywhere."""
         return np.ones(len(points), dtype=bool)
 
     def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(m,) [m]"""
-        return self.tile.at(self.tile.values(self.shown(time).e), points)
+        """(m,) elevations [m]."""
+        return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """(m,) pressure over rho g [m], without the hydrostatic part, at heights y (m,) [m] of the unstretched column:
-        summed mode by mode, so nothing is interpolated."""
-        growth, found = self.shown(time).growth, np.zeros(len(points))
-        for n, level, _ in self.modes(points, y):
+        """(m,) pressure over rho g [m], without the hydrostatic part, at heights y (m,) [m] of the unstretched column;
+        summed mode by mode, without interpolation."""
+        growth, found = self.modes_at(time).growth, np.zeros(len(points))
+        for n, level, _ in self.point_modes(points, y):
             found[n] = -(level * growth).real.sum() / self.tile.gravity
         return found
 
     def velocities(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
-        """(m, 3) [m/s] at the same places; of many that are all on the surface as their elevation is."""
-        tile, potential, found = self.tile, self.shown(time).potential, np.zeros((len(points), 3))
-        if len(points) >= MANY and not y.any():
-            rising = tile.omega**2 / tile.gravity * tile.directed * potential
-            along, across, up = (tile.at(tile.values(of), points) for of in (*tile.slopes(potential), rising))
+        """(m, 3) velocities [m/s] at heights y (m,) [m] of the unstretched column; interpolated for many points that
+        are all on the surface."""
+        tile, potential, found = self.tile, self.modes_at(time).potential, np.zeros((len(points), 3))
+        if len(points) >= MIN_LATTICE_POINTS and not y.any():
+            rising = tile.omega**2 / tile.gravity * tile.directed_modes * potential
+            along, across, up = (
+                tile.interpolate(tile.to_values(of), points) for of in (*tile.slopes(potential), rising)
+            )
             return np.stack([along, up, across], axis=1)
-        for n, level, upright in self.modes(points, y):
+        for n, level, upright in self.point_modes(points, y):
             along = (level * potential).imag
             found[n] = -(tile.kx * along).sum(), (upright * potential).real.sum(), -(tile.kz * along).sum()
         return found
 
-    def modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """The number of each of the points, and there of every mode what goes around along the still surface, and k
-        times what goes upright, both as parts of that at the surface."""
+    def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+        """Yield the number of each point, and for every mode at that point its horizontal profile, and k times its
+        vertical one, both over those at the still surface."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
-        scale = twice * tile.directed / (tile.cells * tile.rows)
+        scale = twice * tile.directed_modes / (tile.cells * tile.rows)
         heights, which = np.unique(y, return_inverse=True)  # few where the surface is asked for
         for k, height in enumerate(heights):
             c, s = profiles(tile.k, height, tile.depth)
@@ -248,8 +253,8 @@ class OnTile:
                 yield n, c * wave, upright * wave
 
 
-def cubic(s: np.ndarray) -> list[np.ndarray]:
-    """Weights of the four values around a share s of the way from the second to the third."""
+def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
+    """Weights of four values for a share s of the way from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -259,74 +264,74 @@ def cubic(s: np.ndarray) -> list[np.ndarray]:
 
 
 class Layer:
-    """Linear waves on a tile around one centre, which what pushes them keeps up with."""
+    """Linear waves on a tile around one centre, which follows the ship or wind that makes them."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("calming", "calmed")
+    left_out: ClassVar[tuple[str, ...]] = ("damping_rate", "damping_cache")
 
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
         self.pressed = np.zeros((*tile.k.shape, 2))  # modes of the pressure, real and imaginary parts
-        self.press(np.zeros(tile.k.shape))
+        self.set_pressure(np.zeros(tile.k.shape))
 
     @property
     def pressure(self) -> np.ndarray:
         """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
         return self.pressed.view(complex)[..., 0]
 
-    def press(self, pressure: np.ndarray) -> None:
-        """Modes of the pressure from now on."""
+    def set_pressure(self, pressure: np.ndarray) -> None:
+        """Set the modes of the pressure over the density [m2/s2]."""
         self.pressed = np.array(pressure, dtype=complex).view(float).reshape(*pressure.shape, 2)
         self.pressed[0, 0] = 0.0
 
     @cached_property
-    def calming(self) -> np.ndarray:
+    def damping_rate(self) -> np.ndarray:
         """(cells, rows) decay of waves around the origin [1/s]."""
-        return rate(self.tile)
+        return rim_damping(self.tile)
 
     @cached_property
-    def calmed(self) -> dict[float, np.ndarray]:
-        """By step [s]: what the rim around the origin leaves of them; the last one that was asked for."""
+    def damping_cache(self) -> dict[float, np.ndarray]:
+        """Factor of the waves in the rim around the origin in the last step [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
-        """At rest under the modes of a pressure over the density [m2/s2]: lower by as much as it weighs, but for what
-        steps of dt [s] take of the shortest waves: so it stays at rest."""
+        """Start at rest under the modes of a pressure over the density [m2/s2]: the surface is lower by the head of
+        this pressure, times the factor by which steps of dt [s] keep it at rest."""
         tile, half = self.tile, 0.5 * dt * self.tile.omega
         rest = np.divide(half, np.tan(half), out=np.ones(half.shape), where=half > 0.0) / tile.gravity
-        self.press(pressure)
+        self.set_pressure(pressure)
         self.centre = centre
-        self.eta, self.phi = tile.values(-rest * self.pressure), np.zeros(tile.shape)
+        self.eta, self.phi = tile.to_values(-rest * self.pressure), np.zeros(tile.shape)
 
     def advance(self, dt: float, pressure: np.ndarray, centre: np.ndarray) -> None:
-        """A step of dt [s] after which the modes of a pressure over the density act, around a centre."""
+        """Take a step of dt [s], after which the modes of a pressure over the density act around a centre."""
         tile = self.tile
-        e, p = self.after(dt)
-        self.press(pressure)
+        e, p = self.propagate(dt)
+        self.set_pressure(pressure)
         self.centre = centre
-        self.eta, self.phi = tile.values(e), tile.values(p - 0.5 * dt * self.pressure)
+        self.eta, self.phi = tile.to_values(e), tile.to_values(p - 0.5 * dt * self.pressure)
         if self.rim:
-            if dt not in self.calmed:
-                self.calmed.clear()
-                self.calmed[dt] = np.exp(-dt * self.calming)
-            calm = np.roll(self.calmed[dt], np.round(centre / tile.cell).astype(int), axis=(0, 1))
+            if dt not in self.damping_cache:
+                self.damping_cache.clear()
+                self.damping_cache[dt] = np.exp(-dt * self.damping_rate)
+            calm = np.roll(self.damping_cache[dt], np.round(centre / tile.cell).astype(int), axis=(0, 1))
             self.eta *= calm
             self.phi *= calm
             self.eta -= self.eta.mean()
 
-    def after(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """The modes of elevation and potential dt [s] later, but for what acts then."""
+    def propagate(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """Modes of elevation and potential dt [s] later, without the second half of the pressure."""
         tile = self.tile
-        return tile.turned(tile.waves(self.eta), tile.waves(self.phi) - 0.5 * dt * self.pressure, dt)
+        return tile.evolve(tile.to_modes(self.eta), tile.to_modes(self.phi) - 0.5 * dt * self.pressure, dt)
 
-    def seen(self, points: np.ndarray) -> np.ndarray:
-        """(m,) whether points x, z (m, 2) [m] lie on the tile around its centre."""
+    def covers(self, points: np.ndarray) -> np.ndarray:
+        """(m,) true for points x, z (m, 2) [m] on the tile around its centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
         return np.all(np.abs(points - self.centre) < half, axis=1)
 
 
-def rate(tile: Tile) -> np.ndarray:
+def rim_damping(tile: Tile) -> np.ndarray:
     """(cells, rows) decay of waves [1/s] in the rim of a tile around its centre: it grows as the square of the way to
     the edge, to the frequency of waves of which PER_TILE fit on the tile."""
     x, z = tile.nodes()
@@ -335,4 +340,4 @@ def rate(tile: Tile) -> np.ndarray:
         far = np.maximum(far, np.abs(z) / (0.5 * tile.width))
     k = 2.0 * np.pi * PER_TILE / tile.side
     omega = np.sqrt(tile.gravity * k * np.tanh(k * tile.depth))
-    return CALMING * omega * np.clip((far - (1.0 - 2.0 * RIM)) / (2.0 * RIM), 0.0, 1.0) ** 2
+    return RIM_DAMPING_RATIO * omega * np.clip((far - (1.0 - 2.0 * RIM_SHARE)) / (2.0 * RIM_SHARE), 0.0, 1.0) ** 2

@@ -1,8 +1,8 @@
-"""Plane waves on a small lattice that lies still in the water for a moment: what a hull asks them, step after step.
+"""Plane waves on a small lattice around a hull, which lies still in the water for a moment.
 
-Each wave is asked when the lattice is laid, for then and for a moment later; between the two runs the cubic that has
-the velocities and accelerations of both (Hermite), and the acceleration is its slope. On a lattice the angles of a
-wave are a + i b + k c, so its cosines and sines are products of few numbers.
+The waves are summed when the lattice is laid, for two times a moment apart. Hermite's cubic between the two has their
+velocities and accelerations, and the acceleration is its slope. On a lattice the angles of a wave are a + i b + k c, so
+its cosines and sines are products of few numbers.
 """
 
 from typing import Protocol
@@ -14,8 +14,8 @@ from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, in_kernels
 
-TURNING = 0.8  # [rad] by which waves turn between the two times, those that give the water its jerks
-FIRST, LATER, ALONG, ACROSS = range(4)  # angles: of the first node at both times, and to the next along and across
+SPAN_ANGLE = 0.8  # [rad] turn between the two times of the waves that give the water most jerk
+ANGLE_FIRST, ANGLE_LATER, ANGLE_ALONG, ANGLE_ACROSS = range(4)  # of the first node at both times; node to node
 
 
 class Moving(Protocol):
@@ -38,8 +38,8 @@ class Window:
         self.water, self.size, self.step, self.depths = water, size, step, depths
         self.depth = water.waves.sea.depth  # of the water [m]
         self.n, self.sums = len(water.waves.sea.amplitude), 1 + 3 * len(depths)
-        # What a wave gives, times the cosine and times the sine of its angle: the elevation and its growth, and on
-        # each level along x, upwards and along z what of velocity and acceleration goes with either.
+        # Amplitudes of a wave at the cosine and at the sine of its angle: the elevation and its growth, and on each
+        # level velocity or acceleration along x, upwards and along z.
         self.gives = ti.field(float, shape=(2, self.sums, self.n))
         self.line = ti.field(float, shape=(2, 2, size[0], self.n))  # cosine and sine, at both times
         self.row = ti.field(float, shape=(2, size[1], self.n))
@@ -51,20 +51,20 @@ class Window:
 
     @staticmethod
     def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
-        """Memory that it takes."""
+        """Memory of a window [bytes]."""
         sums = 1 + 3 * levels
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """How far it is from the first of the two times to the second, how far the waves have grown, and whether the
-        lattice still holds; from here on the waves that are asked are those of the water."""
+        """Share of the way from the first time to the second, share of the height that the waves have, and true if the
+        lattice still holds; take over other waves of the water."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
             self.begun = there.begun
-            self.take(there.sea)
+            self.set_waves(there.sea)
         late = (time - self.start) / self.span
-        return late, there.sea.grown(time), not others and 0.0 <= late <= 1.0
+        return late, there.sea.ramp_share(time), not others and 0.0 <= late <= 1.0
 
     @property
     def current(self) -> tuple[float, float]:
@@ -74,8 +74,8 @@ class Window:
     def step_taken(self) -> float:
         return self.water.time - self.water.before
 
-    def take(self, sea: waves.Components) -> None:
-        """Other waves."""
+    def set_waves(self, sea: waves.Components) -> None:
+        """Set the amplitudes and the span of these waves."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -86,11 +86,11 @@ class Window:
         numbers = np.array([cosines, sines])
         self.gives.from_numpy(numbers.astype(self.water.waves.real))
         jerks, sways = (((a * omega**power) ** 2).sum() for power in (5, 2))
-        self.span = TURNING * float(sways / jerks) ** (1.0 / 6.0) if jerks else 1.0
+        self.span = SPAN_ANGLE * float(sways / jerks) ** (1.0 / 6.0) if jerks else 1.0
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
+        """Lay the lattice around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -98,16 +98,17 @@ class Window:
         s, c = heading
         along, across = (kx * s + kz * c) * dx, (kx * c - kz * s) * dz
         middle = kx * x + kz * z + sea.phase - sea.omega * time
-        angles[FIRST] = middle - 0.5 * ((self.size[0] - 1) * along + (self.size[1] - 1) * across)
-        angles[LATER] = angles[FIRST] - sea.omega * self.span
-        angles[ALONG], angles[ACROSS] = along, across
+        angles[ANGLE_FIRST] = middle - 0.5 * ((self.size[0] - 1) * along + (self.size[1] - 1) * across)
+        angles[ANGLE_LATER] = angles[ANGLE_FIRST] - sea.omega * self.span
+        angles[ANGLE_ALONG], angles[ANGLE_ACROSS] = along, across
         self.add_up(np.cos(angles), np.sin(angles))
 
     @ti.kernel
     def add_up(self, cosine: Doubles2, sine: Doubles2):
+        # Cosines and sines along the first axis, at both times, and across it: one rotation a node.
         for n in range(self.n):
-            along = tm.vec2(cosine[ALONG, n], sine[ALONG, n])
-            across = tm.vec2(cosine[ACROSS, n], sine[ACROSS, n])
+            along = tm.vec2(cosine[ANGLE_ALONG, n], sine[ANGLE_ALONG, n])
+            across = tm.vec2(cosine[ANGLE_ACROSS, n], sine[ANGLE_ACROSS, n])
             for t in ti.static(range(2)):
                 node = tm.vec2(cosine[t, n], sine[t, n])
                 for i in range(self.size[0]):
@@ -117,6 +118,7 @@ class Window:
             for k in range(self.size[1]):
                 self.row[0, k, n], self.row[1, k, n] = node[0], node[1]
                 node = tm.cmul(node, across)
+        # Sums over the waves at each node, by the addition theorem.
         for t, i, k in ti.ndrange(2, self.size[0], self.size[1]):
             with_cosine, with_sine = ti.Vector.zero(float, self.sums), ti.Vector.zero(float, self.sums)
             for n in range(self.n):
@@ -133,21 +135,21 @@ class Window:
 
     @ti.func
     def elevation(self, i, k, late):
-        """Of a node [m], `late` on the way from the first time to the second."""
+        """Elevation [m] of a node, a share `late` of the way from the first time to the second."""
         growth = self.growth[0, i, k], self.growth[1, i, k]
-        return self.between(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
+        return self.interpolate(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] there on a level."""
+        """Velocity [m/s] and acceleration [m/s2] of a node on a level, at the share `late`."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
         a = (1.0 - late) * (1.0 - 3.0 * late) * pulled + late * (3.0 * late - 2.0) * pulls
-        return self.between(first, last, pulled, pulls, late), a + 6.0 * late * (1.0 - late) * mean
+        return self.interpolate(first, last, pulled, pulls, late), a + 6.0 * late * (1.0 - late) * mean
 
     @ti.func
-    def between(self, first, last, growth, grows, late):
-        """The cubic between two values that grow so much a second."""
+    def interpolate(self, first, last, growth, grows, late):
+        """Hermite's cubic between two values with their rates [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

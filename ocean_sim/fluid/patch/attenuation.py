@@ -1,4 +1,4 @@
-"""How much of the waves of a scene a scheme takes away by itself, as it was measured."""
+"""Numerical attenuation and delay of waves by a scheme, as measured."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from ocean_sim.fluid.sph.lattice import Lattice
 
 @dataclass(frozen=True)
 class Attenuation:
-    """Viscosity nu that a scheme adds, over its h c (smoothing length and sound speed): of standing waves
+    """Viscosity nu that a scheme adds, over its h c (smoothing length and sound speed); for standing waves
 
         even + (flat sqrt(coth(k depth)) + steep (H / dx)^1.5 k dx) dx / depth
 
     with the wavenumber k, the height H from trough to crest, and the spacing dx. The amplitude then falls at the rate
     2 nu k^2. Fitted to waves in slices of 6 to 32 layers, k depth 0.5 to 3.1, H 0.5 to 4 dx and at most a third of the
-    depth, without viscosity of their own, over 6 periods. That of `delta_sph` is 0.67 to 1.5 times the rate of four
-    waves in five, and 0.35 to 2.4 times that of 26 standing and 13 travelling ones.
+    depth, without viscosity of their own, over 6 periods. The fit of `delta_sph` gives 0.67 to 1.5 times the rate of
+    four waves in five, and 0.35 to 2.4 times the rates of all 39.
     """
 
     even: float
     flat: float = 0.0
     steep: float = 0.0
     travelling: "Attenuation | None" = None
-    """That of waves that travel; None: the same."""
+    """Fit for travelling waves; None: this one serves for them too."""
 
     def share(self, k: float, depth: float, height: float, spacing: float, standing: bool) -> float:
-        """The viscosity over h c, of waves of a wavenumber [1/m] and height [m]."""
+        """Added viscosity over h c, for waves of a wavenumber [1/m] and height [m]."""
         if self.travelling is not None and not standing:
             return self.travelling.share(k, depth, height, spacing, standing)
         of_layers = self.flat / sqrt(tanh(k * depth)) + self.steep * (height / spacing) ** 1.5 * k * spacing
@@ -47,7 +47,7 @@ class Delay:
     high: float = 0.0
 
     def share(self, k: np.ndarray, height: float, spacing: float) -> np.ndarray:
-        """Of waves (n,) [1/m] in a sea of this height [m]."""
+        """Relative delay of waves of wavenumbers (n,) [1/m] in a sea of this height [m]."""
         return self.low / (1.0 + self.high * (height / spacing) ** 3) * (k * spacing) ** 2
 
 
@@ -60,30 +60,30 @@ class Train:
 
     @property
     def height(self) -> float:
-        """From trough to crest, of random waves the significant one [m]."""
+        """Height from trough to crest, of random waves the significant one [m]."""
         if self.sea.random:
             return self.sea.significant_height
         return 2.0 * float(self.sea.amplitude.sum())
 
-    def shorter_than(self, length: float) -> float:
+    def variance_below(self, length: float) -> float:
         """Share of the variance of random waves that is in those shorter than a length [m]; 0 of regular waves."""
         if not self.sea.random:
             return 0.0
         variance, lengths = self.sea.amplitude**2, 2.0 * pi / self.sea.wavenumber
         return float(variance[lengths < (1.0 - 1e-9) * length].sum() / variance.sum())
 
-    def lost(self, viscosity: float) -> tuple[float, float]:
-        """Share of the height that a viscosity [m2/s] takes away in a period, and on the way of a wavelength."""
+    def height_loss(self, viscosity: float) -> tuple[float, float]:
+        """Shares of the height that a viscosity [m2/s] takes away in a period, and over a wavelength."""
         sea, k = self.sea, 2.0 * pi / self.sea.wavelength
         rate, speed = 2.0 * viscosity * k**2, float(waves.group_speed(k, sea.depth, sea.gravity))
         return 1.0 - exp(-rate * sea.period), 1.0 - exp(-rate * sea.wavelength / speed)
 
 
-def trains(lattice: Lattice) -> Iterator[Train]:
-    """Of the waves that a scene gives a height: its wavemaker's or initial ones, and those that absorbing sides let
-    pass."""
+def wave_trains(lattice: Lattice) -> Iterator[Train]:
+    """Yield the waves that a scene gives a height: those of its wavemaker or initial state, and those that absorbing
+    sides let pass."""
     basin, initial = lattice.basin, lattice.config.initial
-    if any(waves.unsuited(basin)):
+    if any(waves.basin_faults(basin)):
         return
     sea = of_patch(basin, lattice.spacing)
     if sea is not None:

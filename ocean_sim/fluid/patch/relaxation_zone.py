@@ -1,13 +1,14 @@
-"""The band of a patch of open sea in which its water is relaxed towards the sea: how wide, how strong, which sea.
+"""Relaxation zone of a patch of open sea: its width, its rate and the sea that it relaxes towards.
 
-In the band dv/dt = rate s^PROFILE (sea - v), s from 0 where it begins to 1 at the seam opposite the ship. All water is
-fed by what the scheme takes from the sea. A wave of complex height a over that of the sea then goes, in the ship's axes
-and along its way xi, by
+In the band dv/dt = rate s^q (sea - v), q = DAMPING_POWER; s grows from 0 at its inner edge to 1 at the seam opposite
+the ship. A feed gives all water the energy that the scheme takes from the sea. The complex height a of a wave, over
+that of the sea, then follows in the ship's axes and along its way xi
 
-    (group speed - U) da/dxi = -loss a + (rate s^PROFILE / 2) (1 - a) + feed / 2,
+    (group speed - U) da/dxi = -loss a + (rate s^q / 2) (1 - a) + feed / 2,
 
-with U the ship's speed along it and `loss` the decay of its height less i times how much its frequency is too low. So
-feed = 2 loss holds it up wherever the ship sails, also with it, where no band can renew it.
+with U the ship's speed along xi; the real part of `loss` is the decay of the height, its imaginary part minus the
+deficit of the frequency. So feed = 2 loss holds the wave up also where the ship keeps up with it and no band renews
+it.
 """
 
 from collections.abc import Mapping
@@ -22,23 +23,24 @@ from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
 from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED, of_patch
 from ocean_sim.fluid.sph.lattice import Lattice
-from ocean_sim.waves.absorption import PROFILE
+from ocean_sim.waves.absorption import DAMPING_POWER
 
-WIDTH, RATE = 0.75, 1.5  # [wavelengths] on either side of the seam, [rad/s over rad/s of the highest waves]
-MOST = 0.25  # of the patch that it takes on either side
-PASSED = 0.05  # of the height of a ship's waves that may go through the band
-NARROW = 0.7  # [wavelengths] a band that is narrower gives back more than a twentieth of the waves that a ship makes
-WEAK = 0.07  # of the height of the sea that may be lacking at the ship
-PIECES = 400  # of the way round a patch
-ROUNDING = 1e-6  # of the variance
-NO_SPEED = 1e-3  # [group speeds] a ship that is nearer to it keeps up with the waves
-CHANGED = 0.1  # of its wavenumber by which fitting may change a wave without a warning
-FEW = 3  # wavelengths that a patch is long at least: one and a half for the rims, as much between them
+RIM_WIDTH_WAVES = 0.75  # [wavelengths] on either side of the seam
+RIM_RATE_RATIO = 1.5  # rate at the seam over the frequency of the highest waves [rad/s]
+MAX_RIM_SHARE = 0.25  # share of the patch in the band on either side
+MAX_WAKE_SHARE = 0.05  # share of the height of a ship's waves that may pass the band
+MIN_RIM_WAVES = 0.7  # [wavelengths] a narrower band returns more than a twentieth of a ship's waves
+MAX_HEIGHT_DEFICIT = 0.07  # share of the height of the sea that may be lacking at the ship
+PATCH_PIECES = 400  # pieces of the way round a patch
+VARIANCE_ROUNDING = 1e-6  # share of the variance that counts as none
+MIN_RELATIVE_SPEED = 1e-3  # [group speeds] a slower ship, seen from the waves, keeps up with them
+MAX_WAVENUMBER_CHANGE = 0.1  # share of its wavenumber by which fitting may change a wave without a warning
+MIN_PATCH_WAVES = 3  # shortest patch [wavelengths]: one and a half for the rims, as much between them
 
 
 @dataclass(frozen=True)
-class Band:
-    """The band, and the sea that it is made for."""
+class RelaxationBand:
+    """The relaxation band and its sea."""
 
     lattice: Lattice
     width: float  # [m] on either side of the seam
@@ -47,41 +49,43 @@ class Band:
     losses: np.ndarray | None  # (n,) complex, of each wave of the sea by the scheme [1/s]; None where it is unknown
     feed: np.ndarray  # (n,) complex, of each wave of the sea [1/s]
     nonlinear: Nonlinear | None = None  # how the sea is; None: it is the sum of its waves
-    asked: waves.Components | None = None  # the sea before it was fitted to the patch
+    requested: waves.Components | None = None  # the sea before it was fitted to the patch
 
     @property
     def sides(self) -> tuple[float, ...]:
-        """Of the patch along x and z [m]."""
+        """Lengths of the patch along x and z [m]."""
         return tuple(period for period in self.lattice.basin.periods if period)
 
     @cached_property
-    def main(self) -> tuple[float, float]:
-        """Group speed [m/s] of the highest waves along the side of the patch that they go along mostly, and its length
-        [m]."""
+    def main_direction(self) -> tuple[float, float]:
+        """Group speed [m/s] of the highest waves along the side nearest to their direction, and its length [m]."""
         assert self.sea is not None
         k = self.sea.wavevector[self.sea.highest]
         axis = int(np.argmax(np.abs(k[: len(self.sides)])))
         speed = float(waves.group_speed(float(np.hypot(*k)), self.sea.depth, self.sea.gravity))
         return speed * abs(float(k[axis])) / float(np.hypot(*k)), self.sides[axis]
 
-    def along(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
-        """Where on the patch along the way of the highest waves, from a ship [m], and their complex height there over
-        that of the sea, by the equation above; None where the scheme's loss is unknown. `with_waves`: her speed along
+    def height_profile(self, with_waves: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Distances from a ship along the highest waves [m], and their complex height there over that of the sea.
+
+        Solves the equation of this module; None where the scheme's loss is unknown. `with_waves`: her speed along
         their way over their group speed."""
         if self.sea is None or self.losses is None:
             return None
         loss, feed = (complex(of[self.sea.highest]) for of in (self.losses, self.feed))
-        group, side = self.main
-        xi = (np.arange(PIECES) + 0.5) / PIECES * side - 0.5 * side
-        pull = 0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** PROFILE
+        group, side = self.main_direction
+        xi = (np.arange(PATCH_PIECES) + 0.5) / PATCH_PIECES * side - 0.5 * side
+        pull = (
+            0.5 * self.rate * np.clip((np.abs(xi) - (0.5 * side - self.width)) / self.width, 0.0, 1.0) ** DAMPING_POWER
+        )
         taken = loss + pull
-        aim = np.divide(pull + 0.5 * feed, taken, out=np.ones(PIECES, dtype=complex), where=taken != 0.0)
+        aim = np.divide(pull + 0.5 * feed, taken, out=np.ones(PATCH_PIECES, dtype=complex), where=taken != 0.0)
         speed = (1.0 - with_waves) * group
-        if abs(speed) < NO_SPEED * group:
+        if abs(speed) < MIN_RELATIVE_SPEED * group:
             return xi, aim
-        left = np.exp(-taken * side / PIECES / abs(speed))  # of what comes into a piece, less its aim
-        order = range(PIECES) if speed > 0.0 else range(PIECES - 1, -1, -1)
-        height, a = np.zeros(PIECES, dtype=complex), 0.0j
+        left = np.exp(-taken * side / PATCH_PIECES / abs(speed))  # of what comes into a piece, less its aim
+        order = range(PATCH_PIECES) if speed > 0.0 else range(PATCH_PIECES - 1, -1, -1)
+        height, a = np.zeros(PATCH_PIECES, dtype=complex), 0.0j
         for _ in range(2):  # the second time round from what is there after the first, of all that is not lost
             for n in order:
                 a = aim[n] + (a - aim[n]) * left[n]
@@ -90,82 +94,83 @@ class Band:
             a = a / (1.0 - once) if once != 1.0 else 1.0 + 0.0j
         return xi, height
 
-    def at_ship(self, with_waves: float) -> complex | None:
-        """The same at the ship."""
-        found = self.along(with_waves)
-        return complex(found[1][PIECES // 2]) if found is not None else None
+    def height_at_ship(self, with_waves: float) -> complex | None:
+        """Complex height of the highest waves at the ship, over that of the sea; None where it is unknown."""
+        found = self.height_profile(with_waves)
+        return complex(found[1][PATCH_PIECES // 2]) if found is not None else None
 
     @property
-    def through(self) -> float:
-        """Share of their height that the highest waves, in calm water waves as long as 4/3 of the width, keep on their
-        way through the whole rim."""
-        basin = self.lattice.basin
-        k = 2.0 * pi * WIDTH / self.width if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
-        group = float(waves.group_speed(k, basin.depth, waves.pull(basin)))
-        return exp(-self.rate * self.width / (1.0 + PROFILE) / group)
+    def wake_transmission(self) -> float:
+        """Share of their height that the highest waves keep across the whole rim; in calm water of waves as long as
+        4/3 of the width."""
+        basin, calm = self.lattice.basin, 2.0 * pi * RIM_WIDTH_WAVES / self.width
+        k = calm if self.sea is None else float(self.sea.wavenumber[self.sea.highest])
+        group = float(waves.group_speed(k, basin.depth, waves.downward_gravity(basin)))
+        return exp(-self.rate * self.width / (1.0 + DAMPING_POWER) / group)
 
-    def size(self, sea: waves.Components) -> str:
+    def describe_waves(self, sea: waves.Components) -> str:
         """Length, period and, in 3-D, heading of the highest waves of a sea."""
         found = f"{sea.wavelength:.4g} m and {sea.period:.4g} s"
         return f"{found}, heading {sea.heading_deg:.4g} deg" if len(self.sides) > 1 else found
 
-    def changed(self) -> str | None:
-        """What to do where its highest waves had to change much to fit the patch."""
-        if self.sea is None or self.asked is None:
+    def fit_change(self) -> str | None:
+        """Advice where its highest waves had to change much to fit the patch, or None."""
+        if self.sea is None or self.requested is None:
             return None
-        k, fits = (of.wavevector[of.highest] for of in (self.asked, self.sea))
+        k, fits = (of.wavevector[of.highest] for of in (self.requested, self.sea))
         length = float(np.hypot(*k))
         off = abs(np.hypot(*fits) - length) if self.sea.random else np.hypot(*(fits - k))
-        if off < CHANGED * length:
+        if off < MAX_WAVENUMBER_CHANGE * length:
             return None
         better = []
         for name, side, along, fit in zip(("length", "width"), self.sides, np.abs(k), np.abs(fits)):
-            crests = max(round(fit * side / (2.0 * pi)), ceil(FEW * along / length - 1e-9))
+            crests = max(round(fit * side / (2.0 * pi)), ceil(MIN_PATCH_WAVES * along / length - 1e-9))
             better += [f"basin.{name}: {2.0 * pi * crests / along:.4g}"] if along > 1e-9 * length else []
+        asked, became = self.describe_waves(self.requested), self.describe_waves(self.sea)
         return (
-            f"waves of {self.size(self.asked)} do not fit the patch and became waves of {self.size(self.sea)}; "
+            f"waves of {asked} do not fit the patch and became waves of {became}; "
             f"{' and '.join(better)} would keep them"
         )
 
     @property
-    def left_out(self) -> float:
-        """Share of the variance that was asked for and is in waves too short to be carried."""
-        if self.sea is None or self.asked is None:
+    def unresolved_share(self) -> float:
+        """Share of the requested variance in waves too short for these particles."""
+        if self.sea is None or self.requested is None:
             return 0.0
-        return max(0.0, 1.0 - (self.sea.significant_height / self.asked.significant_height) ** 2)
+        return max(0.0, 1.0 - (self.sea.significant_height / self.requested.significant_height) ** 2)
 
-    def short(self) -> str | None:
-        """What the patch has of a sea with waves too short to be carried."""
-        share = self.left_out
-        if self.sea is None or self.asked is None or share < ROUNDING:
+    def resolution_note(self) -> str | None:
+        """Sentence on the height that the patch has of a sea with waves too short for these particles, or None."""
+        share = self.unresolved_share
+        if self.sea is None or self.requested is None or share < VARIANCE_ROUNDING:
             return None
-        left, asked = self.sea.significant_height, self.asked.significant_height
+        left, asked = self.sea.significant_height, self.requested.significant_height
         return (
             f"{share:.2g} of the variance of the sea is in waves of fewer than {CARRIED:g} particles, which are left "
             f"out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
         )
 
     def statements(self) -> list[str]:
-        """What it is, in numbers."""
+        """Describe the patch and its sea in numbers."""
         head = f"a patch of open sea: its rim is {self.width:.3g} m wide on either side, rate {self.rate:.3g} 1/s"
         live = "particles are a sea for films and figures; for a live ship take fluid.kind: spectral_sea"
         if self.sea is None:
             return [f"{head}; the sea is calm", live]
         count = f"{len(self.sea.amplitude)} plane waves, the highest" if self.sea.random else "one wave,"
-        size, asked = self.size(self.sea), self.size(self.asked or self.sea)
+        size, asked = self.describe_waves(self.sea), self.describe_waves(self.requested or self.sea)
         was = f" (asked for: {asked})" if asked != size else ""
         found = [f"{head}; the sea is fitted to the patch: {count} of {size}{was}", live]
         if self.nonlinear is not None:
-            cells = " x ".join(str(n) for n in cells_of(self)[: len(self.sides)])
+            cells = " x ".join(str(n) for n in tile_cells(self)[: len(self.sides)])
             found.append(
                 f"the sea is nonlinear to third order on {cells} cells, "
                 f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
-        short = self.short()
-        found += [short] if short is not None and self.left_out <= UNCARRIED else []
+        short = self.resolution_note()
+        found += [short] if short is not None and self.unresolved_share <= UNCARRIED else []
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
-        at_rest, following = self.at_ship(0.0), self.at_ship(1.0)
+        at_rest, following = self.height_at_ship(0.0), self.height_at_ship(1.0)
         if at_rest is None or following is None:
             return [*found, "how much of its height the sea has at the ship is not known for this scheme"]
         fed = "" if self.feed.any() else ", then without a feed" if self.sea.ramp > 0.0 else ", without a feed"
@@ -176,73 +181,76 @@ class Band:
         return found
 
     def warnings(self, duration: float) -> list[str]:
-        """What is wrong with it but possible, in a run of this duration [s]."""
+        """Warn of a doubtful patch, in a run of this duration [s]."""
         found = list(waves.cut_short(duration, self.sea.ramp)) if self.sea is not None else []
-        changed = self.changed()
+        changed = self.fit_change()
         found += [changed] if changed is not None else []
-        short = self.short()
-        found += [f"{short}; take a smaller spacing"] if short is not None and self.left_out > UNCARRIED else []
-        if self.sea is not None and self.width < NARROW * self.sea.wavelength and self.rate > 0.0:
+        short = self.resolution_note()
+        found += [f"{short}; take a smaller spacing"] if short is not None and self.unresolved_share > UNCARRIED else []
+        if self.sea is not None and self.width < MIN_RIM_WAVES * self.sea.wavelength and self.rate > 0.0:
             found.append(
-                f"the rim of the patch is {self.width:.3g} m wide, less than {NARROW:g} of the wavelength of "
+                f"the rim of the patch is {self.width:.3g} m wide, less than {MIN_RIM_WAVES:g} of the wavelength of "
                 f"{self.sea.wavelength:.3g} m: it returns more than a twentieth of the ship's waves; take a "
                 "larger patch"
             )
-        elif self.through > PASSED:
+        elif self.wake_transmission > MAX_WAKE_SHARE:
             found.append(
-                f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g} 1/s lets {self.through:.0%} of the height "
-                "of a ship's waves through, and she meets her own wake; leave rim.rate out"
+                f"a rim {self.width:.3g} m wide of a rate of {self.rate:.3g} 1/s lets "
+                f"{self.wake_transmission:.0%} of the height of a ship's waves through, and she meets her own wake; "
+                "leave rim.rate out"
             )
         for speed, who in ((0.0, "at rest"), (1.0, "that keeps up with it")):
-            there = self.at_ship(speed)
-            if there is not None and abs(there) < 1.0 - WEAK:
+            there = self.height_at_ship(speed)
+            if there is not None and abs(there) < 1.0 - MAX_HEIGHT_DEFICIT:
                 found.append(f"the sea has {abs(there):.2g} of its height at a ship {who}, by a 1-D model")
         return found
 
-    def parted(self, ships: Mapping[str, np.ndarray]) -> list[str]:
-        """Which of several ships, by name at x, z [m], lie in it, as it is opposite the middle of all."""
+    def ships_in_rim(self, ships: Mapping[str, np.ndarray]) -> list[str]:
+        """Warn of ships, by name at x, z [m], that lie in the band, which is opposite the middle of all of them."""
         if len(ships) < 2:
             return []
         at, periods = np.array(list(ships.values())), np.array(self.lattice.basin.periods)[[0, 2]]
-        far = into_rim(at - at.mean(axis=0), periods, self.width)
+        far = rim_depth(at - at.mean(axis=0), periods, self.width)
         inside = [name for name, depth in zip(ships, far, strict=True) if depth > 0.0]
         there = f"{' and '.join(inside)} begin {far.max():.3g} m inside the rim of the patch, which lies opposite the"
         return [f"{there} middle of all ships; take a larger patch"] if inside else []
 
 
-def into_rim(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
-    """(n,) how far [m] points (n, 2) away from the middle of a patch, along x and z [m], lie in its rim of this width
-    [m], they or their images; negative outside."""
+def rim_depth(away: np.ndarray, periods: np.ndarray, width: float) -> np.ndarray:
+    """(n,) depth [m] in the rim of points (n, 2) away from the middle of a patch along x and z [m], or of their images;
+    negative outside of it. `width`: that of the rim [m]."""
     depth = np.abs(away - whole_sides(away, periods)) - (0.5 * periods - width)
     return np.where(periods > 0.0, depth, -np.inf).max(axis=-1)
 
 
-def band(lattice: Lattice) -> Band | None:
-    """That of the water on a lattice; None where it is no patch of open sea."""
+def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
+    """Relaxation band of the water on a lattice; None where it is no patch of open sea."""
     basin = lattice.basin
     if basin.sea is None:
         return None
     rim, sea = basin.sea.rim, of_patch(basin, lattice.spacing)
-    least = MOST * min(period for period in basin.periods if period)
-    width = rim.width or (least if sea is None else min(WIDTH * sea.wavelength, least))
+    least = MAX_RIM_SHARE * min(period for period in basin.periods if period)
+    width = rim.width or (least if sea is None else min(RIM_WIDTH_WAVES * sea.wavelength, least))
     if sea is None:
-        omega = float(waves.angular_frequency(2.0 * pi * WIDTH / width, basin.depth, waves.pull(basin)))
+        omega = float(
+            waves.angular_frequency(2.0 * pi * RIM_WIDTH_WAVES / width, basin.depth, waves.downward_gravity(basin))
+        )
     else:
         omega = 2.0 * pi / sea.period
-    rate = RATE * omega if rim.rate is None else rim.rate
+    rate = RIM_RATE_RATIO * omega if rim.rate is None else rim.rate
     losses = None if sea is None else lattice.config.losses(lattice, sea)
     nonlinear = basin.sea.nonlinear
     if sea is not None and losses is not None and nonlinear is None:
-        losses = losses + 1j * sea.omega * stokes(sea)
+        losses = losses + 1j * sea.omega * stokes_shift(sea)
     n = 0 if sea is None else len(sea.amplitude)
     feed = np.zeros(n, dtype=complex) if losses is None else 2.0 * losses
     if basin.sea.feed is not None:
         feed = np.full(n, basin.sea.feed, dtype=complex)
-    return Band(lattice, width, rate, sea, losses, feed, nonlinear, basin.sea.plane_waves(basin))
+    return RelaxationBand(lattice, width, rate, sea, losses, feed, nonlinear, basin.sea.plane_waves(basin))
 
 
-def cells_of(band: Band) -> tuple[int, int]:
-    """Of the tile that a nonlinear sea evolves on, along x and z: about as many as particles."""
+def tile_cells(band: RelaxationBand) -> tuple[int, int]:
+    """Cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
     basin = band.lattice.basin
     share = width_over_length(basin.periods)
     assert share is not None
@@ -251,8 +259,8 @@ def cells_of(band: Band) -> tuple[int, int]:
     return parts, parts * share.numerator // share.denominator if basin.periods[2] else 1
 
 
-def stokes(sea: waves.Components) -> float:
-    """Share by which a regular wave's own height quickens it (Stokes, third order); 0 of random waves."""
+def stokes_shift(sea: waves.Components) -> float:
+    """Relative rise of the frequency of a regular wave by its own height (Stokes, third order); 0 of random waves."""
     if sea.random:
         return 0.0
     steepness = float(sea.wavenumber[0] * np.sqrt((sea.amplitude**2).sum()))

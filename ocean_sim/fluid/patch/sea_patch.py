@@ -1,9 +1,8 @@
-"""What makes particles a patch of open sea: the band opposite the ship that relaxes them towards the sea, and its
-feed.
+"""Forcing of a patch of open sea: the band opposite the ship that relaxes particles towards the sea, and the feed.
 
-The sea's velocity, and what of it is fed, stand in a table over the patch and some depths, written forty times in a
-period of the highest waves and linear between; across the patch it is cubic, and so it is in the square root of the
-depth. Above the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
+A table over the patch and some depths holds the sea's velocity and its feed. It is written forty times in a period of
+the highest waves and is linear in time between; it is cubic across the patch and in the square root of the depth. Above
+the still level velocities go on along their slope there (Rodenbusch & Forristall 1986, OTC 5098).
 """
 
 from collections.abc import Sequence
@@ -14,97 +13,106 @@ import numpy as np
 from ocean_sim.basin import whole_sides
 from ocean_sim.columns import vec3
 from ocean_sim.fluid import Displacing
-from ocean_sim.fluid.open_sea.wave_sheet import cubic
-from ocean_sim.fluid.patch.relaxation_zone import Band, cells_of, into_rim
-from ocean_sim.fluid.patch.sources import LEVELS, VALUES, Depths, PlaneWaveSource, Source, SteepSource, numbers
+from ocean_sim.fluid.open_sea.wave_sheet import cubic_weights
+from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, rim_depth, tile_cells
+from ocean_sim.fluid.patch.sources import (
+    NODE_VALUES,
+    TABLE_LEVELS,
+    Depths,
+    PlaneWaveSource,
+    Source,
+    SteepSource,
+    wave_counts,
+)
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves import Components
-from ocean_sim.waves.absorption import PROFILE
+from ocean_sim.waves.absorption import DAMPING_POWER
 
-WRITTEN = 40  # times in a period of the highest waves
-PER_WAVE, FEWEST, MOST = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
-SHORTEST = 4  # cells to the shortest wave of a nonlinear sea
+WRITES_PER_PERIOD = 40  # writes in a period of the highest waves
+NODES_PER_WAVE, MIN_NODES, MAX_NODES = 8, 16, 512  # nodes to the shortest wave, and along an axis of the patch
+CELLS_PER_WAVE = 4  # cells to the shortest wave of a nonlinear sea
 
 
-def nodes(band: Band, sea: Components) -> tuple[int, ...]:
-    """Of the table, along x and z."""
+def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
+    """Nodes of the table along x and z."""
     periods = band.lattice.basin.periods[::2]
-    most = np.abs(numbers(band, sea)).max(axis=0)
+    crests = np.abs(wave_counts(band, sea)).max(axis=0)
     if band.nonlinear is not None:
-        most = np.array(cells_of(band)) // SHORTEST
-    return tuple(int(np.clip(PER_WAVE * m, FEWEST, MOST)) if period else 1 for m, period in zip(most, periods))
+        crests = np.array(tile_cells(band)) // CELLS_PER_WAVE
+    counts = np.clip(NODES_PER_WAVE * crests, MIN_NODES, MAX_NODES)
+    return tuple(int(n) if period else 1 for n, period in zip(counts, periods))
 
 
-def memory(band: Band, sea: Components, word: int) -> int:
-    """Bytes of the table."""
-    x, z = nodes(band, sea)
-    return 3 * x * z * (LEVELS + 1) * VALUES * word
+def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
+    """Memory of the table [bytes]."""
+    x, z = table_nodes(band, sea)
+    return 3 * x * z * (TABLE_LEVELS + 1) * NODE_VALUES * word
 
 
 @in_kernels
 class SeaTable:
     """The sea on the patch, at one time."""
 
-    def __init__(self, band: Band, sea: Components) -> None:
+    def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea
-        self.every = sea.period / WRITTEN
+        self.every = sea.period / WRITES_PER_PERIOD
         self.depth = min(basin.depth, sea.wavelength)  # [m] below which velocities are those there
         self.above = max(sea.significant_height, 1e-3 * self.depth)  # [m]
-        self.count = nodes(band, sea)
+        self.count = table_nodes(band, sea)
         self.lower = (basin.lower[0], basin.lower[2])
         self.per_cell = tuple(n / (period or 1.0) for n, period in zip(self.count, basin.periods[::2]))
         depths = Depths(self.depth, self.above, sea.depth)
         self.source: Source = PlaneWaveSource(band, sea, depths, self.count)
         if band.nonlinear is not None:
             self.source = SteepSource(band, sea, depths, self.count)
-        shape = (*self.count, LEVELS + 1, VALUES)
+        shape = (*self.count, TABLE_LEVELS + 1, NODE_VALUES)
         self.slots, self.now = ti.field(float, shape=(2, *shape)), ti.field(float, shape=shape)
         self.begun = 0  # number of the time that the first slot holds
-        self.write(0, 0.0)
-        self.write(1, self.every)
+        self.write_slot(0, 0.0)
+        self.write_slot(1, self.every)
 
-    def write(self, slot: int, time: float) -> None:
-        """The sea at a time [s]."""
+    def write_slot(self, slot: int, time: float) -> None:
+        """Write the sea at a time [s] into a slot."""
         from scipy.fft import ifft2
 
         modes, sea = self.source.modes(time), self.sea
         velocity, fed = modes[:, :3], modes[:, 3:]
-        fed[:] = sea.grown(time) * fed + 2.0 * sea.growth(time) * velocity
-        velocity *= sea.grown(time)
+        fed[:] = sea.ramp_share(time) * fed + 2.0 * sea.ramp_rate(time) * velocity
+        velocity *= sea.ramp_share(time)
         values = ifft2(modes, norm="forward", workers=1).real
-        self.take(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
+        self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """To a time [s]."""
+        """Bring the table to a time [s]."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0
-            self.shift()
-            self.write(1, (self.begun + 1) * self.every)
-        self.turn(share)
+            self.shift_slots()
+            self.write_slot(1, (self.begun + 1) * self.every)
+        self.interpolate_slots(share)
 
     @ti.kernel
-    def take(self, slot: int, values: ti.types.ndarray(ndim=4)):  # type: ignore[valid-type]
+    def store_slot(self, slot: int, values: ti.types.ndarray(ndim=4)):  # type: ignore[valid-type]
         for i in ti.grouped(self.now):
             self.slots[slot, i] = values[i]
 
     @ti.kernel
-    def shift(self):
+    def shift_slots(self):
         for i, k in ti.ndrange(*self.count):
-            for l, c in ti.ndrange(LEVELS + 1, VALUES):  # a node's numbers lie in a row
+            for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):  # a node's numbers lie in a row
                 self.slots[0, i, k, l, c] = self.slots[1, i, k, l, c]
 
     @ti.kernel
-    def turn(self, share: float):
+    def interpolate_slots(self, share: float):
         for i, k in ti.ndrange(*self.count):
-            for l, c in ti.ndrange(LEVELS + 1, VALUES):
+            for l, c in ti.ndrange(TABLE_LEVELS + 1, NODE_VALUES):
                 self.now[i, k, l, c] = tm.mix(self.slots[0, i, k, l, c], self.slots[1, i, k, l, c], share)
 
     @ti.func
-    def levels(self, y):
+    def level_weights(self, y):
         """Four levels around a height y [m], and their weights."""
-        last = LEVELS - 1
+        last = TABLE_LEVELS - 1
         at = tm.min(ti.sqrt(tm.max(-y, 0.0) / self.depth), 1.0) * last
         first = tm.clamp(int(at) - 1, 0, last - 3)
         s = at - first
@@ -117,50 +125,50 @@ class SeaTable:
         )
         if y > 0.0:
             rise = tm.min(y / self.above, 2.0)
-            level, weight = ti.Vector([0, LEVELS, 0, 0]), tm.vec4(1.0 - rise, rise, 0.0, 0.0)
+            level, weight = ti.Vector([0, TABLE_LEVELS, 0, 0]), tm.vec4(1.0 - rise, rise, 0.0, 0.0)
         return level, weight
 
     @ti.func
-    def around(self, x, axis: Template):
+    def node_weights(self, x, axis: Template):
         """The first of four nodes around x [m] along an axis, and their weights."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
-        return i - 1, cubic(at - i)
+        return i - 1, cubic_weights(at - i)
 
     @ti.func
-    def at(self, x):
-        """Velocity [m/s] and what is fed of it [m/s2], six numbers, at x [m]."""
+    def sample(self, x):
+        """Velocity [m/s] and its feed [m/s2], six numbers, at x [m]."""
         n, m = ti.static(self.count)
-        level, share = self.levels(x.y)
-        i, along = self.around(x.x, 0)
-        total = ti.Vector.zero(float, VALUES)
+        level, share = self.level_weights(x.y)
+        i, along = self.node_weights(x.x, 0)
+        total = ti.Vector.zero(float, NODE_VALUES)
         for p in range(4):
             cell = (i + p + n) % n
             if ti.static(m == 1):
-                total += along[p] * self.column(cell, 0, level, share)
+                total += along[p] * self.sample_column(cell, 0, level, share)
             else:
-                k, across = self.around(x.z, 1)
+                k, across = self.node_weights(x.z, 1)
                 for q in range(4):
-                    total += along[p] * across[q] * self.column(cell, (k + q + m) % m, level, share)
+                    total += along[p] * across[q] * self.sample_column(cell, (k + q + m) % m, level, share)
         return total
 
     @ti.func
-    def column(self, i, k, level, share):
+    def sample_column(self, i, k, level, share):
         """The six numbers over a node of the patch."""
-        total = ti.Vector.zero(float, VALUES)
+        total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
-            for c in ti.static(range(VALUES)):
+            for c in ti.static(range(NODE_VALUES)):
                 total[c] += share[l] * self.now[i, k, level[l], c]
         return total
 
 
 @in_kernels
 class SeaRim:
-    """The band and the feed; the band lies opposite the ships, or a point that moves steadily."""
+    """The band and the feed; the band lies opposite the ships, or opposite a point that moves steadily."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
-    def __init__(self, band: Band) -> None:
+    def __init__(self, band: RelaxationBand) -> None:
         basin = band.lattice.basin
         assert basin.sea is not None
         self.width, self.rate, self.velocity = band.width, band.rate, np.array(basin.sea.rim.velocity)
@@ -177,37 +185,37 @@ class SeaRim:
     def follow(self, ships: Sequence[Displacing]) -> None:
         """Lie opposite the middle of these ships from now on."""
         self.ships = tuple(ships)
-        self.place(0.0)
+        self.place_band(0.0)
 
-    def where(self, time: float) -> np.ndarray:
-        """(2,) x, z in the world [m] opposite which it lies: the middle of the ships, or of what it follows at a
-        time [s]."""
+    def centre_at(self, time: float) -> np.ndarray:
+        """(2,) x, z in the world [m] opposite which it lies at a time [s]: the middle of the ships, or a moving
+        point."""
         if self.ships:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.velocity * time
 
-    def nearest(self, points: np.ndarray) -> np.ndarray:
-        """(..., 2) points x, z [m] where the patch around the origin has them, 0 along an axis that it has not."""
+    def on_patch(self, points: np.ndarray) -> np.ndarray:
+        """(..., 2) images of points x, z [m] on the patch around the origin; 0 along an axis without period."""
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
-    def place(self, time: float) -> None:
-        """Where it is at a time [s], or where the ships are."""
-        at = self.nearest(self.where(time))
+    def place_band(self, time: float) -> None:
+        """Lay the band where it is at a time [s]."""
+        at = self.on_patch(self.centre_at(time))
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
 
-    def holds(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(m,) whether points x, z (m, 2) in the world [m] lie in it at a time [s]."""
-        return into_rim(points - self.where(time), self.periods, self.width) > 0.0
+    def contains(self, points: np.ndarray, time: float) -> np.ndarray:
+        """(m,) true for points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
+        return rim_depth(points - self.centre_at(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:
-        """To a time [s]."""
-        self.place(time)
+        """Bring band and table to a time [s]."""
+        self.place_band(time)
         if self.waving:
             self.table.advance(time)
 
     @ti.func
-    def share(self, x):
-        """How far x [m] lies in the band: 0 outside, 1 at the seam."""
+    def rim_share(self, x):
+        """Depth of x [m] in the band over its width: 0 outside, 1 at the seam."""
         far = 0.0
         for axis, k, period in ti.static(self.axes):
             xi = x[k] - self.middle[axis]
@@ -216,14 +224,14 @@ class SeaRim:
         return tm.min(far, 1.0)
 
     @ti.func
-    def push(self, x, v, dt):
-        """Acceleration [m/s2] over dt of a particle at x [m] that would leave the step with v [m/s] but for the sea;
-        that of the band is implicit, so that no step overshoots."""
-        s, a = self.share(x), tm.vec3(0.0)
+    def acceleration(self, x, v, dt):
+        """Acceleration [m/s2] of a particle at x [m] by the sea; v [m/s] is its velocity after dt without the sea."""
+        s, a = self.rim_share(x), tm.vec3(0.0)
+        # The relaxation is implicit in time: no step overshoots the sea, however strong the rate.
         if s > 0.0 or ti.static(self.fed):
-            rate = self.rate * tm.max(s, 0.0) ** PROFILE
+            rate = self.rate * tm.max(s, 0.0) ** DAMPING_POWER
             if ti.static(self.waving):
-                sea = self.table.at(x)
+                sea = self.table.sample(x)
                 a = rate / (1.0 + rate * dt) * (vec3(sea, 0) - v) + vec3(sea, 3)
             else:
                 a = -rate / (1.0 + rate * dt) * v

@@ -69,11 +69,15 @@ class StandingWave(Start):
         shift, late = -k * basin.lower[0], 0.5 * pi if self.phase == "flat" else 0.0
         wavevector = np.array([[k, 0.0], [-k, 0.0]])
         return waves.Components(
-            np.array([half, half]), wavevector, np.array([shift + late, -shift + late]), basin.depth, waves.pull(basin)
+            np.array([half, half]),
+            wavevector,
+            np.array([shift + late, -shift + late]),
+            basin.depth,
+            waves.downward_gravity(basin),
         )
 
     def problems(self, basin: Basin) -> Problems:
-        for sentence in waves.unsuited(basin):
+        for sentence in waves.basin_faults(basin):
             yield ("kind",), sentence
             return
         length = 2.0 * basin.config.length / self.mode
@@ -101,12 +105,12 @@ class RegularWave(Start):
 
     def sea(self, basin: Basin) -> waves.Components:
         """The wave before it is fitted to the basin."""
-        towards = waves.direction(self.heading_deg, basin.dimension)
-        return waves.regular(self.height, self.period, towards, basin.depth, waves.pull(basin))
+        towards = waves.heading_vector(self.heading_deg, basin.dimension)
+        return waves.regular_wave(self.height, self.period, towards, basin.depth, waves.downward_gravity(basin))
 
     def problems(self, basin: Basin) -> Problems:
-        found = [(("height",), sentence) for sentence in waves.unsuited(basin, self.height, self.period)]
-        found += [(("heading_deg",), sentence) for sentence in waves.misdirected(self.heading_deg, basin)]
+        found = [(("height",), sentence) for sentence in waves.basin_faults(basin, self.height, self.period)]
+        found += [(("heading_deg",), sentence) for sentence in waves.heading_faults(self.heading_deg, basin)]
         yield from found
         if found:
             return
@@ -135,14 +139,14 @@ class RandomWaves(Start):
 
     def sea(self, basin: Basin) -> waves.Components:
         """The waves before they are fitted to the basin."""
-        towards = waves.direction(self.spectrum.heading_deg, basin.dimension)
-        return self.spectrum.components(towards, basin.depth, waves.pull(basin))
+        towards = waves.heading_vector(self.spectrum.heading_deg, basin.dimension)
+        return self.spectrum.components(towards, basin.depth, waves.downward_gravity(basin))
 
     def problems(self, basin: Basin) -> Problems:
         size = self.spectrum.significant_wave_height, self.spectrum.peak_period
-        found = [(("spectrum", "significant_wave_height"), sentence) for sentence in waves.unsuited(basin, *size)]
+        found = [(("spectrum", "significant_wave_height"), sentence) for sentence in waves.basin_faults(basin, *size)]
         heading = ("spectrum", "heading_deg")
-        found += [(heading, sentence) for sentence in waves.misdirected(self.spectrum.heading_deg, basin)]
+        found += [(heading, sentence) for sentence in waves.heading_faults(self.spectrum.heading_deg, basin)]
         yield from found
         if not found:
             yield from ((heading, sentence) for sentence in walled(self.sea(basin).wavevector[0], basin))
@@ -294,7 +298,7 @@ def borne(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.
     2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
     rest carry their variance."""
     k = sea.wavenumber
-    found = sea.only((k < 2.0 / height) & (shortest * k < 2.0 * pi))
+    found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
     return replace(found, amplitude=share * found.amplitude)
 
@@ -310,7 +314,7 @@ def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
             least = np.abs(sea.wavevector).argmax(axis=1) == axis  # along this axis a wave must have one crest
             number = np.where((number == 0.0) & least, np.sign(sea.wavevector[:, axis]), number)
             wavevector[:, axis] = number * unit
-    return waves.merged(sea, wavevector)
+    return waves.merge_waves(sea, wavevector)
 
 
 def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
@@ -321,10 +325,10 @@ def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
         return None
     there = fitted(borne(sea, basin.sea.significant_height) if sea.random else sea, basin)
     if sea.random:
-        there = there.only((1.0 - 1e-9) * CARRIED * spacing * there.wavenumber <= 2.0 * pi)
+        there = there.select((1.0 - 1e-9) * CARRIED * spacing * there.wavenumber <= 2.0 * pi)
     ramp = basin.sea.ramp
     if ramp is None:
-        ramp = waves.RAMP * there.period if basin.afloat else 0.0
+        ramp = waves.RAMP_PERIODS * there.period if basin.afloat else 0.0
     return replace(there, ramp=ramp)
 
 

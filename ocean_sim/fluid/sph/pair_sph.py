@@ -158,7 +158,7 @@ class MomentumLaw(Force):
             a_bed = fluid.bed.push(x, v + dt * a, dt)
             a += a_bed
         if ti.static(fluid.joined):
-            a_sea = fluid.rim.push(x, v + dt * a, dt)
+            a_sea = fluid.rim.acceleration(x, v + dt * a, dt)
             a += a_sea
         return a, (a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea)
 

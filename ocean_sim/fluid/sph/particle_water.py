@@ -17,7 +17,7 @@ from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.point_sum import Around
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
-from ocean_sim.fluid.patch.relaxation_zone import band
+from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.fluid.sph.body_force import Bed, Pull
 from ocean_sim.fluid.sph.particles import Particles, seeded, staggered_field
 from ocean_sim.fluid.sph.smoothing import Smoothing
@@ -65,7 +65,7 @@ class ParticleWater(ParticleFluid):
         self.pull = Pull(basin, config.body_force)
         if basin.rough_bed is not None:
             self.bed = Bed(basin.rough_bed, lattice)
-        around = band(lattice)
+        around = relaxation_band(lattice)
         self.sea = around.sea if around is not None else None
         if around is not None:
             from ocean_sim.fluid.patch.sea_patch import SeaRim
@@ -92,10 +92,10 @@ class ParticleWater(ParticleFluid):
 
     @property
     def patch_centre(self) -> np.ndarray:
-        return self.rim.where(self.time) if self.joined else np.zeros(2)
+        return self.rim.centre_at(self.time) if self.joined else np.zeros(2)
 
     def in_rim(self, points: np.ndarray) -> np.ndarray:
-        return self.rim.holds(points, self.time) if self.joined else super().in_rim(points)
+        return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
     def add_contact(self, contact: Contact) -> None:
         """From the first step on feel the push of one more hull."""

@@ -16,8 +16,8 @@ from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
 from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, trains
-from ocean_sim.fluid.patch.relaxation_zone import band, cells_of
+from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
+from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
 from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.smoothing import Smoothing
@@ -154,11 +154,11 @@ class SphConfig(WaterConfig):
         if "compression" not in self.unheeded:
             found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
         lattice = self.began(preflight)
-        around = band(lattice)
+        around = relaxation_band(lattice)
         if around is not None:
             outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
             ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
-            found += [*around.warnings(preflight.duration), *around.parted(ships)]
+            found += [*around.warnings(preflight.duration), *around.ships_in_rim(ships)]
         return [*found, *of_zones(zones(lattice)), *self.of_scales(lattice, preflight.support)]
 
     def of_scales(self, lattice: Lattice, support: float) -> Iterator[str]:
@@ -169,7 +169,7 @@ class SphConfig(WaterConfig):
                 f"the water is {depth / spacing:.3g} particles deep, no more than a support radius of "
                 f"{support / spacing:.3g}: too few to move like water; take a smaller spacing"
             )
-        for train in trains(lattice):
+        for train in wave_trains(lattice):
             length, height = train.sea.wavelength, train.height
             waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
             if length < COARSE * spacing:
@@ -177,7 +177,7 @@ class SphConfig(WaterConfig):
                     f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
                 )
-            short = train.shorter_than(CARRIED * spacing)
+            short = train.variance_below(CARRIED * spacing)
             if short > UNCARRIED:
                 yield (
                     f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
@@ -272,7 +272,7 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
-        around = band(self.began(preflight))
+        around = relaxation_band(self.began(preflight))
         found += around.statements() if around is not None else []
         found += [zone.statement for zone in zones(self.began(preflight))]
         return [*found, *self.of_waves(preflight), *super().statements(preflight)]
@@ -282,7 +282,7 @@ class SphConfig(WaterConfig):
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
-        for train in trains(self.began(preflight)):
+        for train in wave_trains(self.began(preflight)):
             if ratio != usual:
                 at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
                 yield f"what {self.kind} adds to the viscosity of waves {at}"
@@ -290,7 +290,7 @@ class SphConfig(WaterConfig):
             own, length = self.viscosity_asked, train.sea.wavelength
             added = self.viscosity_added(preflight, length, train.height, train.standing)
             if added > NOTABLE * own:
-                a_period, a_wavelength = train.lost(own + added)
+                a_period, a_wavelength = train.height_loss(own + added)
                 way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
                 yield (
                     f"waves {length:.3g} m long and {train.height:.3g} m high: {self.kind} adds {added:.2g} m2/s "
@@ -347,15 +347,15 @@ def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
     """The ledger of the sea that the water is a patch of."""
-    around = band(lattice)
+    around = relaxation_band(lattice)
     if around is None or around.sea is None:
         return []
-    from ocean_sim.fluid.patch.sea_patch import memory
+    from ocean_sim.fluid.patch.sea_patch import table_bytes
 
     what = f"a table of {len(around.sea.amplitude)} plane waves"
-    found = [LedgerRow("fluid", what, memory(around, around.sea, word), "sea")]
+    found = [LedgerRow("fluid", what, table_bytes(around, around.sea, word), "sea")]
     if around.nonlinear is not None:
-        cells = int(np.prod(cells_of(around)))
+        cells = int(np.prod(tile_cells(around)))
         what, why = f"a nonlinear sea of {cells} cells", "sea.kind is spectral_sea"
         found.append(LedgerRow("fluid", what, 6 * 8 * cells, why))
     return found

@@ -11,8 +11,8 @@ from ocean_sim.files.atomic_file import atomic_write, require_disk_space
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Series, save_ply
 from ocean_sim.pictures.export import scene_file
-from ocean_sim.pictures.export.scene_file import Shot, upright
-from ocean_sim.pictures.export.wakes import Wakes
+from ocean_sim.pictures.export.scene_file import ExportShot, upright_shots
+from ocean_sim.pictures.export.wakes import RunWakes
 from ocean_sim.pictures.frame_files import frame_files
 
 
@@ -53,9 +53,9 @@ def export_run(
     return files
 
 
-def shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[Shot]:
-    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
-    return upright((scene_file.shot(frame, grid, wakes) for frame in frames), z_up)
+def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) -> Iterator[ExportShot]:
+    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
+    return upright_shots((scene_file.read_shot(frame, grid, wakes) for frame in frames), z_up)
 
 
 def export_particles(
@@ -64,20 +64,20 @@ def export_particles(
     """Points with `velocity`, `id` and `pressure`: one file with all moments (vtkhdf), or one a moment (ply)."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
-    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in shots(frames, grid, z_up))
+    kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
     if kind == "ply":
         return [
-            saved(out / f"particles_{k:05d}.ply", x, None, without(fields, "position"))
+            save_mesh(out / f"particles_{k:05d}.ply", x, None, without_key(fields, "position"))
             for k, (_, x, fields) in enumerate(kept)
         ]
     path = out / "particles.vtkhdf"
     with atomic_write(path) as draft, Series(draft, "Vertices") as series:
         for time, x, fields in kept:
-            series.add(time, x, np.arange(len(x))[:, None], **without(fields, "position"))
+            series.add(time, x, np.arange(len(x))[:, None], **without_key(fields, "position"))
     return [path]
 
 
-def without(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
+def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     return {key: values for key, values in fields.items() if key != name}
 
 
@@ -89,7 +89,7 @@ def export_surface(
     boxes that stand in the water."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
-    for shot in shots(frames, grid, z_up):
+    for shot in export_shots(frames, grid, z_up):
         files["surface"].append((shot.time, shot.points, shot.faces, shot.fields))
         if len(shot.gates[0]) or "gates" in files:
             files.setdefault("gates", []).append((shot.time, *shot.gates, {}))
@@ -98,27 +98,27 @@ def export_surface(
             corners = mesh.corners.reshape(-1, 3)
             points = (corners @ turn.T + position).astype(np.float32)
             numbers = np.arange(len(corners)).reshape(-1, 3)
-            colour = (255.0 * display(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
+            colour = (255.0 * display_colours(np.repeat(mesh.colour, 3, axis=0))).astype(np.uint8)
             normals = (mesh.normals.reshape(-1, 3) @ turn.T).astype(np.float32)
-            name = scene_file.named(key)
+            name = scene_file.file_name(key)
             files.setdefault(name, []).append((shot.time, points, numbers, {"Normals": normals, "RGB": colour}))
-    boxes, sides = scene_file.blocks(grid["obstacles"])
+    boxes, sides = scene_file.box_mesh(grid["obstacles"])
     if len(boxes):
         turn = scene_file.Z_UP if z_up else np.eye(3)
         first = files["surface"][0][0]
         files["obstacles"] = [(first, (boxes @ turn.T).astype(np.float32), sides, {})]
     made = []
     for name, moments in files.items():
-        made += moments_saved(out, name, kind, moments)
+        made += save_moments(out, name, kind, moments)
     return made
 
 
-def display(linear: np.ndarray) -> np.ndarray:
+def display_colours(linear: np.ndarray) -> np.ndarray:
     """Linear RGB as a screen shows it, 0 to 1."""
     return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
 
 
-def moments_saved(
+def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
     """A mesh at several times [s] in files of a kind."""
@@ -129,7 +129,7 @@ def moments_saved(
                 series.add(time, points, faces, **fields)
         return [path]
     files = [
-        saved(out / f"{name}_{k:05d}.{kind}", points, faces, fields)
+        save_mesh(out / f"{name}_{k:05d}.{kind}", points, faces, fields)
         for k, (_, points, faces, fields) in enumerate(moments)
     ]
     if kind == "ply":
@@ -141,7 +141,7 @@ def moments_saved(
     return [index, *files]
 
 
-def saved(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
+def save_mesh(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
     """One mesh, or points alone, with fields of the points."""
     if path.suffix == ".ply":
         return save_ply(path, points, faces, fields)

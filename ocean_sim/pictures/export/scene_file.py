@@ -14,20 +14,23 @@ from ocean_sim.conventions import Lacking
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
-from ocean_sim.pictures.export.wakes import Wakes, read
-from ocean_sim.pictures.frame_files import frame_files, ships_in
+from ocean_sim.pictures.export.wakes import RunWakes, read_cells
+from ocean_sim.pictures.frame_files import frame_files, ship_keys
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
-from ocean_sim.pictures.water.foam import coarser
-from ocean_sim.pictures.water.water_mesh import triangles
+from ocean_sim.pictures.water.foam import cell_means
+from ocean_sim.pictures.water.water_mesh import grid_triangles
 
-SEA, WHITE = np.array([0.010, 0.060, 0.090]), np.array([0.75, 0.80, 0.82])  # linear RGB of water and of its foam
-STONE = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
+WATER_COLOUR, FOAM_COLOUR = (
+    np.array([0.010, 0.060, 0.090]),
+    np.array([0.75, 0.80, 0.82]),
+)  # linear RGB of water and of its foam
+STONE_COLOUR = np.array([0.16, 0.15, 0.14])  # linear RGB of what stands in the water
 # Triangles of a box whose corners count x, then y, then z, seen from outside.
-BOX = np.array(
+BOX_TRIANGLES = np.array(
     [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 4, 5], [0, 5, 1]]
     + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
 )
-NEAREST = 6  # particles that tell the velocity of a surface with an underside
+NEAREST_PARTICLES = 6  # particles that tell the velocity of a surface with an underside
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from our axes, y up
 
 
@@ -38,7 +41,7 @@ class UsdMissing(Lacking):
         super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
 
 
-class Shot(NamedTuple):
+class ExportShot(NamedTuple):
     """What is exported of a frame."""
 
     time: float  # [s]
@@ -50,7 +53,7 @@ class Shot(NamedTuple):
     gates: tuple[np.ndarray, np.ndarray]  # corners [m] and triangles of obstacles that move or leave
 
 
-def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
+def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
     """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with wakes and
     waves of ships and the white along their hulls as pictures show them."""
     data = read_npz(frame)
@@ -66,43 +69,43 @@ def shot(frame: Path, grid: dict[str, np.ndarray], wakes: Wakes) -> Shot:
         if (np.cross(*np.diff(points[faces], axis=1).swapaxes(0, 1))[:, 1] > 0.0).all():  # one height above each point
             at = wakes.places(points[:, [0, 2]], data.get("origin", np.zeros(2)))
             if raised.any():
-                points = points + np.outer(read(raised, at), [0.0, 1.0, 0.0])
-                fields["Normals"] = upwards(points, faces)
+                points = points + np.outer(read_cells(raised, at), [0.0, 1.0, 0.0])
+                fields["Normals"] = surface_normals(points, faces)
             fields |= {
-                name: read(data[key], at).astype(np.float32)
+                name: read_cells(data[key], at).astype(np.float32)
                 for name, key in (("foam", "foam"), ("velocity", "surface_velocity"))
                 if key in data
             }
         elif "velocity" in data:
-            fields["velocity"] = beside(points, data["position"], data["velocity"]).astype(np.float32)
+            fields["velocity"] = values_beside(points, data["position"], data["velocity"]).astype(np.float32)
     else:
         x, z = np.meshgrid(grid["x"], grid["z"], indexing="ij")
         dx, dz = data.get("origin", np.zeros(2))
         points = np.stack([x + dx, data["elevation"], z + dz], axis=-1).reshape(-1, 3).astype(np.float32)
-        faces = triangles(*x.shape)
-        fields["Normals"] = upwards(points, faces)
+        faces = grid_triangles(*x.shape)
+        fields["Normals"] = surface_normals(points, faces)
         if "foam" in data:
-            fields["foam"] = coarser(data["foam"], x.shape).ravel().astype(np.float32)
+            fields["foam"] = cell_means(data["foam"], x.shape).ravel().astype(np.float32)
         if "surface_velocity" in data:
             fields["velocity"] = data["surface_velocity"].reshape(-1, 3).astype(np.float32)
-    ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ships_in(data, "_turn")}
+    ships = {key: (data[f"{key}_position"], data[f"{key}_turn"]) for key in ship_keys(data, "_turn")}
     kept = "position", "velocity", "id", "pressure"
     particles = {str(name): data[name] for name in kept if name in data}
-    gates = blocks(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
-    return Shot(float(data["time"]), points, faces, fields, ships, particles, gates)
+    gates = box_mesh(data["gates"] if "gates" in data else np.zeros((0, 2, 3)))
+    return ExportShot(float(data["time"]), points, faces, fields, ships, particles, gates)
 
 
-def beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
+def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
     """(n, 3) values at points (n, 3) of a surface: of the particles nearest to each, the nearer the more."""
     from scipy.spatial import cKDTree
 
-    away, who = cKDTree(particles).query(points, k=min(NEAREST, len(particles)))
+    away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
     away, who = away.reshape(len(points), -1), who.reshape(len(points), -1)
     weight = 1.0 / np.maximum(away, 1e-6) ** 2
     return np.einsum("nk,nkc->nc", weight / weight.sum(axis=1, keepdims=True), values[who])
 
 
-def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(n, 3) normals of a surface at its points: those of its triangles, by their areas."""
     a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
     across = np.cross(b - a, c - a)
@@ -112,22 +115,22 @@ def upwards(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
     """Ships as they are drawn, by key."""
-    return {key: kept_model(grid, key) for key in ships_in(grid, "_look")}
+    return {key: kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
-def blocks(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
-    faces = [BOX + 8 * n for n in range(len(boxes))]
+    faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
 
 
-def named(key: str) -> str:
+def file_name(key: str) -> str:
     """A ship's key as a name in a file."""
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
-def rate(first: float, last: float, count: int, every: float) -> float:
+def frame_rate(first: float, last: float, count: int, every: float) -> float:
     """Pictures a second of so many frames from a first to a last time [s]; a run kept one `every` so many seconds, at
     the first step then, of which each n-th is here."""
     if count < 2:
@@ -144,7 +147,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
     except ImportError:
         raise UsdMissing from None
     first, last = (float(read_npz(frame)["time"]) for frame in (frames[0], frames[-1]))
-    per_second = rate(first, last, len(frames), float(grid["every"]))
+    per_second = frame_rate(first, last, len(frames), float(grid["every"]))
     with atomic_write(path) as draft:
         stage = Usd.Stage.CreateInMemory()
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
@@ -157,35 +160,35 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         stage.SetDefaultPrim(root.GetPrim())
         if z_up:
             root.AddRotateXOp().Set(90.0)
-        boxes, sides = blocks(grid["obstacles"])
+        boxes, sides = box_mesh(grid["obstacles"])
         if len(boxes):
             stone = UsdGeom.Mesh.Define(stage, "/sea/obstacles")
             stone.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(boxes))
-            still(stone, sides.astype(np.int32).ravel(), Vt)
-            stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
+            set_triangles(stone, sides.astype(np.int32).ravel(), Vt)
+            stone.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE_COLOUR.tolist())])
         bodies = {}
         for key, model in ship_models(grid).items():
-            body = UsdGeom.Xform.Define(stage, f"/sea/{named(key)}")
+            body = UsdGeom.Xform.Define(stage, f"/sea/{file_name(key)}")
             bodies[key] = body.AddTransformOp()
             corners = model.mesh.corners.reshape(-1, 3).astype(np.float32)
-            hull = UsdGeom.Mesh.Define(stage, f"/sea/{named(key)}/hull")
+            hull = UsdGeom.Mesh.Define(stage, f"/sea/{file_name(key)}/hull")
             hull.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(corners))
             numbers = np.arange(len(corners), dtype=np.int32)
-            still(hull, numbers, Vt)
+            set_triangles(hull, numbers, Vt)
             hull.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(model.mesh.normals.reshape(-1, 3).astype(np.float32)))
             hull.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform).Set(
                 Vt.Vec3fArray.FromNumpy(model.mesh.colour.astype(np.float32))
             )
         water = UsdGeom.Mesh.Define(stage, "/sea/water")
-        water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*SEA.tolist())])
+        water.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*WATER_COLOUR.tolist())])
         cloud = moving = None
         before: np.ndarray | None = None
-        wakes = Wakes(frame_files(frames[0].parent.parent), grid)
+        wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
         for frame in frames:
-            kept = shot(frame, grid, wakes)
+            kept = read_shot(frame, grid, wakes)
             code = Usd.TimeCode(kept.time * per_second)
             if before is None or not np.array_equal(before, kept.faces):
-                still(water, kept.faces.astype(np.int32).ravel(), Vt, code)
+                set_triangles(water, kept.faces.astype(np.int32).ravel(), Vt, code)
                 before = kept.faces
             water.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.points.astype(np.float32)), code)
             if "velocity" in kept.fields:
@@ -197,9 +200,9 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
                 foam.Set(Vt.FloatArray.FromNumpy(kept.fields["foam"]), code)
             if len(kept.gates[0]) or moving is not None:
                 moving = moving or UsdGeom.Mesh.Define(stage, "/sea/gates")
-                still(moving, kept.gates[1].astype(np.int32).ravel(), Vt, code)
+                set_triangles(moving, kept.gates[1].astype(np.int32).ravel(), Vt, code)
                 moving.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(kept.gates[0]), code)
-                moving.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE.tolist())])
+                moving.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*STONE_COLOUR.tolist())])
             for key, (position, turn) in kept.ships.items():
                 if key in bodies:
                     matrix = np.eye(4)
@@ -228,7 +231,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
     return path
 
 
-def still(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
+def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
     """The triangles of a mesh, at a time or always."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
@@ -240,44 +243,48 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     mesh a moment, of which one is seen; obstacles; ships that move."""
     from scipy.spatial.transform import Rotation
 
-    wakes = Wakes(frame_files(frames[0].parent.parent), grid)
-    shots = [shot(frame, grid, wakes) for frame in frames]
+    wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
+    shots = [read_shot(frame, grid, wakes) for frame in frames]
     first = shots[0]
     made = Glb(np.array([kept.time for kept in shots]))
     if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
-        waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, paint(w)) for k, w in enumerate(shots)}
+        waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, water_colours(w)) for k, w in enumerate(shots)}
         made.in_turn(waters, len(shots))
     elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
-        made.mesh("water", first.points, first.faces, paint(first), moved)
-    boxes, sides = blocks(grid["obstacles"])
+        made.mesh("water", first.points, first.faces, water_colours(first), moved)
+    boxes, sides = box_mesh(grid["obstacles"])
     if len(boxes):
-        made.mesh("obstacles", boxes, sides, STONE)
-    gates = {k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE) for k, kept in enumerate(shots) if len(kept.gates[0])}
+        made.mesh("obstacles", boxes, sides, STONE_COLOUR)
+    gates = {
+        k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE_COLOUR) for k, kept in enumerate(shots) if len(kept.gates[0])
+    }
     made.in_turn(gates, len(shots))
     for key, model in ship_models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         colour = np.repeat(model.mesh.colour, 3, axis=0)
-        node = made.mesh(named(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
+        node = made.mesh(file_name(key), corners, np.arange(len(corners)).reshape(-1, 3), colour)
         poses = [kept.ships[key] for kept in shots]
         made.animate(node, "translation", np.array([position for position, _ in poses]))
-        made.animate(node, "rotation", unbroken(Rotation.from_matrix([turn for _, turn in poses]).as_quat()))
+        made.animate(
+            node, "rotation", continuous_quaternions(Rotation.from_matrix([turn for _, turn in poses]).as_quat())
+        )
     made.save(path)
     return path
 
 
-def paint(kept: Shot) -> np.ndarray:
+def water_colours(kept: ExportShot) -> np.ndarray:
     """(n, 3) linear RGB of water."""
-    return SEA + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (WHITE - SEA)
+    return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)
 
 
-def unbroken(quaternions: np.ndarray) -> np.ndarray:
+def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
     """(k, 4), each turned to the side of the one before, so that between them no ship spins."""
     signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
     return quaternions * signs[:, None]
 
 
-def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
+def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:
     """Shots in axes with z up, or as they are."""
     for kept in meshes:
         if not z_up:
@@ -287,4 +294,6 @@ def upright(meshes: Iterator[Shot], z_up: bool) -> Iterator[Shot]:
         particles = {name: values @ Z_UP.T if values.ndim == 2 else values for name, values in kept.particles.items()}
         ships = {key: (Z_UP @ position, Z_UP @ turn) for key, (position, turn) in kept.ships.items()}
         corners, sides = kept.gates
-        yield Shot(kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides))
+        yield ExportShot(
+            kept.time, kept.points @ Z_UP.T, kept.faces, fields, ships, particles, (corners @ Z_UP.T, sides)
+        )

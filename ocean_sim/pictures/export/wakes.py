@@ -6,20 +6,20 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.basin.points import middles_of, pairs
-from ocean_sim.pictures.frame_files import Frame, Log, ships_in
+from ocean_sim.pictures.frame_files import Frame, FrameLog, ship_keys
 from ocean_sim.pictures.stage.camera import Vessel
-from ocean_sim.pictures.water.sea_state import is_open, scene_of
-from ocean_sim.pictures.water.wake import Kelvin, Wake, standing
-from ocean_sim.pictures.water.waterline import Hull, Met
+from ocean_sim.pictures.water.sea_state import is_open_sea, run_scene
+from ocean_sim.pictures.water.wake import Kelvin, Wake, limited_answer
+from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 
-class Wakes:
+class RunWakes:
     """Of all ships of a run at sea, at the points of its frames."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         """`files`: all frames of the run."""
-        keys = ships_in(grid, "_vertices")
-        tracks = Log(files).tracks if keys and at_sea(files, float(grid["depth"])) else {}
+        keys = ship_keys(grid, "_vertices")
+        tracks = FrameLog(files).tracks if keys and shows_sea(files, float(grid["depth"])) else {}
         self.grid, self.x, self.z = grid, grid["x"], grid["z"]
         self.hulls = {key: Hull(grid, key) for key in keys if key in tracks}
         self.vessels = {key: Vessel(hull.length, np.zeros(3), tracks[key]) for key, hull in self.hulls.items()}
@@ -55,7 +55,7 @@ class Wakes:
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
-    def met(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[Met]:
+    def met(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
         """The ships of a frame that meet water of heights (nx, nz) around an origin x, z [m]."""
         time = float(frame["time"])
         ships = [
@@ -63,7 +63,7 @@ class Wakes:
                 frame[f"{key}_position"],
                 frame[f"{key}_turn"],
                 self.vessels[key].speed(time),
-                lambda at: read(height, self.places(at, origin)),
+                lambda at: read_cells(height, self.places(at, origin)),
             )
             for key, hull in self.hulls.items()
         ]
@@ -78,7 +78,7 @@ class Wakes:
             x, z = points[:: shape[1], 0], points[: shape[1], 1]
             shown = answer.astype(float)
             for key, vessel in self.vessels.items():
-                shown = standing(shown, vessel, self.hulls[key].beam, x, z, time)
+                shown = limited_answer(shown, vessel, self.hulls[key].beam, x, z, time)
             more += shown - answer
         if "sea_amplitude" in self.grid and not self.answers:
             for key, vessel in self.vessels.items():
@@ -86,13 +86,13 @@ class Wakes:
         return more
 
 
-def at_sea(files: list[Path], depth: float) -> bool:
+def shows_sea(files: list[Path], depth: float) -> bool:
     """Whether pictures of a run show a sea, not a tank."""
     first = Frame(files[0])
-    return not first.folds and is_open(scene_of(files[0].parent.parent), first, depth)
+    return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 
 
-def read(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """(n, ...) of values (nx, nz, ...) in the middles of cells, linear between these, at places (2, n) from 0 to 1."""
     from scipy.ndimage import map_coordinates
 

@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.basin.points import grid, pairs
 from ocean_sim.pictures.live.scene_lines import LiveSimulation, box_top
 from ocean_sim.pictures.ships.ship_model import ShipModel, build_model
-from ocean_sim.pictures.stage.light import painted_light
+from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
 
@@ -123,7 +123,7 @@ class PreviewScene:
         """Display RGB (n, 3) of points of the surface."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
-        return water_shading.display(water_shading.surface(points, normals, height, eye)) / 255.0
+        return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
 
     def ship_patch(self) -> Patch | None:
         """All ships at their present poses, in the light of sun and sky; None without any."""
@@ -132,7 +132,9 @@ class PreviewScene:
             body, mesh = self.simulation.ships[name].body, model.mesh
             points.append(mesh.corners.reshape(-1, 3) @ body.matrix.T + body.position)
             normals, gloss = mesh.normals.reshape(-1, 3) @ body.matrix.T, np.repeat(mesh.gloss, 3)[:, None]
-            colours.append(water_shading.display(painted_light(normals, np.repeat(mesh.colour, 3, axis=0), gloss)))
+            colours.append(
+                water_shading.display_colours(painted_light(normals, np.repeat(mesh.colour, 3, axis=0), gloss))
+            )
         if not points:
             return None
         vertices = np.concatenate(points)

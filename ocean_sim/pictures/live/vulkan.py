@@ -9,8 +9,8 @@ from functools import cache
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
 
-REMEDY = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
-PROBE = """
+INSTALL_COMMAND = "apt-get install --no-install-recommends libx11-6 mesa-vulkan-drivers"
+PROBE_PROGRAM = """
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch="cpu"))
@@ -22,15 +22,15 @@ else:
     window.get_image_buffer_as_numpy()
 print("drawn")
 """
-PATIENCE = 90.0  # [s]
-SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
+PROBE_SECONDS = 90.0  # [s]
+SCREEN_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
 class VulkanMissing(Lacking):
     """GGUI finds no Vulkan here; the message names what to install."""
 
     def __init__(self) -> None:
-        super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{REMEDY}`")
+        super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{INSTALL_COMMAND}`")
 
 
 class ScreenMissing(Lacking):
@@ -45,7 +45,7 @@ class ScreenMissing(Lacking):
 
 def draws(show: bool) -> bool:
     """Whether a child process survives drawing, on a screen or without one."""
-    if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREENS):
+    if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREEN_VARIABLES):
         return False
     return _survives(show)
 
@@ -53,10 +53,12 @@ def draws(show: bool) -> bool:
 @cache
 def _survives(show: bool) -> bool:
     """The same, found out once: starting a process takes a second."""
-    command = [sys.executable, "-c", PROBE.format(show=show)]
+    command = [sys.executable, "-c", PROBE_PROGRAM.format(show=show)]
     try:
         with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
-            child = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=away)
+            child = subprocess.run(
+                command, capture_output=True, text=True, timeout=PROBE_SECONDS, check=False, cwd=away
+            )
     except (OSError, subprocess.TimeoutExpired):
         return False
     return child.returncode == 0 and "drawn" in child.stdout

@@ -6,13 +6,12 @@ import numpy as np
 
 from ocean_sim.pictures.ships import ship_glsl
 from ocean_sim.pictures.ships.ship_model import ShipModel
-from ocean_sim.pictures.stage.light import painted_light
 from ocean_sim.pictures.stage.plotter import Stage
-from ocean_sim.pictures.stage.sky import Sky
+from ocean_sim.pictures.stage.sky import Sky, painted_light
 from ocean_sim.pictures.water import water_glsl, water_shading
-from ocean_sim.pictures.water.water_shading import EXPOSURE, FOG
+from ocean_sim.pictures.water.water_shading import FOG_DISTANCE, SEA_EXPOSURE
 
-MIRROR_SHARE = 2  # pixels of the picture along each side of a pixel of the mirror's
+MIRROR_SHRINKING = 2  # pixels of the picture along each side of a pixel of the mirror's
 MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
@@ -31,7 +30,9 @@ class DrawnShip:
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
         """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
-        self.shape["colour"] = water_shading.display(painted_light(self.normals @ turn.T, self.paint, self.gloss))
+        self.shape["colour"] = water_shading.display_colours(
+            painted_light(self.normals @ turn.T, self.paint, self.gloss)
+        )
 
 
 class ShadedShip:
@@ -44,15 +45,17 @@ class ShadedShip:
         shape = stage.pyvista.PolyData.from_regular_faces(
             self.corners.astype(np.float32), np.arange(len(self.corners)).reshape(-1, 3)
         )
-        gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.openness(self.corners, self.normals)
+        gloss, seen = np.repeat(mesh.gloss, 3), ship_glsl.sky_shares(self.corners, self.normals)
         traits = self.normals, np.repeat(mesh.colour, 3, axis=0), np.stack([gloss, seen, 0.0 * gloss], axis=1)
-        for name, values in zip(ship_glsl.TRAITS, traits, strict=True):
+        for name, values in zip(ship_glsl.SHIP_TRAITS, traits, strict=True):
             shape.point_data[name] = values.astype(np.float32)
-        self.shade = ship_glsl.Shade(mesh.corners, float(np.linalg.norm(self.corners, axis=1).max()))
-        self.map = water_glsl.texture(np.zeros((2, 2, 3), np.float32))
+        self.shade = ship_glsl.ShadowMap(mesh.corners, float(np.linalg.norm(self.corners, axis=1).max()))
+        self.map = water_glsl.make_texture(np.zeros((2, 2, 3), np.float32))
         textures = above | {"shade": self.map}
-        self.shaded = water_glsl.Shaded(shape, ship_glsl.SHIP, ship_glsl.FUNCTIONS, textures, ship_glsl.TRAITS)
-        self.shaded.set(exposure=EXPOSURE, fogReach=FOG, useFog=1.0, **water_glsl.lit_by(sky))
+        self.shaded = water_glsl.Shaded(
+            shape, ship_glsl.SHIP_PROGRAM, ship_glsl.SHIP_FUNCTIONS, textures, ship_glsl.SHIP_TRAITS
+        )
+        self.shaded.set(exposure=SEA_EXPOSURE, fogReach=FOG_DISTANCE, useFog=1.0, **water_glsl.sky_uniforms(sky))
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
@@ -61,7 +64,7 @@ class ShadedShip:
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
         depth, right, up = self.shade.map(turn, self.sky.sun)
-        water_glsl.fill(self.map.GetInput(), depth)
+        water_glsl.fill_image(self.map.GetInput(), depth)
         self.position, self.depth, self.across = position, depth, {"sunRight": right, "sunUp": up}
         self.shaded.set(shipAt=position, shipLength=self.shade.length, eyeW=eye, **self.across)
 
@@ -75,7 +78,7 @@ class Mirror:
 
         width, height = stage.size
         self.stage, self.image = stage, image
-        self.size = width // MIRROR_SHARE, height // MIRROR_SHARE
+        self.size = width // MIRROR_SHRINKING, height // MIRROR_SHRINKING
         self.plotter = stage.empty(self.size)
         self.plotter.set_background("black")
         self.water = vtkPlane()
@@ -97,7 +100,7 @@ class Mirror:
         self.water.SetOrigin(0.0, level, 0.0)
         self.plotter.render()
         seen = self.plotter.screenshot(None, return_img=True, transparent_background=True)
-        water_glsl.fill(self.image.GetInput(), seen[::-1])
+        water_glsl.fill_image(self.image.GetInput(), seen[::-1])
         aspect = self.size[0] / self.size[1]
         matrix = camera.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
         return np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])

@@ -1,26 +1,26 @@
 """Paint and panes of a ship in the sun and under the sky, pixel by pixel: diffuse light, the shadow that she casts on
-herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `light`."""
+herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `sky.painted_light`."""
 
 import numpy as np
 
-from ocean_sim.pictures.stage import light
-from ocean_sim.pictures.water.water_glsl import FOG, number, vector
-from ocean_sim.pictures.water.water_shading import EXPOSURE
+from ocean_sim.pictures.stage import sky
+from ocean_sim.pictures.water.water_glsl import FOG_FUNCTIONS, number, vector
+from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE
 
-TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
-PIXELS = 512  # of the shadow's map along a side
-SOFT = 2.0  # pixels of the map by which the edge of a shadow is soft
-NOTHING = -1e3  # depth where the sun sees none of her [m]
-BIAS = 0.009  # of her length: less than that lies in no shadow of its own
-DIRECTIONS, REACHES = 16, (0.6, 1.2, 2.0, 3.2)  # of rays to the sky, and how far they are followed [m]
-CELL = 0.3  # [m] of the blocks that hide the sky
-BRIGHTER = 1.15 / EXPOSURE  # of paint's light for the exposure of the sea
-ROUGH = 0.012  # variance of the slopes of paint
-COAT = 0.05  # reflectance of paint and panes at normal incidence
+SHIP_TRAITS = "nrm", "col", "att"  # normal, paint, (gloss, share of the sky that is seen, 0)
+SHADOW_PIXELS = 512  # of the shadow's map along a side
+SHADOW_SOFTNESS = 2.0  # pixels of the map by which the edge of a shadow is soft
+UNLIT_DEPTH = -1e3  # depth where the sun sees none of her [m]
+SHADOW_BIAS = 0.009  # of her length: less than that lies in no shadow of its own
+SKY_DIRECTIONS, SKY_REACHES = 16, (0.6, 1.2, 2.0, 3.2)  # of rays to the sky, and how far they are followed [m]
+SKY_CELL = 0.3  # [m] of the blocks that hide the sky
+PAINT_GAIN = 1.15 / SEA_EXPOSURE  # of paint's light for the exposure of the sea
+PAINT_ROUGHNESS = 0.012  # variance of the slopes of paint
+COAT_REFLECTANCE = 0.05  # reflectance of paint and panes at normal incidence
 
 # The share of three by three pixels of a map that the sun sees, moved with the point, so that no pixel shows; `at`:
 # place in pixels, `begins`: the row where the map begins. Pixels are fetched one by one: a filtered depth is none.
-OPEN = f"""
+SHADOW_FUNCTIONS = f"""
 float open(vec2 at, float depth, int begins) {{
   vec2 first = floor(at - 0.5), rest = at - 0.5 - first;
   float seen = 0.0;
@@ -28,22 +28,22 @@ float open(vec2 at, float depth, int begins) {{
     float column = i < 0 ? 1.0 - rest.x : (i > 1 ? rest.x : 1.0);
     for (int j = -1; j <= 2; j++) {{
       float row = j < 0 ? 1.0 - rest.y : (j > 1 ? rest.y : 1.0);
-      ivec2 pixel = clamp(ivec2(first) + ivec2(i, j), 0, {PIXELS - 1}) + ivec2(0, begins);
+      ivec2 pixel = clamp(ivec2(first) + ivec2(i, j), 0, {SHADOW_PIXELS - 1}) + ivec2(0, begins);
       seen += column * row / 9.0 * step(texelFetch(shade, pixel, 0).r, depth);
     }}
   }}
   return seen;
 }}
 """
-FUNCTIONS = f"""{FOG}{OPEN}
+SHIP_FUNCTIONS = f"""{FOG_FUNCTIONS}{SHADOW_FUNCTIONS}
 float sunlit(vec3 p, vec3 n) {{
-  vec3 q = p + {number(BIAS)} * shipLength * n - shipAt;
-  vec2 at = {PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength);
-  return open(at, dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(BIAS)} * shipLength, 0);
+  vec3 q = p + {number(SHADOW_BIAS)} * shipLength * n - shipAt;
+  vec2 at = {SHADOW_PIXELS}.0 * (0.5 + 0.5 * vec2(dot(q, sunRight), dot(q, sunUp)) / shipLength);
+  return open(at, dot(q, sunDir) + (2.5 - 1.5 * dot(n, sunDir)) * {number(SHADOW_BIAS)} * shipLength, 0);
 }}
 """
 
-SHIP = f"""
+SHIP_PROGRAM = f"""
   vec3 away = posW - eyeW;
   float dist = length(away);
   away /= dist;
@@ -52,41 +52,44 @@ SHIP = f"""
   float sun = max(dot(n, sunDir), 0.0);
   int faces = sun > 0.0 ? 1 : 0;
   for (int turn = 0; turn < faces; turn++) sun *= sunlit(posW, n);
-  vec3 above = mix({vector(light.FROM_BELOW)}, {vector(light.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
-  vec3 c = {number(BRIGHTER)} * colW * ({vector(light.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
-  float ci = clamp(dot(n, e), 0.0, 1.0), share = {number(COAT)} + {number(1.0 - COAT)} * pow(1.0 - ci, 5.0);
+  vec3 above = mix({vector(sky.FROM_BELOW)}, {vector(sky.FROM_ABOVE)}, 0.5 + 0.5 * n.y) * attW.y;
+  vec3 c = {number(PAINT_GAIN)} * colW * ({vector(sky.SUNSHINE)} * sun + above) * (1.0 - 0.8 * attW.x);
+  float ci = clamp(dot(n, e), 0.0, 1.0);
+  float share = {number(COAT_REFLECTANCE)} + {number(1.0 - COAT_REFLECTANCE)} * pow(1.0 - ci, 5.0);
   vec3 ray = 2.0 * dot(n, e) * n - e;
-  vec3 seen = {number(BRIGHTER)} * {vector(light.FROM_BELOW)};
+  vec3 seen = {number(PAINT_GAIN)} * {vector(sky.FROM_BELOW)};
   if (ray.y > 0.0) seen = skyAt(normalize(ray), mix(5.5, 1.5, attW.x));
   c += share * mix(0.35, 1.6, attW.x) * attW.y * min(seen, vec3(3.0));
   vec3 h = normalize(sunDir + e);
   float c2 = max(dot(h, n), 0.001);
   c2 *= c2;
-  float facets = exp(-(1.0 - c2) / (c2 * {number(2.0 * ROUGH)})) / ({number(2.0 * np.pi * ROUGH)} * c2 * c2);
-  c += sunLight * {number(COAT)} * facets * 0.25 * sun;
+  float facets = exp(-(1.0 - c2) / (c2 * {number(2.0 * PAINT_ROUGHNESS)})) /
+    ({number(2.0 * np.pi * PAINT_ROUGHNESS)} * c2 * c2);
+  c += sunLight * {number(COAT_REFLECTANCE)} * facets * 0.25 * sun;
   fragOutput0 = vec4(filmic(foggy(c, away, dist)), 1.0);
 """
 
 
-def shadow(k: int) -> str:
+def shadow_program(k: int) -> str:
     """The program of the water for the shadow that ship k casts on it; the maps of all lie one over another."""
     return f"""
   vec3 off{k} = posW - shadeAt{k};
   vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
   bool inside{k} = all(greaterThan(cast{k}, shadeLow{k}.xy)) && all(lessThan(cast{k}, shadeHigh{k}.xy));
   int dark{k} = inside{k} && dot(off{k}, sunDir) < shadeHigh{k}.z ? 1 : 0;
+  float depth{k} = dot(off{k}, sunDir) + {number(SHADOW_BIAS)} * shadeSize{k};
   for (int turn = 0; turn < dark{k}; turn++)
-    sunlit -= 1.0 - open({PIXELS}.0 * cast{k}, dot(off{k}, sunDir) + {number(BIAS)} * shadeSize{k}, {k * PIXELS});
+    sunlit -= 1.0 - open({SHADOW_PIXELS}.0 * cast{k}, depth{k}, {k * SHADOW_PIXELS});
 """
 
 
-class Shade:
+class ShadowMap:
     """What of a ship the sun does not see: depths along it, from points spread over her surface."""
 
     def __init__(self, corners: np.ndarray, length: float) -> None:
         """Triangles (m, 3, 3) in her axes [m]."""
         self.length = length
-        self.points = np.ascontiguousarray(spread(corners, 2.0 * length / PIXELS).T, np.float32)  # (3, n)
+        self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(PIXELS, PIXELS, 3) depth [m] along the sun of what it sees around her position, and the directions of the
@@ -97,14 +100,18 @@ class Shade:
         right /= np.linalg.norm(right)
         up = np.cross(sun, right)
         seen = (np.stack([right, up, sun]) @ turn).astype(np.float32) @ self.points
-        column, row = np.clip((seen[:2] * (0.5 * PIXELS / self.length) + 0.5 * PIXELS).astype(np.int32), 0, PIXELS - 1)
-        depth = np.full(PIXELS * PIXELS, NOTHING, np.float32)
-        np.maximum.at(depth, row * PIXELS + column, seen[2])
-        depth = maximum_filter(depth.reshape(PIXELS, PIXELS), 3)
+        column, row = np.clip(
+            (seen[:2] * (0.5 * SHADOW_PIXELS / self.length) + 0.5 * SHADOW_PIXELS).astype(np.int32),
+            0,
+            SHADOW_PIXELS - 1,
+        )
+        depth = np.full(SHADOW_PIXELS * SHADOW_PIXELS, UNLIT_DEPTH, np.float32)
+        np.maximum.at(depth, row * SHADOW_PIXELS + column, seen[2])
+        depth = maximum_filter(depth.reshape(SHADOW_PIXELS, SHADOW_PIXELS), 3)
         return np.repeat(depth[..., None], 3, axis=2), right, up
 
 
-def spread(corners: np.ndarray, step: float) -> np.ndarray:
+def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
     """(n, 3) points of triangles (m, 3, 3), no farther than a step [m] apart, to their edges: on rows from the longest
     side of each to the corner before it."""
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
@@ -122,33 +129,36 @@ def spread(corners: np.ndarray, step: float) -> np.ndarray:
     return a[of] + up * (c - a)[of] + right * (1.0 - up) * (b - a)[of]
 
 
-def cast(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Where the shadow of a map of depths (PIXELS, PIXELS) [m] of a ship of a length [m] lies: its lowest and highest
     column and row, over the map's, and the farthest towards the sun [m] that anything lies in it."""
-    row, column = np.nonzero(depth > NOTHING)
-    low, high = np.array([column.min(), row.min()]) - SOFT, np.array([column.max(), row.max()]) + 1.0 + SOFT
-    farthest = float(depth.max()) - BIAS * length
-    return np.append(low / PIXELS, 0.0), np.append(high / PIXELS, farthest)
+    row, column = np.nonzero(depth > UNLIT_DEPTH)
+    low, high = (
+        np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,
+        np.array([column.max(), row.max()]) + 1.0 + SHADOW_SOFTNESS,
+    )
+    farthest = float(depth.max()) - SHADOW_BIAS * length
+    return np.append(low / SHADOW_PIXELS, 0.0), np.append(high / SHADOW_PIXELS, farthest)
 
 
-def openness(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def sky_shares(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """(n,) share of the sky that points (n, 3) [m] with normals (n, 3) of a ship see: her own parts hide the rest."""
-    low = corners.min(axis=0) - CELL
-    shape = np.ceil((corners.max(axis=0) - low) / CELL).astype(int) + 2
+    low = corners.min(axis=0) - SKY_CELL
+    shape = np.ceil((corners.max(axis=0) - low) / SKY_CELL).astype(int) + 2
     full = np.zeros(shape, dtype=bool)
     triangles = corners.reshape(-1, 3, 3)
     for weights in np.random.default_rng(2).dirichlet(np.ones(3), 24):
-        full[tuple(((np.einsum("k,mkx->mx", weights, triangles) - low) / CELL).astype(int).T)] = True
-    turn = 2.0 * np.pi * np.arange(DIRECTIONS) * 0.381966
-    rise = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+        full[tuple(((np.einsum("k,mkx->mx", weights, triangles) - low) / SKY_CELL).astype(int).T)] = True
+    turn = 2.0 * np.pi * np.arange(SKY_DIRECTIONS) * 0.381966
+    rise = (np.arange(SKY_DIRECTIONS) + 0.5) / SKY_DIRECTIONS
     rays = np.stack([np.sqrt(1 - rise**2) * np.cos(turn), rise, np.sqrt(1 - rise**2) * np.sin(turn)], axis=-1)
-    start = corners + 1.2 * CELL * normals
+    start = corners + 1.2 * SKY_CELL * normals
     seen, weight = np.zeros(len(corners)), np.zeros(len(corners))
     for ray in rays:
         facing = np.maximum(normals @ ray, 0.0) + 0.15
         open_air = np.ones(len(corners), dtype=bool)
-        for reach in REACHES:
-            at = np.clip(((start + reach * ray - low) / CELL).astype(int), 0, shape - 1)
+        for reach in SKY_REACHES:
+            at = np.clip(((start + reach * ray - low) / SKY_CELL).astype(int), 0, shape - 1)
             open_air &= ~full[tuple(at.T)]
         seen, weight = seen + facing * open_air, weight + facing
     return 0.25 + 0.75 * seen / weight

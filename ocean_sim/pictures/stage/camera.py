@@ -5,31 +5,35 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-Name = Literal["third_person", "follow", "orbit", "fixed", "first_person", "top", "side"]
-ABOARD = ("follow", "first_person")  # that need a ship
+CameraName = Literal["third_person", "follow", "orbit", "fixed", "first_person", "top", "side"]
+SHIP_CAMERAS = ("follow", "first_person")  # that need a ship
 VIEW_ANGLE = 35.0  # [deg], vertical
 WIDE_ANGLE = 50.0  # [deg], vertical, from the helm
-MARGIN = 1.05
-BAND = 1.3  # room above and below the water for words, in the picture from the side
-HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
-LOW = 0.05  # height of the camera beside an open sea, over its distance
-BESIDE = 1.5  # lengths of a ship that it sees each way of her middle
-TOWARDS = {  # direction of view, and what is up in the picture
+FRAME_MARGIN = 1.05
+SIDE_BAND = 1.3  # room above and below the water for words, in the picture from the side
+SKY_HEADROOM = 0.24  # of the basin's length: sky above the water in perspective pictures
+SIDE_EYE_HEIGHT = 0.05  # height of the camera beside an open sea, over its distance
+SIDE_REACH = 1.5  # lengths of a ship that it sees each way of her middle
+VIEW_DIRECTIONS = {  # direction of view, and what is up in the picture
     "third_person": ((0.30, -0.27, -0.92), (0.0, 1.0, 0.0)),  # the sun shines from the left
     "top": ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
     "side": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
 }
 
 
-FAR = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
-SHIPS = 0.62  # lengths of a ship that it sees each way then, from the still water up
-HEAVING = 0.16  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
-BEHIND, ABOVE, QUARTER = 1.9, 0.5, 22.0  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
-LAG = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
-ROUND, RISE = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
-LOOK_DOWN = 5.0  # [deg] below straight ahead, from the helm
-STRAIGHT_DOWN = -0.97  # vertical part of the direction of view, from which a picture is a map
-NEAR = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
+LONG_BASIN = 2.5  # lengths of a ship; in a longer basin `third_person` follows it
+FOLLOWED_REACH = 0.62  # lengths of a ship that it sees each way then, from the still water up
+HEAVE_ROOM = 0.16  # lengths of a ship over her top at rest that stay in the picture, too: she rises with the waves
+FOLLOW_DISTANCE, FOLLOW_HEIGHT, FOLLOW_ANGLE = (
+    1.9,
+    0.5,
+    22.0,
+)  # lengths of a ship and [deg] to starboard, from which `follow` looks at it
+FOLLOW_LAGS = 0.9, 1.6  # [s] in which `follow` makes up for 1 - 1/e of a change of position and of heading
+ORBIT_RADIUS, ORBIT_HEIGHT = 2.2, 0.55  # lengths of a ship: radius and height of `orbit`
+HELM_PITCH = 5.0  # [deg] below straight ahead, from the helm
+MAP_DIRECTION = -0.97  # vertical part of the direction of view, from which a picture is a map
+NEAR_SHARE = 0.012  # lengths of a ship: what is nearer to the eye is not drawn
 
 
 class Camera(NamedTuple):
@@ -43,7 +47,7 @@ class Camera(NamedTuple):
     @property
     def from_above(self) -> bool:
         """Whether it looks straight down, or nearly: what it shows is a map."""
-        return bool(self.forward[1] < STRAIGHT_DOWN)
+        return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
         """How far to either side of its heading a picture `aspect` times as wide as high sees, and how far below the
@@ -94,7 +98,13 @@ class Operator:
     `orbit` on the span of the film, too."""
 
     def __init__(
-        self, name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float, span: tuple[float, float], **given: Any
+        self,
+        name: CameraName,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        aspect: float,
+        span: tuple[float, float],
+        **given: Any,
     ) -> None:
         """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`,
         whether it is a piece of an open sea, `at_sea`, and of a fixed camera `eye` and `target`."""
@@ -102,12 +112,14 @@ class Operator:
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
         if name == "fixed":
-            self.standing = looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
+            self.standing = camera_looking(np.array(given["eye"], dtype=float), np.array(given["target"], dtype=float))
         elif name == "side" and given.get("at_sea"):
             middle = 0.5 * (lower + upper) * [1.0, 0.0, 1.0]
-            self.standing = abeam(middle, np.array(TOWARDS["side"][0]), 0.5 * (upper[0] - lower[0]), aspect)
+            self.standing = camera_abeam(
+                middle, np.array(VIEW_DIRECTIONS["side"][0]), 0.5 * (upper[0] - lower[0]), aspect
+            )
         else:
-            self.standing = placed(name if name in TOWARDS else "third_person", lower, upper, aspect)
+            self.standing = camera_on_box(name if name in VIEW_DIRECTIONS else "third_person", lower, upper, aspect)
         self.trail = np.zeros((0, 3)), np.zeros(0)
 
     def at(self, time: float) -> Camera:
@@ -120,34 +132,36 @@ class Operator:
         k = int(np.abs(vessel.track.time - time).argmin())
         position, turn = vessel.track.position[k], vessel.track.turn[k]
         if self.name == "third_person":
-            top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVING * vessel.length, 0.0]
-            return holding(self.near_ship(position, vessel.length), top)
+            top = position * [1.0, 0.0, 1.0] + [0.0, vessel.height + HEAVE_ROOM * vessel.length, 0.0]
+            return raised_camera(self.near_ship(position, vessel.length), top)
         if self.name in ("follow", "side"):
             if len(self.trail[0]) < len(vessel.track.time):
-                self.trail = damped(vessel.track)
+                self.trail = damped_track(vessel.track)
             centre, heading = self.trail[0][k], self.trail[1][k]
             if self.name == "side":
                 beam = np.array([np.cos(heading), 0.0, -np.sin(heading)])
-                return abeam(centre, beam, BESIDE * vessel.length, self.aspect)
-            ahead = np.array([np.sin(heading + np.radians(QUARTER)), 0.0, np.cos(heading + np.radians(QUARTER))])
-            eye = centre - BEHIND * vessel.length * ahead + [0.0, ABOVE * vessel.length, 0.0]
-            return close(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
-        angle = np.radians(LOOK_DOWN)
+                return camera_abeam(centre, beam, SIDE_REACH * vessel.length, self.aspect)
+            ahead = np.array(
+                [np.sin(heading + np.radians(FOLLOW_ANGLE)), 0.0, np.cos(heading + np.radians(FOLLOW_ANGLE))]
+            )
+            eye = centre - FOLLOW_DISTANCE * vessel.length * ahead + [0.0, FOLLOW_HEIGHT * vessel.length, 0.0]
+            return camera_near_ship(eye, centre + [0.0, 0.08 * vessel.length, 0.0], vessel.length)
+        angle = np.radians(HELM_PITCH)
         forward, up = np.array([0.0, -np.sin(angle), np.cos(angle)]), np.array([0.0, np.cos(angle), np.sin(angle)])
-        near = 0.5 * NEAR * vessel.length
+        near = 0.5 * NEAR_SHARE * vessel.length
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
         """The fixed camera; where the basin is many times as long as the ship, or she may leave it, one that moves
         with her."""
-        reach = SHIPS * length * np.array([1.0, 0.0, 1.0])
+        reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
             lower, upper = np.maximum(self.lower, lower), np.minimum(self.upper, upper)
-            if (self.upper - self.lower).max() <= FAR * length:
+            if (self.upper - self.lower).max() <= LONG_BASIN * length:
                 return self.standing
         lower[1], upper[1] = 0.0, self.upper[1]
-        return placed("third_person", lower, upper, self.aspect)
+        return camera_on_box("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:
         """Once around the ship, or the basin, in a film."""
@@ -159,13 +173,15 @@ class Operator:
             length = self.vessel.length
             track = self.vessel.track
             middle = np.array([np.interp(time, track.time, track.position[:, axis]) for axis in range(3)]) * [1, 0, 1]
-            return close(middle + length * (ROUND * around + [0.0, RISE, 0.0]), middle, length)
+            return camera_near_ship(
+                middle + length * (ORBIT_RADIUS * around + [0.0, ORBIT_HEIGHT, 0.0]), middle, length
+            )
         middle = 0.5 * (self.lower + self.upper)
         away = self.standing.eye - middle
-        return looking(middle + np.hypot(away[0], away[2]) * around + [0.0, away[1], 0.0], middle)
+        return camera_looking(middle + np.hypot(away[0], away[2]) * around + [0.0, away[1], 0.0], middle)
 
 
-def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
+def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     """From one point to another, the horizon level."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
@@ -173,54 +189,54 @@ def looking(eye: np.ndarray, target: np.ndarray) -> Camera:
     return Camera(eye, forward, np.cross(right, forward), None)
 
 
-def holding(camera: Camera, top: np.ndarray) -> Camera:
+def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
     """The same camera, raised so far that the top of a mast [m] is in its picture."""
     away = top - camera.eye
-    over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / MARGIN * (away @ camera.forward))
+    over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
     return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
-def close(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
-    """As `looking`, from near a ship."""
-    return looking(eye, target)._replace(near=NEAR * length)
+def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
+    """As `camera_looking`, from near a ship."""
+    return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
 
 
-def damped(track: Track) -> tuple[np.ndarray, np.ndarray]:
+def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
     """Position (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact
     for a ship that jumps at each frame."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
         step = track.time[k] - track.time[k - 1]
-        near, slow = (1.0 - np.exp(-step / lag) for lag in LAG)
+        near, slow = (1.0 - np.exp(-step / lag) for lag in FOLLOW_LAGS)
         centre[k] = centre[k - 1] + near * (centre[k] - centre[k - 1])
         heading[k] = heading[k - 1] + slow * (heading[k] - heading[k - 1])
     return centre, heading
 
 
-def abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
+def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
     """The camera beside a place at sea [m], low over the water, that looks in a level direction and sees so far [m] to
     either side of it in a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection
     to show."""
-    away = MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
-    return looking(middle + away * (np.array([0.0, LOW, 0.0]) - forward), middle)
+    away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
+    return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
-def placed(name: Name, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
+def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
     """The camera that sees the box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
-    forward, up = (np.array(v) / np.linalg.norm(v) for v in TOWARDS[name])
+    forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
     up = np.cross(right, forward)
-    headroom = HEADROOM * (upper - lower).max() if name == "third_person" else 0.0
+    headroom = SKY_HEADROOM * (upper - lower).max() if name == "third_person" else 0.0
     top = upper + [0.0, headroom, 0.0]
     corners = np.array([[(lower, top)[b][a] for a, b in enumerate(k)] for k in np.ndindex(2, 2, 2)])
     if name in ("side", "top"):  # plans: nothing is larger for being nearer
         x, y, away = corners @ right, corners @ up, corners @ forward
         middle = 0.5 * (x.min() + x.max()) * right + 0.5 * (y.min() + y.max()) * up
-        half = 0.5 * max((BAND if name == "side" else MARGIN) * np.ptp(y), MARGIN * np.ptp(x) / aspect)
+        half = 0.5 * max((SIDE_BAND if name == "side" else FRAME_MARGIN) * np.ptp(y), FRAME_MARGIN * np.ptp(x) / aspect)
         return Camera(middle + (away.min() - 4.0 * np.linalg.norm(upper - lower)) * forward, forward, up, half)
-    tangent = np.tan(np.radians(VIEW_ANGLE / 2)) / MARGIN
+    tangent = np.tan(np.radians(VIEW_ANGLE / 2)) / FRAME_MARGIN
     return Camera(eye_before(corners, (right, up, forward), (tangent * aspect, tangent)), forward, up, None)
 
 

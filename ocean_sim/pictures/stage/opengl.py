@@ -12,9 +12,9 @@ from pathlib import Path
 from ocean_sim.conventions import Lacking
 from ocean_sim.machine import missing_extra
 
-WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
-REMEDY = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
-PROBE = """
+WINDOW_CLASSES = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
+INSTALL_COMMAND = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
+PROBE_PROGRAM = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
 plotter.add_mesh(pyvista.Cube())
@@ -28,11 +28,11 @@ class OpenGLMissing(Lacking):
     """This machine cannot draw off screen; the message names what to install."""
 
     def __init__(self) -> None:
-        missing = f"this machine has no OpenGL to draw pictures with; install it with `{REMEDY}`"
+        missing = f"this machine has no OpenGL to draw pictures with; install it with `{INSTALL_COMMAND}`"
         super().__init__(missing_extra("pictures") or missing)
 
 
-def environment(window: str) -> dict[str, str]:
+def drawing_environment(window: str) -> dict[str, str]:
     """For a process that draws: the window class to use, and no display."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
@@ -47,12 +47,12 @@ def window() -> str | None:
         return None
     note = cache_directory() / "opengl.json"
     signature = hashlib.sha256(repr((sys.executable, version("vtk"), version("pyvista"))).encode()).hexdigest()
-    remembered = recall(note)
-    if remembered.get("signature") == signature and remembered.get("window") in WINDOWS:
+    remembered = read_note(note)
+    if remembered.get("signature") == signature and remembered.get("window") in WINDOW_CLASSES:
         return remembered["window"]
-    found = next((name for name in WINDOWS if draws(name)), None)
+    found = next((name for name in WINDOW_CLASSES if draws(name)), None)
     if found is not None:
-        remember(note, {"signature": signature, "window": found})
+        write_note(note, {"signature": signature, "window": found})
     return found
 
 
@@ -71,22 +71,22 @@ def forget() -> None:
 
 def draws(name: str) -> bool:
     """Whether a child process survives drawing with this window; VTK may use another, so its name is checked."""
-    command = [sys.executable, "-c", PROBE]
+    command = [sys.executable, "-c", PROBE_PROGRAM]
     try:
-        child = subprocess.run(command, env=environment(name), capture_output=True, text=True, timeout=120)
+        child = subprocess.run(command, env=drawing_environment(name), capture_output=True, text=True, timeout=120)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return child.returncode == 0 and f"drawn by {name}" in child.stdout
 
 
-def recall(note: Path) -> dict[str, str]:
+def read_note(note: Path) -> dict[str, str]:
     try:
         return json.loads(note.read_text())
     except (OSError, ValueError):
         return {}
 
 
-def remember(note: Path, facts: dict[str, str]) -> None:
+def write_note(note: Path, facts: dict[str, str]) -> None:
     """Does nothing where the cache cannot be written."""
     try:
         note.parent.mkdir(parents=True, exist_ok=True)

@@ -8,25 +8,25 @@ import numpy as np
 from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
 
-INK, PAPER = "#eef3f6", (0.03, 0.09, 0.13)
-OUTLINE = "#ffb347"
-RAISED = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
-HEIGHTS = "height of\nthe water"
+INK_COLOUR, PAPER_COLOUR = "#eef3f6", (0.03, 0.09, 0.13)
+OUTLINE_COLOUR = "#ffb347"
+OUTLINE_HEIGHT = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
+HEIGHT_TITLE = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
-ARROW, HEAD = (240, 190, 60), 18  # of the wind: colour; [pixels] of its head
-SHORTEST, LONGEST = 0.10, 0.25  # of the width of a picture: the bar
+ARROW_COLOUR, ARROW_HEAD = (240, 190, 60), 18  # of the wind: colour; [pixels] of its head
+MIN_BAR, MAX_BAR = 0.10, 0.25  # of the width of a picture: the bar
 
 
-def words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
+def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
     """Text on a dark ground, legible on foam; x and y from the lower left corner [pixels]."""
     x, y = (stage.samples * n for n in position)
-    made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK)
-    made.prop.SetBackgroundColor(*PAPER)
+    made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK_COLOUR)
+    made.prop.SetBackgroundColor(*PAPER_COLOUR)
     made.prop.SetBackgroundOpacity(0.55)
     return made
 
 
-def metre(stage: Stage, target: np.ndarray) -> float:
+def metre_pixels(stage: Stage, target: np.ndarray) -> float:
     """How long a metre across the picture is at the distance of a target [m]: pixels."""
     camera, half = stage.camera, stage.camera.parallel_height
     if half is None:
@@ -39,13 +39,13 @@ class ScaleBar:
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.words = words(stage, " ", (0, 0))
+        self.words = add_words(stage, " ", (0, 0))
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray) -> None:
         """At the distance of a target [m]."""
-        width, each = self.stage.size[0], metre(self.stage, target)
-        metres = round_below(LONGEST * width / each)
+        width, each = self.stage.size[0], metre_pixels(self.stage, target)
+        metres = round_down(MAX_BAR * width / each)
         self.length = int(round(metres * each))
         self.words.input = f"{metres:g} m"
         self.words.SetPosition(*(self.stage.samples * n for n in (width - self.length - 24, 30)))
@@ -53,7 +53,9 @@ class ScaleBar:
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""
         right, low = self.stage.size[0] - 24, self.stage.size[1] - 14
-        image[low - 8 : low + 2, right - self.length - 2 : right + 2] = np.multiply(PAPER, 255.0).astype(np.uint8)
+        image[low - 8 : low + 2, right - self.length - 2 : right + 2] = np.multiply(PAPER_COLOUR, 255.0).astype(
+            np.uint8
+        )
         for k in range(4):
             left = right - self.length + k * self.length // 4
             image[low - 6 : low, left : left + self.length // 4] = 238 if k % 2 == 0 else 110
@@ -64,13 +66,13 @@ class ArrowBar:
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.words = words(stage, " ", (0, 0))
+        self.words = add_words(stage, " ", (0, 0))
         self.words.prop.SetJustificationToRight()
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
         """For an arrow of a length at the distance of a target [m]; 0: none, only the text."""
-        self.length = int(round(length * metre(self.stage, target)))
+        self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24
         self.words.SetPosition(*(self.stage.samples * n for n in (right, 92 if self.length else 70)))
@@ -80,15 +82,17 @@ class ArrowBar:
         if not self.length:
             return
         right, row = self.stage.size[0] - 24, self.stage.size[1] - 78
-        head = min(HEAD, self.length)
-        image[row - 9 : row + 10, right - self.length - 3 : right + 3] = np.multiply(PAPER, 255.0).astype(np.uint8)
-        image[row - 1 : row + 2, right - self.length : right - head + 1] = ARROW
+        head = min(ARROW_HEAD, self.length)
+        image[row - 9 : row + 10, right - self.length - 3 : right + 3] = np.multiply(PAPER_COLOUR, 255.0).astype(
+            np.uint8
+        )
+        image[row - 1 : row + 2, right - self.length : right - head + 1] = ARROW_COLOUR
         for k in range(head):
             half = (head - k) * 7 // head
-            image[row - half : row + half + 1, right - head + k] = ARROW
+            image[row - half : row + half + 1, right - head + k] = ARROW_COLOUR
 
 
-def round_below(value: float) -> float:
+def round_down(value: float) -> float:
     """The greatest of 1, 2, 5 times a power of ten that is not above a value."""
     power = 10.0 ** floor(log10(value))
     return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
@@ -100,8 +104,8 @@ class HeightBar:
     def __init__(self, stage: Stage) -> None:
         self.size = stage.size
         self.top, self.height = round(BAR_TOP * stage.size[1]), round(BAR_HEIGHT * stage.size[1])  # [pixels]
-        self.words = [words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
-        words(stage, HEIGHTS, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
+        self.words = [add_words(stage, " ", (stage.size[0] - BAR_LEFT + 34, self.tick(k) - 10)) for k in range(3)]
+        add_words(stage, HEIGHT_TITLE, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
         """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""
@@ -114,9 +118,9 @@ class HeightBar:
 
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""
-        left, ink, paper = self.size[0] - BAR_LEFT, 238, np.multiply(PAPER, 255.0).astype(np.uint8)
+        left, ink, paper = self.size[0] - BAR_LEFT, 238, np.multiply(PAPER_COLOUR, 255.0).astype(np.uint8)
         up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
-        colours = water_shading.display(water_shading.relief(up, np.linspace(1.0, -1.0, self.height)))
+        colours = water_shading.display_colours(water_shading.relief_light(up, np.linspace(1.0, -1.0, self.height)))
         image[self.top - 2 : self.top + self.height + 2, left - 2 : left + BAR_WIDTH + 2] = paper
         image[self.top : self.top + self.height, left : left + BAR_WIDTH] = colours[:, None]
         for k in range(3):
@@ -133,10 +137,10 @@ class Outline:
         corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
         self.around = lower[[0, 2]] + share * (upper - lower)[[0, 2]]
-        self.raised = RAISED * float((upper - lower)[[0, 2]].max())  # [m]
+        self.raised = OUTLINE_HEIGHT * float((upper - lower)[[0, 2]].max())  # [m]
         self.line = stage.pyvista.MultipleLines(np.insert(self.around, 1, 0.0, axis=1).astype(np.float32))
         width = 2.0 * stage.samples  # [pixels of the plotter]
-        drawn = stage.plotter.add_mesh(self.line, color=OUTLINE, line_width=width, lighting=False, render=False)
+        drawn = stage.plotter.add_mesh(self.line, color=OUTLINE_COLOUR, line_width=width, lighting=False, render=False)
         stage.over.append(drawn)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:

@@ -6,11 +6,11 @@ from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Content, Stage
 
-RIM = 0.5  # light of the rim of a ball over that of its middle
-ROUND = f"""//VTK::Color::Impl
+RIM_LIGHT = 0.5  # light of the rim of a ball over that of its middle
+BALL_PROGRAM = f"""//VTK::Color::Impl
   float away = dot(offsetVCVSOutput.xy, offsetVCVSOutput.xy);
   if (away > 1.0) discard;
-  float bright = {RIM} + {1.0 - RIM:g} * sqrt(1.0 - away);
+  float bright = {RIM_LIGHT} + {1.0 - RIM_LIGHT:g} * sqrt(1.0 - away);
   ambientColor *= bright;
   diffuseColor *= bright;
 """  # VTK's own balls end in black
@@ -23,7 +23,7 @@ class Particles(Content):
         assert first.position is not None
         cloud = stage.pyvista.PolyData(first.position.astype(np.float32))
         cloud["speed [m/s]"] = np.zeros(len(first.position), np.float32)
-        stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN), light_type="scene light"))
+        stage.plotter.add_light(stage.pyvista.Light(position=tuple(1e3 * sky.SUN_DIRECTION), light_type="scene light"))
         stage.plotter.add_light(stage.pyvista.Light(light_type="headlight", intensity=0.5))
         balls = stage.plotter.add_mesh(
             cloud,
@@ -45,7 +45,7 @@ class Particles(Content):
                 "color": "#10222c",
             },
         )
-        balls.mapper.SetSplatShaderCode(ROUND)
+        balls.mapper.SetSplatShaderCode(BALL_PROGRAM)
         balls.mapper.scale_factor = 0.5 * spacing  # [m] radius
         self.cloud, self.fastest = balls.mapper.dataset, fastest
         self.colours = balls.mapper.lookup_table.values  # (256, 4), 8-bit

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.parts import key_of
-from ocean_sim.pictures.frame_files import Frame, Log, ships_in
+from ocean_sim.pictures.frame_files import Frame, FrameLog, ship_keys
 from ocean_sim.pictures.ships.ship import DrawnShip, ShadedShip
 from ocean_sim.pictures.ships.ship_model import kept_model
 from ocean_sim.pictures.stage import antialiasing, overlays, sky
@@ -16,23 +16,28 @@ from ocean_sim.pictures.stage.obstacles import Obstacles
 from ocean_sim.pictures.stage.particles import Particles
 from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.stage.render_order import Order, RenderFailed
-from ocean_sim.pictures.stage.wind_marks import WindMarks, legend
+from ocean_sim.pictures.stage.wind_marks import WindMarks, arrow_legend
 from ocean_sim.pictures.water import far_sea, sea_state, tank_walls, water_shading
 from ocean_sim.pictures.water.sea import Sea
-from ocean_sim.pictures.water.water_surface import NODES, Water
+from ocean_sim.pictures.water.water_surface import SURFACE_NODES, Water
 
-SAMPLES = {"draft": 1, "final": 2}  # along each side of a pixel; where there is one, edges are smoothed afterwards
-MAPS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
+PIXEL_SAMPLES = {
+    "draft": 1,
+    "final": 2,
+}  # along each side of a pixel; where there is one, edges are smoothed afterwards
+STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
+STRIP_GAP = 3  # [pixels] between them
+MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
-def foreseen(grid: Any, order: Order) -> bool:
+def is_foreseeable(grid: Any, order: Order) -> bool:
     """Whether pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
     of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
-    whole_way = order.camera in MAPS and "sea_answers" in grid
+    whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
-def swept(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
@@ -47,7 +52,11 @@ class Shot(NamedTuple):
 
     def finished(self) -> np.ndarray:
         """(height, width, 3) with smooth edges and its bars."""
-        image = antialiasing.smooth(self.pixels) if self.samples == 1 else antialiasing.mean(self.pixels, self.samples)
+        image = (
+            antialiasing.smooth_edges(self.pixels)
+            if self.samples == 1
+            else antialiasing.sample_means(self.pixels, self.samples)
+        )
         for bar in self.bars:
             bar.draw(image)
         return image
@@ -56,7 +65,7 @@ class Shot(NamedTuple):
 class Picture:
     """One plotter, built once; each frame only moves its points and colours."""
 
-    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: Log) -> None:
+    def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
         """`first`: frame of the run; `fastest`: speed [m/s] at the end of the colours of particles."""
         self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
@@ -64,9 +73,11 @@ class Picture:
         self.upper[1] = max(0.12 * float(grid["depth"]), float(first.elevation.max()))
         flat = bool(self.lower[2] == self.upper[2])
         away = "sea_answers" in grid  # ships are free to leave the basin
-        if away and order.camera in MAPS and log.tracks:
-            self.lower, self.upper = swept(self.lower, self.upper, [track.position for track in log.tracks.values()])
-        models = {key: kept_model(grid, key) for key in ships_in(grid, "_vertices")}
+        if away and order.camera in MAP_CAMERAS and log.tracks:
+            self.lower, self.upper = swept_box(
+                self.lower, self.upper, [track.position for track in log.tracks.values()]
+            )
+        models = {key: kept_model(grid, key) for key in ship_keys(grid, "_vertices")}
         vessels = {
             key: Vessel(model.length, model.helm, log.tracks[key], float(model.mesh.corners[..., 1].max()))
             for key, model in models.items()
@@ -74,7 +85,7 @@ class Picture:
         }
         vessel = next(iter(vessels.values()), None) if order.ship is None else vessels.get(key_of(order.ship))
         bare = flat or order.particles or not bool(grid["has_surface"]) or first.folds
-        scene = sea_state.scene_of(Path(order.folder))
+        scene = sea_state.run_scene(Path(order.folder))
         state = None if bare or not order.far_sea else sea_state.SeaState(scene, grid, log)
         open_sea = state is not None and state.open
         self.operator = Operator(
@@ -89,7 +100,7 @@ class Picture:
             away=away,
             at_sea=open_sea,
         )
-        stage = self.stage = Stage(order.size, self.operator.at(first.time), SAMPLES[order.quality])
+        stage = self.stage = Stage(order.size, self.operator.at(first.time), PIXEL_SAMPLES[order.quality])
         self.plotter = stage.plotter
         middle, size = 0.5 * (self.lower + self.upper), self.upper - self.lower
         self.reach = float(max(np.linalg.norm(stage.camera.eye - middle), np.linalg.norm(size)))  # [m]
@@ -108,7 +119,7 @@ class Picture:
 
             self.content = tank.Shell(stage, grid, self.upper, first, order.foam)
         else:
-            self.content = Water(stage, grid, NODES[order.quality])
+            self.content = Water(stage, grid, SURFACE_NODES[order.quality])
         fixed = grid.get("obstacles", np.zeros((0, 2, 3)))
         self.obstacles = Obstacles(stage, fixed, self.lower, self.upper)
         self.ships: dict[str, DrawnShip | ShadedShip] = {}
@@ -120,7 +131,7 @@ class Picture:
                 self.content.reflect()
         else:
             self.ships |= {key: DrawnShip(stage, model) for key, model in models.items()}
-        self.caption = overlays.words(stage, " ", (14, 10)) if order.caption else None
+        self.caption = overlays.add_words(stage, " ", (14, 10)) if order.caption else None
         self.scale_bar = overlays.ScaleBar(stage) if order.scale_bar else None
         on_map = isinstance(self.content, Water) and stage.camera.from_above
         self.height_bar = overlays.HeightBar(stage) if order.scale_bar and on_map else None
@@ -135,7 +146,7 @@ class Picture:
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
         reach = self.reach
-        near, far = (0.005 * reach, 4.0 * far_sea.OUT) if self.at_sea else (0.01 * reach, 12.0 * reach)
+        near, far = (0.005 * reach, 4.0 * far_sea.SEA_RADIUS) if self.at_sea else (0.01 * reach, 12.0 * reach)
         plotter.camera.clipping_range = (camera.near or near, far)
         if camera.parallel_height is not None:
             plotter.enable_parallel_projection()
@@ -146,17 +157,22 @@ class Picture:
         above one colour of the ground."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
-            self.plotter.set_background(water_shading.display(sky.around(camera.forward[None]))[0] / 255.0)
+            self.plotter.set_background(
+                water_shading.display_colours(sky.sky_and_ground(camera.forward[None]))[0] / 255.0
+            )
             return
         if camera.parallel_height is not None:
-            low, high = water_shading.display(sky.around(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]]))) / 255.0
+            low, high = (
+                water_shading.display_colours(sky.sky_and_ground(np.array([[0.0, 0.02, -1.0], [0.0, 0.2, -0.98]])))
+                / 255.0
+            )
             self.plotter.set_background(low, top=high)
             return
         radius = 6.0 * self.reach
         dome = pyvista.Sphere(radius=1.0, theta_resolution=90, phi_resolution=361, direction=(0.0, 1.0, 0.0))
         directions = sky.unit_vector(np.asarray(dome.points, dtype=float))
         dome.points = (camera.eye + radius * directions).astype(np.float32)
-        dome["colour"] = water_shading.display(sky.around(directions))
+        dome["colour"] = water_shading.display_colours(sky.sky_and_ground(directions))
         self.dome = self.plotter.add_mesh(dome, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
         self.first_eye = camera.eye
         if camera.forward[1] > -0.9:
@@ -173,15 +189,15 @@ class Picture:
             i_resolution=160,
             j_resolution=160,
         )
-        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN
+        away = np.asarray(plane.points, dtype=float) + 0.5 * size[1] * sky.SUN_DIRECTION
         outside = np.maximum(0.0, np.maximum(self.lower - away, away - self.upper))[:, [0, 2]]
         reach = 0.10 * max(size[0], size[2])
         darkness = 0.5 * np.exp(-np.square(outside / reach).sum(axis=1))
-        plane["colour"] = np.column_stack([np.full((plane.n_points, 3), tank_walls.DARK), 255 * darkness]).astype(
-            np.uint8
-        )
+        plane["colour"] = np.column_stack(
+            [np.full((plane.n_points, 3), tank_walls.GROUND_LINE_COLOUR), 255 * darkness]
+        ).astype(np.uint8)
         self.plotter.add_mesh(plane, scalars="colour", rgba=True, lighting=False)
-        tank_walls.ground(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
+        tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
     def draw(self, frame: Frame) -> np.ndarray:
         """(height, width, 3) 8-bit RGB."""
@@ -205,7 +221,7 @@ class Picture:
         if self.scale_bar is not None:
             self.scale_bar.show(target)
         if self.arrow_bar is not None and self.wind is not None:
-            self.arrow_bar.show(target, *legend(frame, self.wind.length))
+            self.arrow_bar.show(target, *arrow_legend(frame, self.wind.length))
         if self.height_bar is not None and isinstance(self.content, Water):
             self.height_bar.show(self.content.most)
         self.stage.render()
@@ -232,3 +248,29 @@ class Picture:
     def close(self) -> None:
         self.content.close()
         self.plotter.close()
+
+
+class Moments:
+    """Collects pictures evenly from a film of unknown length; holds at most twice as many as it shows."""
+
+    def __init__(self) -> None:
+        self.kept: list[np.ndarray] = []
+        self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
+
+    def see(self, image: np.ndarray) -> None:
+        """The next picture (height, width, 3) of the film."""
+        if self.seen % self.every == 0:
+            if len(self.kept) == 2 * STRIP_PICTURES:
+                self.kept, self.every = self.kept[::2], 2 * self.every
+            if self.seen % self.every == 0:
+                self.kept.append(antialiasing.sample_means(image, STRIP_SHRINKING))
+        self.seen += 1
+
+    def row(self) -> np.ndarray:
+        """(height, width, 3) pictures from the beginning to the end, side by side."""
+        chosen = np.unique(
+            np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
+        )
+        pictures = [self.kept[k] for k in chosen]
+        between = np.full((pictures[0].shape[0], STRIP_GAP, 3), 255, np.uint8)
+        return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

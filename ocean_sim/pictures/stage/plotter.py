@@ -20,7 +20,7 @@ class Stage:
         self.size, self.camera, self.samples = size, camera, samples
         self.over: list[Any] = []  # actors that lie on the water, of which it shows none within it
         self.plotter = self.empty((samples * size[0], samples * size[1]))
-        self.said = water_glsl.listening()
+        self.said = water_glsl.collect_messages()
 
     def empty(self, size: tuple[int, int]) -> Any:
         """A plotter without light, off screen."""
@@ -32,7 +32,7 @@ class Stage:
     def render(self) -> None:
         """Draw; raises RenderFailed where OpenGL refuses a program."""
         self.plotter.render()
-        why = water_glsl.refused(self.said)
+        why = water_glsl.refusal(self.said)
         if why is not None:
             raise RenderFailed(f"OpenGL refuses a program of this picture: {why}; please report it with this line")
 

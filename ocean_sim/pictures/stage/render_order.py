@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ocean_sim.conventions import Failed
-from ocean_sim.pictures.stage.camera import Name
+from ocean_sim.pictures.stage.camera import CameraName
 
 Quality = Literal["draft", "final"]
 
@@ -19,7 +19,7 @@ class Order:
 
     folder: str
     out: str
-    camera: Name = "third_person"
+    camera: CameraName = "third_person"
     size: tuple[int, int] = (1280, 720)
     particles: bool = False
     quality: Quality = "draft"

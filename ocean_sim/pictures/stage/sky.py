@@ -15,44 +15,66 @@ def unit_vector(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-SUN = unit_vector(np.array([-0.86, 0.32, -0.36]))  # direction to the sun
-SUNLIGHT = np.array([1.0, 0.86, 0.66])
-ZENITH = np.array([0.035, 0.14, 0.42])
-HORIZON = np.array([0.42, 0.66, 0.92])
-HAZE = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
-GROUND = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
+SUN_DIRECTION = unit_vector(np.array([-0.86, 0.32, -0.36]))  # direction to the sun
+SUNLIGHT_COLOUR = np.array([1.0, 0.86, 0.66])
+ZENITH_COLOUR = np.array([0.035, 0.14, 0.42])
+HORIZON_COLOUR = np.array([0.42, 0.66, 0.92])
+HAZE_COLOUR = np.array([0.72, 0.74, 0.74])  # at the horizon below the sun
+GROUND_COLOUR = np.array([0.13, 0.16, 0.19])  # what lies around the basin, straight down
+SUNSHINE = np.array([0.80, 0.74, 0.64])  # on a face that looks into the sun, linear RGB
+FROM_ABOVE = np.array([0.40, 0.46, 0.54])  # light of the sky on a level face
+FROM_BELOW = np.array([0.12, 0.16, 0.18])  # light that the water throws back
+MIRRORED = np.array([0.30, 0.42, 0.56])  # of the sky, in panes
 
-LOWEST = 0.004  # height of a direction at which the sky is read for any lower one
-HAZES = 64, 128  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
-HAZY, BRIGHTEST_HAZE = 3.5, 3.0  # smaller copy of the sky that it comes from, and to which radiance it is cut
+MIN_SKY_HEIGHT = 0.004  # height of a direction at which the sky is read for any lower one
+HAZE_SIZE = (
+    64,
+    128,
+)  # rows and columns of the colours of fog that are kept, one direction around the horizon after another
+HAZE_LEVEL, MAX_HAZE = 3.5, 3.0  # smaller copy of the sky that it comes from, and to which radiance it is cut
 GROUND_RADIUS, TOP_RADIUS = (
     6360e3,
     6420e3,
 )  # [m] of the Earth and of its air (Nishita et al. 1993, Bruneton & Neyret 2008)
-RAYLEIGH, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
-MIE, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
-MULTIPLE = np.array([0.02, 0.09, -0.75])  # taken off at the horizon: light scattered often is whiter than once (ours)
-SOLAR = 22.0  # radiance of the sun before the air, in the units of these pictures
-DISK = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
+RAYLEIGH_SCATTERING, RAYLEIGH_HEIGHT = np.array([5.8e-6, 13.5e-6, 33.1e-6]), 8000.0  # [1/m] at sea level, [m]
+MIE_SCATTERING, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1/m], [m], Henyey-Greenstein's g
+MULTIPLE_SCATTERING = np.array(
+    [0.02, 0.09, -0.75]
+)  # taken off at the horizon: light scattered often is whiter than once (ours)
+SUN_RADIANCE = 22.0  # radiance of the sun before the air, in the units of these pictures
+SUN_COSINE = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
 
 
-def colour(direction: np.ndarray) -> np.ndarray:
+def clear_sky(direction: np.ndarray) -> np.ndarray:
     """Radiance of the clear gradient in unit directions (n, 3); the horizon's below it."""
     up = np.clip(direction[:, 1], 0.0, 1.0)[:, None]
-    towards = np.clip(direction @ SUN, 0.0, 1.0)[:, None]
+    towards = np.clip(direction @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     low = (1.0 - up) ** 20
-    clear = ZENITH + (HORIZON - ZENITH) * (0.3 * (1.0 - up) ** 3 + 0.7 * low)
-    return clear + (HAZE - HORIZON) * low * towards**3 + SUNLIGHT * (0.22 * towards**12 + 0.5 * towards**220)
+    clear = ZENITH_COLOUR + (HORIZON_COLOUR - ZENITH_COLOUR) * (0.3 * (1.0 - up) ** 3 + 0.7 * low)
+    return (
+        clear
+        + (HAZE_COLOUR - HORIZON_COLOUR) * low * towards**3
+        + SUNLIGHT_COLOUR * (0.22 * towards**12 + 0.5 * towards**220)
+    )
 
 
-def around(direction: np.ndarray) -> np.ndarray:
+def sky_and_ground(direction: np.ndarray) -> np.ndarray:
     """The clear gradient, and below the horizon a quiet ground that darkens downwards; for the background."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(
         np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
     )  # not (0, 0, 0)
-    ground = GROUND + (0.72 * colour(flat) - GROUND) * np.exp(-down / 0.22)
-    return np.where(direction[:, 1:2] >= 0.0, colour(direction), ground)
+    ground = GROUND_COLOUR + (0.72 * clear_sky(flat) - GROUND_COLOUR) * np.exp(-down / 0.22)
+    return np.where(direction[:, 1:2] >= 0.0, clear_sky(direction), ground)
+
+
+def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
+    """Linear RGB (n, 3) of paint in sun and sky; panes show the sky above instead."""
+    sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
+    above = 0.5 + 0.5 * normals[:, 1:2]
+    ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
+    facing = 0.35 + 0.65 * np.clip(1.0 - np.abs(normals @ SUN_DIRECTION), 0.0, 1.0)[:, None]
+    return paint * (SUNSHINE * sun + ambient) + 0.12 * gloss * MIRRORED * facing
 
 
 class Sky:
@@ -64,7 +86,9 @@ class Sky:
     beyond it the image goes on as it is there. The side is a power of two, as the texture's smaller copies need.
     """
 
-    def __init__(self, image: np.ndarray, sun: np.ndarray = SUN, sunlight: np.ndarray = SUNLIGHT) -> None:
+    def __init__(
+        self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR
+    ) -> None:
         """`sun`: unit direction to it; `sunlight`: its colour at the ground."""
         self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
         levels = [self.image.astype(float)]
@@ -75,17 +99,19 @@ class Sky:
         square = np.add.outer(*2 * [middles_of(-1.0, 1.0, len(self.image)) ** 2])  # of the way from the zenith
         weight = np.where(square < 1.0, (1.0 + square) ** -2.0, 0.0)  # solid angle of a pixel, but for a factor
         self.ambient = np.tensordot(weight, np.minimum(self.image, 4.0), axes=2) / weight.sum()  # mean from above
-        many = HAZES[0] * HAZES[1]
+        many = HAZE_SIZE[0] * HAZE_SIZE[1]
         at = 4.0 * (np.arange(many) + 0.5) / many
         x = np.where(at < 2.0, 1.0 - at, at - 3.0)  # as the shader finds them
         z = np.where(at < 2.0, 1.0, -1.0) * (1.0 - np.abs(x))
-        around = self.sample(unit_vector(np.stack([x, np.zeros(many), z], axis=1)), HAZY)
-        self.haze = np.minimum(around, BRIGHTEST_HAZE).astype(np.float32).reshape(*HAZES, 3)
+        around = self.sample(unit_vector(np.stack([x, np.zeros(many), z], axis=1)), HAZE_LEVEL)
+        self.haze = np.minimum(around, MAX_HAZE).astype(np.float32).reshape(*HAZE_SIZE, 3)
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
         """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the
         horizon that just above it."""
-        d = unit_vector(np.column_stack([direction[:, 0], np.maximum(direction[:, 1], LOWEST), direction[:, 2]]))
+        d = unit_vector(
+            np.column_stack([direction[:, 0], np.maximum(direction[:, 1], MIN_SKY_HEIGHT), direction[:, 2]])
+        )
         at = 0.5 + 0.5 * d[:, [0, 2]] / (1.0 + d[:, 1:2])
         levels = np.clip(np.broadcast_to(level, len(d)), 0.0, len(self.levels) - 1.0)
         low = np.floor(levels).astype(int)
@@ -94,11 +120,13 @@ class Sky:
             here = low == k
             share = (levels[here] - k)[:, None]
             coarser = self.levels[min(k + 1, len(self.levels) - 1)]
-            result[here] = (1.0 - share) * bilinear(self.levels[k], at[here]) + share * bilinear(coarser, at[here])
+            result[here] = (1.0 - share) * bilinear_values(self.levels[k], at[here]) + share * bilinear_values(
+                coarser, at[here]
+            )
         return result
 
 
-def bilinear(image: np.ndarray, at: np.ndarray) -> np.ndarray:
+def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
     """(n, 3) from an image at places (n, 2) of its columns and rows, 0 to 1; beyond the outermost as these are."""
     last = len(image) - 1
     x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
@@ -110,7 +138,7 @@ def bilinear(image: np.ndarray, at: np.ndarray) -> np.ndarray:
     return upper * (1.0 - b) + lower * b
 
 
-def directions(side: int) -> np.ndarray:
+def sky_directions(side: int) -> np.ndarray:
     """(side, side, 3) unit vectors of the middles of the pixels, beyond the horizon those of the horizon there."""
     x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
     beyond = np.maximum(np.hypot(x, z), 1.0)
@@ -119,43 +147,47 @@ def directions(side: int) -> np.ndarray:
     return np.stack([2.0 * x, 1.0 - square, 2.0 * z], axis=-1) / (1.0 + square)[..., None]
 
 
-def cloudy(sun: np.ndarray = SUN, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:
+def cloudy_sky(sun: np.ndarray = SUN_DIRECTION, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:
     """The scattered sky with clouds over a share of it, from the cache where it was made before."""
     content = json.dumps(["sky 11", [round(float(s), 9) for s in sun], side, cover, seed]).encode()
-    arrays = cached_arrays("sky", content, lambda: made(sun, side, cover, seed))
+    arrays = cached_arrays("sky", content, lambda: make_sky(sun, side, cover, seed))
     return Sky(arrays["image"], sun, arrays["sunlight"])
 
 
-def clear(side: int = 128) -> Sky:
+def clear_sky_image(side: int = 128) -> Sky:
     """The clear gradient as an image, without clouds."""
-    return Sky(colour(directions(side).reshape(-1, 3)).reshape(side, side, 3))
+    return Sky(clear_sky(sky_directions(side).reshape(-1, 3)).reshape(side, side, 3))
 
 
-def made(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, np.ndarray]:
+def make_sky(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, np.ndarray]:
     """The image (side, side, 3) of the sky, and the colour of the sun."""
     from scipy.ndimage import zoom
 
-    coarse = directions(128)
+    coarse = sky_directions(128)
     coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
     image = zoom(
-        scattered(unit_vector(coarse), sun)[0], (side / 128, side / 128, 1), order=1, grid_mode=True, mode="nearest"
+        scattered_light(unit_vector(coarse), sun)[0],
+        (side / 128, side / 128, 1),
+        order=1,
+        grid_mode=True,
+        mode="nearest",
     )
-    sunlight = scattered(sun[None], sun)[1][0]
-    d = directions(side)
-    image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE)
+    sunlight = scattered_light(sun[None], sun)[1][0]
+    d = sky_directions(side)
+    image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE_SCATTERING)
     towards = d @ sun
-    image, veil = clouds(d, towards, image, sunlight, sun, cover, seed)
+    image, veil = add_clouds(d, towards, image, sunlight, sun, cover, seed)
     glow = 7.0 * np.exp(-(1.0 - towards) / 0.0007) + 0.7 * np.exp(-(1.0 - towards) / 0.010)
-    glow += 45.0 * np.clip((towards - DISK) / (0.15 * (1.0 - DISK)) + 0.5, 0.0, 1.0)
+    glow += 45.0 * np.clip((towards - SUN_COSINE) / (0.15 * (1.0 - SUN_COSINE)) + 0.5, 0.0, 1.0)
     image = image + glow[..., None] * sunlight * (1.0 - 0.6 * veil)
     return {"image": image.astype(np.float32), "sunlight": sunlight / sunlight.max()}
 
 
-def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
+def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
     """Light scattered once towards an eye at sea level from directions (..., 3), and the share that comes straight
     through (Nishita et al. 1993): Rayleigh and Mie, densities that fall exponentially with height."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
-    segment = way_out(eye, d) / steps
+    segment = distance_to_top(eye, d) / steps
     mu = d @ sun
     g = MIE_FORWARD
     rayleigh_phase = 3.0 / (16.0 * np.pi) * (1.0 + mu**2)
@@ -164,7 +196,7 @@ def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -
     light_r, light_m = np.zeros(d.shape), np.zeros(d.shape)
 
     def veil(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return np.exp(-(RAYLEIGH * a[..., None] + 1.1 * MIE * b[..., None]))
+        return np.exp(-(RAYLEIGH_SCATTERING * a[..., None] + 1.1 * MIE_SCATTERING * b[..., None]))
 
     for i in range(steps):
         point = eye + d * (segment * (i + 0.5))[..., None]
@@ -172,7 +204,7 @@ def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -
         here_r, here_m = np.exp(-high / RAYLEIGH_HEIGHT) * segment, np.exp(-high / MIE_HEIGHT) * segment
         thick_r += here_r
         thick_m += here_m
-        step = way_out(point, sun) / inner
+        step = distance_to_top(point, sun) / inner
         sun_r, sun_m = np.zeros(mu.shape), np.zeros(mu.shape)
         for j in range(inner):
             there = np.linalg.norm(point + sun * (step * (j + 0.5))[..., None], axis=-1) - GROUND_RADIUS
@@ -182,17 +214,19 @@ def scattered(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -
         through = veil(thick_r + sun_r, thick_m + sun_m)
         light_r += through * here_r[..., None]
         light_m += through * here_m[..., None]
-    seen = SOLAR * (light_r * RAYLEIGH * rayleigh_phase[..., None] + light_m * MIE * mie_phase[..., None])
+    seen = SUN_RADIANCE * (
+        light_r * RAYLEIGH_SCATTERING * rayleigh_phase[..., None] + light_m * MIE_SCATTERING * mie_phase[..., None]
+    )
     return seen, veil(thick_r, thick_m)
 
 
-def way_out(point: np.ndarray, d: np.ndarray) -> np.ndarray:
+def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
     """Distance [m] from points inside the air to its top."""
     along, excess = (point * d).sum(axis=-1), (point * point).sum(axis=-1) - TOP_RADIUS**2
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 
 
-def clouds(
+def add_clouds(
     d: np.ndarray,
     towards: np.ndarray,
     clear: np.ndarray,
@@ -205,11 +239,16 @@ def clouds(
     domain is warped by itself, brighter at thin edges and towards the sun."""
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
-    warp = np.stack([fractal(1.3 * layer + 5.0, 4, seed + 20), fractal(1.3 * layer + 9.0, 4, seed + 30)], axis=-1) - 0.5
+    warp = (
+        np.stack(
+            [fractal_noise(1.3 * layer + 5.0, 4, seed + 20), fractal_noise(1.3 * layer + 9.0, 4, seed + 30)], axis=-1
+        )
+        - 0.5
+    )
     where = layer * [0.8, 1.0] + 1.2 * warp
-    raw = np.clip((fractal(where, 7, seed) - (0.62 - 0.22 * cover)) / 0.22, 0.0, 1.0)
+    raw = np.clip((fractal_noise(where, 7, seed) - (0.62 - 0.22 * cover)) / 0.22, 0.0, 1.0)
     hidden = raw * raw * (3.0 - 2.0 * raw) * np.clip((d[..., 1] - 0.015) / 0.12, 0.0, 1.0) * 0.92
-    sunward = fractal(where + 0.12 * sun[[0, 2]], 5, seed)
+    sunward = fractal_noise(where + 0.12 * sun[[0, 2]], 5, seed)
     thick = np.clip((sunward - (0.60 - 0.22 * cover)) / 0.25, 0.0, 1.0)
     near = np.clip(towards, 0.0, 1.0)
     bright = np.exp(-2.2 * thick) * (0.35 + 1.6 * near**12 + 0.6 * near**3)
@@ -218,7 +257,7 @@ def clouds(
     return clear * (1.0 - veil) + lit * veil, veil
 
 
-def fractal(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
+def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
     """Value noise at points (..., 2), octave upon octave, in 0 to 1."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):

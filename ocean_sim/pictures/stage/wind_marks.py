@@ -4,18 +4,24 @@ where it is but noise."""
 import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
-from ocean_sim.pictures.stage.light import painted_light
-from ocean_sim.pictures.stage.overlays import round_below
+from ocean_sim.pictures.stage.overlays import round_down
 from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.stage.sky import painted_light
 from ocean_sim.pictures.water import water_shading
 
-TINT, PAINT = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
-CLEAR = 0.22  # opacity of a volume
-LOW, HIGH = 0.10, 0.18  # of the basin's length: least and greatest height of a volume over the water
-UNDER = 0.2  # of the basin's length: how far it goes on below, where waves hide it
-LONGEST, RAISED = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
-SHOWN = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
-SHORTEST, CROSS = 0.02, 0.05  # of the basin's length: the arrow below which there is a cross instead, and its size
+VOLUME_COLOUR, ARROW_COLOUR = "#ffb347", np.array([0.95, 0.42, 0.04])  # of volumes; of arrows, linear RGB
+VOLUME_OPACITY = 0.22  # opacity of a volume
+MIN_VOLUME_HEIGHT, MAX_VOLUME_HEIGHT = (
+    0.10,
+    0.18,
+)  # of the basin's length: least and greatest height of a volume over the water
+VOLUME_DEPTH = 0.2  # of the basin's length: how far it goes on below, where waves hide it
+MAX_ARROW, ARROW_HEIGHT = 0.13, 0.02  # of the basin's length: the longest arrow, and how far over the water they begin
+ARROW_TITLES = {"m/s²": "acceleration by wind"}  # what an arrow shows, by its unit, where it is not the wind itself
+MIN_ARROW, CROSS_SIZE = (
+    0.02,
+    0.05,
+)  # of the basin's length: the arrow below which there is a cross instead, and its size
 
 
 class WindMarks:
@@ -32,12 +38,12 @@ class WindMarks:
         """`heights` of the water at the arrows (n,) [m]."""
         self.show_volumes(frame.wind_lines, float(frame.elevation.max()))
         tails = frame.wind_tails.astype(float)
-        tails[:, 1] = np.maximum(tails[:, 1], heights) + RAISED * self.length
-        arrows = LONGEST * self.length * frame.wind_arrows.astype(float)
+        tails[:, 1] = np.maximum(tails[:, 1], heights) + ARROW_HEIGHT * self.length
+        arrows = MAX_ARROW * self.length * frame.wind_arrows.astype(float)
         size = np.linalg.norm(arrows, axis=1)
-        blowing = size > SHORTEST * self.length
+        blowing = size > MIN_ARROW * self.length
         self.copies("arrows", self.arrow, tails[blowing], arrows[blowing])
-        noise = np.tile([CROSS * self.length, 0.0, 0.0], (int((~blowing).sum()), 1))
+        noise = np.tile([CROSS_SIZE * self.length, 0.0, 0.0], (int((~blowing).sum()), 1))
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
@@ -50,15 +56,15 @@ class WindMarks:
         points, normals = np.asarray(shape.points, dtype=float), np.asarray(shape.point_normals, dtype=float)
         corners, facing = [], []
         for position, vector in zip(positions, along):
-            turn = basis(vector)
+            turn = vector_basis(vector)
             corners.append(position + np.linalg.norm(vector) * points @ turn)
             facing.append(normals @ turn)
         triangles = shape.regular_faces[None] + len(points) * np.arange(len(positions))[:, None, None]
         made = self.stage.pyvista.PolyData.from_regular_faces(
             np.concatenate(corners).astype(np.float32), triangles.reshape(-1, 3)
         )
-        paint = np.broadcast_to(PAINT, (made.n_points, 3))
-        made["colour"] = water_shading.display(
+        paint = np.broadcast_to(ARROW_COLOUR, (made.n_points, 3))
+        made["colour"] = water_shading.display_colours(
             painted_light(np.concatenate(facing), paint, np.zeros((made.n_points, 1)))
         )
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
@@ -69,11 +75,17 @@ class WindMarks:
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []
-        for part in parts(lines):
-            outline = hull(part.reshape(-1, 3)[:, [0, 2]])
-            top = crest if on_map else float(np.clip(part[..., 1].max(), LOW * self.length, HIGH * self.length))
+        for part in connected_parts(lines):
+            outline = convex_outline(part.reshape(-1, 3)[:, [0, 2]])
+            top = (
+                crest
+                if on_map
+                else float(
+                    np.clip(part[..., 1].max(), MIN_VOLUME_HEIGHT * self.length, MAX_VOLUME_HEIGHT * self.length)
+                )
+            )
             over = np.insert(outline, 1, top, axis=1)
-            under = np.insert(outline, 1, -UNDER * self.length, axis=1)
+            under = np.insert(outline, 1, -VOLUME_DEPTH * self.length, axis=1)
             after = np.roll(over, -1, axis=0)
             ends.append(np.stack([over, after], axis=1))
             faces.append(np.stack([under, np.roll(under, -1, axis=0), after, over], axis=1))
@@ -81,11 +93,11 @@ class WindMarks:
             plotter.remove_actor(name, render=False)
         if not faces:
             return
-        shown = {"lighting": False, "reset_camera": False, "render": False, "color": TINT}
+        shown = {"lighting": False, "reset_camera": False, "render": False, "color": VOLUME_COLOUR}
         if not on_map:
             points = np.concatenate(faces).reshape(-1, 3).astype(np.float32)
             made = pyvista.PolyData.from_regular_faces(points, np.arange(len(points)).reshape(-1, 4))
-            plotter.add_mesh(made, opacity=CLEAR, name="volumes", **shown)
+            plotter.add_mesh(made, opacity=VOLUME_OPACITY, name="volumes", **shown)
         plotter.add_mesh(
             pyvista.line_segments_from_points(np.concatenate(ends).reshape(-1, 3).astype(np.float32)),
             line_width=3.0 * self.stage.samples,
@@ -94,18 +106,18 @@ class WindMarks:
         )
 
 
-def legend(frame: Frame, length: float) -> tuple[float, str]:
+def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
     """The length [m] of an arrow that stands for a round number, 0 where none does, and what to write at it; in a basin
     of a length [m]."""
-    if not (np.linalg.norm(frame.wind_arrows, axis=1) > SHORTEST / LONGEST).any():
+    if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
         return 0.0, "wind"
-    value, unit = round_below(frame.wind_strongest), frame.wind_unit
-    return LONGEST * length * value / frame.wind_strongest, f"{SHOWN.get(unit, 'wind')}, {value:g} {unit}"
+    value, unit = round_down(frame.wind_strongest), frame.wind_unit
+    return MAX_ARROW * length * value / frame.wind_strongest, f"{ARROW_TITLES.get(unit, 'wind')}, {value:g} {unit}"
 
 
-def basis(vector: np.ndarray) -> np.ndarray:
+def vector_basis(vector: np.ndarray) -> np.ndarray:
     """(3, 3) rows: a unit vector along this one, and two across it."""
     along = vector / np.linalg.norm(vector)
     side = np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
@@ -113,7 +125,7 @@ def basis(vector: np.ndarray) -> np.ndarray:
     return np.stack([along, side, np.cross(along, side)])
 
 
-def parts(lines: np.ndarray) -> list[np.ndarray]:
+def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
     """Lines (n, 2, 3) by what hangs together at common ends."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -128,7 +140,7 @@ def parts(lines: np.ndarray) -> list[np.ndarray]:
     return [lines[number[ends[:, 0]] == k] for k in np.unique(number)]
 
 
-def hull(points: np.ndarray) -> np.ndarray:
+def convex_outline(points: np.ndarray) -> np.ndarray:
     """(m, 2) corners of the convex outline of points (n, 2), in order."""
     from scipy.spatial import ConvexHull
 

@@ -6,27 +6,39 @@ from math import pi
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.water_mesh import triangles
+from ocean_sim.pictures.water.water_mesh import grid_triangles
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.waves import Components
 
-OUT = 14000.0  # [m] where the drawn sea ends, behind the fog
-MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
+SEA_RADIUS = 14000.0  # [m] where the drawn sea ends, behind the fog
+BLEND_MARGIN = 0.2  # of the basin's shorter side: where its own waves give way to the far ones, within its walls
 NODES_PER_WAVE = (2.0, 3.0)  # at which a wave is not drawn, and is fully drawn
 PIXELS_PER_WAVE = (1.2, 4.0)  # across which the slopes of a wave fade into the width of the glint
-SHELLS, SECTORS = 20, 6  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
-SHORTEST = 0.8  # of half a wave a cell: shorter modes are noise of the particles
-STRONGEST = 96  # plane waves of a sea that are drawn far away
-RAYS = 120, 320  # least and most of the fan in which the far sea is drawn
-NEAREST = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
-WIDENING, BEYOND = 0.03, 1.09  # spacing of rings over their distance, and in the farthest over the one before
-REACHES = ((400.0, 0.06), (1000.0, 0.20))  # [m] to which waves but this share of the variance, the shortest, are drawn
+WAVENUMBER_SHELLS, HEADING_SECTORS = (
+    20,
+    6,
+)  # of wavenumbers and of headings in a quarter: in each a wave stands for modes of a basin
+MAX_MODE = 0.8  # of half a wave a cell: shorter modes are noise of the particles
+MAX_WAVES = 96  # plane waves of a sea that are drawn far away
+RAY_COUNTS = 120, 320  # least and most of the fan in which the far sea is drawn
+FIRST_RING = 0.35  # [heights of the eye] away, or nearer, where the first ring lies
+RING_SPACING, FAR_RING_GROWTH = (
+    0.03,
+    1.09,
+)  # spacing of rings over their distance, and in the farthest over the one before
+WAVE_REACHES = (
+    (400.0, 0.06),
+    (1000.0, 0.20),
+)  # [m] to which waves but this share of the variance, the shortest, are drawn
 PEAK_PERIOD = 0.90  # energy period over that of the peak, of JONSWAP's spectrum
-NEAR, SAMPLES = 400.0, 4096  # [m] around the eye within which nodes are looked at that lie evenly, and how many
-GOLDEN = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
-BELT = 8  # rings of which the same waves are drawn
-TURN = np.radians(8.0)  # by which the eye turns before the fan does
-ASTREAM, PHASES, PLACES = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
+SAMPLE_REACH, SAMPLE_COUNT = (
+    400.0,
+    4096,
+)  # [m] around the eye within which nodes are looked at that lie evenly, and how many
+GOLDEN_SHARE = 0.6180339887  # by which a number of a node goes on, so that rays are met as often as each other
+BELT_RINGS = 8  # rings of which the same waves are drawn
+TURN_STEP = np.radians(8.0)  # by which the eye turns before the fan does
+QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # streams of random numbers
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
@@ -54,7 +66,7 @@ class PlaneWaves:
         )
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """The sea of complex amplitudes (n,) at the nodes' origin (see `turning`)."""
+        """The sea of complex amplitudes (n,) at the nodes' origin (see `complex_amplitudes`)."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -63,18 +75,18 @@ class PlaneWaves:
         return SeaSample(height, convergence, np.zeros_like(height))
 
 
-def turning(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
+def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
     """(n,) complex amplitudes [m] of plane waves at a time [s] around an origin x, z [m]."""
     phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
     return sea.amplitude * np.exp(1j * phase)
 
 
-def grown(sea: Components, time: float) -> Components:
+def grown_waves(sea: Components, time: float) -> Components:
     """Plane waves as high as they are at a time [s]."""
-    return replace(sea, amplitude=sea.grown(time) * sea.amplitude, ramp=0.0)
+    return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
-def strongest(sea: Components, most: int = STRONGEST) -> Components:
+def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
     """The strongest of many plane waves, with the variance of all."""
     if len(sea.amplitude) <= most:
         return sea
@@ -83,27 +95,27 @@ def strongest(sea: Components, most: int = STRONGEST) -> Components:
     return replace(sea, amplitude=scale * sea.amplitude[kept], wavevector=sea.wavevector[kept], phase=sea.phase[kept])
 
 
-def shortest(sea: Components) -> list[float]:
+def shortest_lengths(sea: Components) -> list[float]:
     """Of the waves that are drawn to each of REACHES, the length of the shortest [m], rounded down to a step of a
     fifth: seas that are alike have the same."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
     if held[-1] <= 0.0:
-        return [OUT for _ in REACHES]
-    found = [float(lengths[np.searchsorted(held, share * held[-1])]) for _, share in REACHES]
+        return [SEA_RADIUS for _ in WAVE_REACHES]
+    found = [float(lengths[np.searchsorted(held, share * held[-1])]) for _, share in WAVE_REACHES]
     return [2.0 ** (float(np.floor(4.0 * np.log2(length) + 1e-9)) / 4.0) for length in found]
 
 
-def rings(lengths: list[float], first: float) -> np.ndarray:
+def ring_distances(lengths: list[float], first: float) -> np.ndarray:
     """Distances [m] of rings around an eye, out to the horizon: as far as REACHES close enough for waves of these
     lengths [m]."""
     caps = [length / NODES_PER_WAVE[1] for length in lengths]
     distances = [first]
-    step = max(WIDENING * first, 0.02)
-    while distances[-1] < OUT:
-        near = next((cap for (reach, _), cap in zip(REACHES, caps, strict=True) if distances[-1] < reach), None)
-        step = BEYOND * step if near is None else min(max(WIDENING * distances[-1], 0.02), near)
+    step = max(RING_SPACING * first, 0.02)
+    while distances[-1] < SEA_RADIUS:
+        near = next((cap for (reach, _), cap in zip(WAVE_REACHES, caps, strict=True) if distances[-1] < reach), None)
+        step = FAR_RING_GROWTH * step if near is None else min(max(RING_SPACING * distances[-1], 0.02), near)
         distances.append(distances[-1] + step)
     return np.array(distances)
 
@@ -132,33 +144,41 @@ class Fan:
         more than one ring is drawn [rad]; `amplitude` (n,): of the waves now [m].
         """
         whole = half > 0.5 * pi
-        bucket = 0.0 if whole else TURN * round(heading / TURN)
+        bucket = 0.0 if whole else TURN_STEP * round(heading / TURN_STEP)
         step = 2.0 ** (np.round(2.0 * np.log2(max(height, 0.5))) / 2.0)  # heights that are alike look alike
-        lengths = shortest(replace(self.sea, amplitude=amplitude))
-        seen = (bucket, step, float(np.ceil(half / TURN)), float(np.ceil(lowest / TURN)), pixel, row, *lengths)
+        lengths = shortest_lengths(replace(self.sea, amplitude=amplitude))
+        seen = (
+            bucket,
+            step,
+            float(np.ceil(half / TURN_STEP)),
+            float(np.ceil(lowest / TURN_STEP)),
+            pixel,
+            row,
+            *lengths,
+        )
         if seen == self.looked:
             return False
         self.looked = seen
-        reach = pi if whole else min((seen[2] + 0.5) * TURN, pi)
-        below = min(max((seen[3] + 0.5) * TURN, 0.05), 0.49 * pi)
-        first = max(min(NEAREST * step, 0.7 * step / float(np.tan(below))), 0.3)
-        distance = rings(lengths, first)
-        far, length = REACHES[-1][0], lengths[-1]
-        rays = int(np.clip(2.0 * reach * far * NODES_PER_WAVE[1] / length, *RAYS))
+        reach = pi if whole else min((seen[2] + 0.5) * TURN_STEP, pi)
+        below = min(max((seen[3] + 0.5) * TURN_STEP, 0.05), 0.49 * pi)
+        first = max(min(FIRST_RING * step, 0.7 * step / float(np.tan(below))), 0.3)
+        distance = ring_distances(lengths, first)
+        far, length = WAVE_REACHES[-1][0], lengths[-1]
+        rays = int(np.clip(2.0 * reach * far * NODES_PER_WAVE[1] / length, *RAY_COUNTS))
         angle = bucket + np.linspace(-reach, reach, rays + 1)
         away = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         self.shape = len(distance), len(angle)
         self.nodes = (distance[:, None, None] * away).reshape(-1, 2)
         self.distance = distance
-        area = np.cumsum(np.gradient(distance) * distance * (distance < NEAR))
-        n = np.arange(SAMPLES)
-        ring = np.searchsorted(area, (n + 0.5) / SAMPLES * area[-1])
-        self.evenly = ring * len(angle) + (np.modf(GOLDEN * n)[0] * len(angle)).astype(int)
+        area = np.cumsum(np.gradient(distance) * distance * (distance < SAMPLE_REACH))
+        n = np.arange(SAMPLE_COUNT)
+        ring = np.searchsorted(area, (n + 0.5) / SAMPLE_COUNT * area[-1])
+        self.evenly = ring * len(angle) + (np.modf(GOLDEN_SHARE * n)[0] * len(angle)).astype(int)
         band = np.floor(np.arctan2(step, distance) / row)
         starts = np.flatnonzero(np.diff(band, prepend=np.inf))
         ends = np.append(starts[1:], len(distance))
         self.bands = np.minimum(starts[:, None] + np.arange((ends - starts).max()), ends[:, None] - 1)
-        self.triangles = triangles(len(starts), len(angle))
+        self.triangles = grid_triangles(len(starts), len(angle))
         sea, (least, enough) = self.sea, NODES_PER_WAVE
         length = 2.0 * pi / np.maximum(sea.wavenumber, 1e-9)
         spacing = np.maximum(np.gradient(distance), distance * (angle[1] - angle[0]))
@@ -170,8 +190,8 @@ class Fan:
         self.sloping = seen_slopes
         towards = (away @ sea.wavevector.T).astype(np.float32)
         self.belts = []
-        for first_ring in range(0, len(distance), BELT):
-            belt = slice(first_ring, first_ring + BELT)
+        for first_ring in range(0, len(distance), BELT_RINGS):
+            belt = slice(first_ring, first_ring + BELT_RINGS)
             drawn = np.flatnonzero(self.drawn[belt].any(axis=0))
             phase = distance[belt, None, None].astype(np.float32) * towards[:, drawn]
             self.belts.append((belt, drawn, np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)))
@@ -196,7 +216,7 @@ class Fan:
 
     def at(self, turning: np.ndarray) -> np.ndarray:
         """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at
-        the eye (see `turning`)."""
+        the eye (see `complex_amplitudes`)."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -218,7 +238,7 @@ class Modes:
     ) -> None:
         """`shape`: of the heights in a basin; `size`: along x and z [m]; `towards` (2,): unit vector of the wind."""
         p, q = np.indices(shape)
-        self.kept = (np.hypot(p / shape[0], q / shape[1]) < SHORTEST) & (p + q > 0)
+        self.kept = (np.hypot(p / shape[0], q / shape[1]) < MAX_MODE) & (p + q > 0)
         p, q = p[self.kept], q[self.kept]
         kx, kz = pi * p / size[0], pi * q / size[1]
         if not len(p):
@@ -226,17 +246,19 @@ class Modes:
             self.sea = Components(np.zeros(1), np.array([[1.0, 0.0]]), np.zeros(1), depth)
             return
         k = np.hypot(kx, kz)
-        shell = np.minimum(SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), SHELLS - 1).astype(int)
-        sector = np.minimum(SECTORS * np.arctan2(kz, kx) / (0.5 * pi), SECTORS - 1).astype(int)
-        _, self.numbers = np.unique(shell * SECTORS + sector, return_inverse=True)
+        shell = np.minimum(
+            WAVENUMBER_SHELLS * np.log(k / k.min()) / max(np.log(k.max() / k.min()), 1e-9), WAVENUMBER_SHELLS - 1
+        ).astype(int)
+        sector = np.minimum(HEADING_SECTORS * np.arctan2(kz, kx) / (0.5 * pi), HEADING_SECTORS - 1).astype(int)
+        _, self.numbers = np.unique(shell * HEADING_SECTORS + sector, return_inverse=True)
         many = np.bincount(self.numbers)
         n = np.arange(len(many))
         p, q = (np.bincount(self.numbers, weights=each) / many for each in (p, q))
-        kx = pi * np.maximum(p + (numpy_uniform(seed, PLACES, n, 0) - 0.5) * (p > 0), 0.0) / size[0]
-        kz = pi * np.maximum(q + (numpy_uniform(seed, PLACES, n, 1) - 0.5) * (q > 0), 0.0) / size[1]
-        sign_x = np.where(numpy_uniform(seed, ASTREAM, n, 0) < 0.5 + 0.5 * towards[0], 1.0, -1.0)
-        sign_z = np.where(numpy_uniform(seed, ASTREAM, n, 1) < 0.5 + 0.5 * towards[1], 1.0, -1.0)
-        phase = 2.0 * pi * numpy_uniform(seed, PHASES, n, 0)
+        kx = pi * np.maximum(p + (numpy_uniform(seed, PLACE_STREAM, n, 0) - 0.5) * (p > 0), 0.0) / size[0]
+        kz = pi * np.maximum(q + (numpy_uniform(seed, PLACE_STREAM, n, 1) - 0.5) * (q > 0), 0.0) / size[1]
+        sign_x = np.where(numpy_uniform(seed, QUARTER_STREAM, n, 0) < 0.5 + 0.5 * towards[0], 1.0, -1.0)
+        sign_z = np.where(numpy_uniform(seed, QUARTER_STREAM, n, 1) < 0.5 + 0.5 * towards[1], 1.0, -1.0)
+        phase = 2.0 * pi * numpy_uniform(seed, PHASE_STREAM, n, 0)
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
@@ -248,13 +270,13 @@ class Modes:
         return kept * power.sum() / max(float(kept.sum()), 1e-30)
 
 
-def wind_speed_of(height: float) -> float:
+def wind_speed_from_height(height: float) -> float:
     """Speed [m/s] of the wind that raises a full sea of this significant height [m]: H = 0.21 U^2 / g (Pierson &
     Moskowitz 1964, J. Geophys. Res. 69)."""
     return float(np.sqrt(GRAVITY * max(height, 0.0) / 0.21))
 
 
-def raised_by(sea: Components, time: float) -> float:
+def wind_speed_from_sea(sea: Components, time: float) -> float:
     """Speed [m/s] 10 m over the water of the wind that raises such a random sea, 0 for regular waves; as its growth has
     come at a time [s].
 
@@ -265,5 +287,5 @@ def raised_by(sea: Components, time: float) -> float:
     if not sea.random or energy.sum() <= 0.0:
         return 0.0
     peak = PEAK_PERIOD * energy.sum() / (energy / sea.omega).sum()
-    height = sea.grown(time) * sea.significant_height
+    height = sea.ramp_share(time) * sea.significant_height
     return float((height * GRAVITY / (0.0016 * (22.0 * GRAVITY / peak) ** 1.5)) ** 2)

@@ -4,8 +4,8 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.pictures.water.ripples import noise
-from ocean_sim.waves.orbits import falling
+from ocean_sim.pictures.water.ripples import value_noise
+from ocean_sim.waves.orbits import surface_fall
 
 # Convergence of a linear wave, its downward acceleration over gravity, at which crests turn white: ours; Snyder and
 # Kennedy (1983, J. Phys. Oceanogr. 13) take 0.4 for the points where breaking begins.
@@ -40,7 +40,6 @@ MIN_SHARE = 0.005  # share of white water below which none is drawn
 MAX_FOOTPRINT = 0.45  # [m] footprint of a pixel beyond which the grain is not drawn
 HEAP_SCALES, HEAP_SLOPE = (1.9, 5.3, 14.0), 0.34  # [1/m] of heaps of thick foam; slope of each, of noise's own
 HOLLOW_SHADES = (0.34, 0.24, 0.18)  # share of its light that a hollow between heaps loses against their tops
-POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
 STREAK_STRETCH, THREAD_STRETCH = 3.0, 1.5  # along the wind over across it: of bent edges, and of the grain
 EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends the edges of foam, and by how much
 
@@ -50,15 +49,15 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
     By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
     """
-    return falling(elevation, spacing_x, spacing_z)
+    return surface_fall(elevation, spacing_x, spacing_z)
 
 
-def cover(drawn_together: np.ndarray) -> float:
+def crest_cover(drawn_together: np.ndarray) -> float:
     """The share of the sea that crests make white: where they fall faster than they can."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
-def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
+def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
     """How white each point is, 0 to 1, so that the mean is the wanted cover: 1 on the strongest convergence.
 
     `among` (n,): values in order among which the ranks are counted, by default the points themselves.
@@ -74,13 +73,13 @@ def shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None =
     return white
 
 
-def monahan(speed: float) -> float:
+def monahan_cover(speed: float) -> float:
     """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
     equation 5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
-def smoothed(drawn_together: np.ndarray) -> np.ndarray:
+def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
     """(n, m) convergence as a mean over the width of a patch of foam, by which its crests are told. Beside the sides of
     the grid, where that is a mean of fewer cells, it is made smaller: it would vary more, and most foam be born there.
     """
@@ -91,13 +90,13 @@ def smoothed(drawn_together: np.ndarray) -> np.ndarray:
     return np.asarray(held / within**RIM_POWER)
 
 
-def called_for(drawn_together: np.ndarray, wind: float) -> float:
+def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
     """The share of the sea that is white where none is asked for: what a wind [m/s] calls for; without one, 0, what its
     crests do."""
-    return min(monahan(wind), MAX_COVER) if wind > 0.0 else cover(drawn_together)
+    return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
 
 
-class Field:
+class FoamField:
     """White water that lasts: it is born where crests converge, is carried with the water and fades.
 
     Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
@@ -139,7 +138,7 @@ class Field:
             self.fade(time - self.time)
             self.white = self.shown(self.flecks[2])
         if source is not None and wanted is None:
-            made = finer(source)
+            made = refined_cells(source)
             fresh = np.where(made > self.white + MIN_SHARE, made, 0.0)
             self.add(fresh, fresh)
         elif source is not None and wanted is not None and self.due(time):
@@ -166,7 +165,7 @@ class Field:
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
             for at, wanders in zip(cells, GATHERING_SPEED, strict=True)
         )
-        return readily(*np.meshgrid(x, z, indexing="ij"))
+        return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
         """How thick the foam is that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
@@ -181,10 +180,10 @@ class Field:
         self.owed = float(np.clip(self.owed + lacks * step / FADE_SECONDS, -least, least))
         if max(lacks, self.owed) < 0.5 * least:
             return np.zeros_like(white)
-        gathered = finer(drawn_together * self.gathering(drawn_together.shape, time))
-        fresh = smoothed(gathered) * (1.0 - SPENT_CONVERGENCE * white)
+        gathered = refined_cells(drawn_together * self.gathering(drawn_together.shape, time))
+        fresh = smoothed_convergence(gathered) * (1.0 - SPENT_CONVERGENCE * white)
         spreads = FIRST_SPREAD_SHARE * float(np.clip(lacks / max(self.cover, 1e-9), 0.0, 1.0))
-        born = born_to(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
+        born = new_foam(white, fresh, white.mean() + (1.0 - spreads) * max(lacks, least))
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
@@ -226,9 +225,13 @@ class Field:
     def carry(self, way: np.ndarray) -> None:
         """On by a way (nx, nz, 2) [m]; the grain of what comes in from beyond is as it is at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
-        back = read(cells, np.indices(cells.shape[1:]) - 0.5 * cells)  # in the middle of the way, not at its end: water
-        self.carried = np.stack([moved(self.carried[..., k], back) for k in range(2)], axis=-1) + way  # may go around
-        self.flecks[:2] += read(cells, self.flecks[:2] + 0.5 * read(cells, self.flecks[:2]))
+        back = read_ways(
+            cells, np.indices(cells.shape[1:]) - 0.5 * cells
+        )  # in the middle of the way, not at its end: water
+        self.carried = (
+            np.stack([displaced_values(self.carried[..., k], back) for k in range(2)], axis=-1) + way
+        )  # may go around
+        self.flecks[:2] += read_ways(cells, self.flecks[:2] + 0.5 * read_ways(cells, self.flecks[:2]))
         self.leave()
 
     def shift(self, cells: np.ndarray) -> None:
@@ -237,7 +240,10 @@ class Field:
         self.flecks[:2] -= cells[:, None]
         self.leave()
         for axis, n in enumerate(int(k) for k in cells):
-            self.white, self.carried = beyond(self.white, FLECKS_PER_CELL * n, axis), beyond(self.carried, n, axis)
+            self.white, self.carried = (
+                shifted_grid(self.white, FLECKS_PER_CELL * n, axis),
+                shifted_grid(self.carried, n, axis),
+            )
 
     def leave(self) -> None:
         """What is beyond the sides of the grid is given up."""
@@ -246,12 +252,12 @@ class Field:
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
-def readily(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """How readily white water gathers at places, about 1 apart; 1 in the mean."""
-    return 0.5 + noise(x, z)[0]
+    return 0.5 + value_noise(x, z)[0]
 
 
-def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
+def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
     """Values of a grid that moves by n cells along an axis; what it comes upon is 0."""
     if n == 0:
         return values
@@ -262,7 +268,7 @@ def beyond(values: np.ndarray, n: int, axis: int) -> np.ndarray:
     return shifted
 
 
-def finer(values: np.ndarray) -> np.ndarray:
+def refined_cells(values: np.ndarray) -> np.ndarray:
     """Values (nx, nz) in the middles of cells as (FLECKS_PER_CELL nx, FLECKS_PER_CELL nz) in the middles of their
     halves: linear between them, and beyond the outermost as these are."""
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
@@ -278,13 +284,13 @@ def finer(values: np.ndarray) -> np.ndarray:
     return fine
 
 
-def coarser(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """(nx, nz) means of white water over the cells of the waves, of which a frame has this shape."""
     nx, nz = shape
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
-def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Values (nx, nz) that have gone by (2, nx, nz) cells, by a cubic spline; what comes in from beyond is as it is at
     the edge."""
     from scipy.ndimage import map_coordinates
@@ -292,7 +298,7 @@ def moved(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
-def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
+def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     """(nx, nz, 2) how far the grain is moved [m]: where water close to water goes otherwise, as behind a ship, the mean
     around, since patches would be drawn out to threads."""
     from scipy.ndimage import gaussian_filter
@@ -305,14 +311,14 @@ def untorn(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
     return carried + share * (gaussian_filter(carried, (TORN_MEAN_CELLS, TORN_MEAN_CELLS, 0.0)) - carried)
 
 
-def read(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
+def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Ways (2, nx, nz) at places (2, ...) in cells, linear between the middles of these."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
 
 
-def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
+def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
     """How thick new foam is where convergence is strongest, so much that the mean with the old is the wanted cover."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
@@ -330,7 +336,7 @@ def born_to(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.
     return born(high)
 
 
-def bent(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
+def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
     a few values apart a cell would make round blobs of it. Most along the wind, which goes to an `angle` [rad] from +x
     to +z and whose drift at the surface leaves streaks of it."""
@@ -338,18 +344,18 @@ def bent(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:
         u, v = along / wave, across / wave
-        way += far * (np.stack([noise(u + 3.0, v + 17.0)[0], noise(u + 29.0, v + 5.0)[0]]) - 0.5)
+        way += far * (np.stack([value_noise(u + 3.0, v + 17.0)[0], value_noise(u + 29.0, v + 5.0)[0]]) - 0.5)
     return np.stack([STREAK_STRETCH * c * way[0] - s * way[1], STREAK_STRETCH * s * way[0] + c * way[1]])
 
 
-def drawn_out(places: np.ndarray, angle: float) -> np.ndarray:
+def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
     """Places (n, 2) [m] by which foam finds its grain, nearer to each other along the wind, which goes to an `angle`
     [rad] from +x to +z: threads are the longer there."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
-def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
+def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """Heights (nx, nz), those inside (nx, nz) of something as the mean of what lies around it, with a Gaussian's weight
     as wide as so many cells along x and z."""
     from scipy.ndimage import gaussian_filter
@@ -357,44 +363,3 @@ def levelled(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np
     outside = (~inside).astype(float)
     around, weight = (gaussian_filter(of, reach, mode="nearest") for of in (elevation * outside, outside))
     return np.where(inside, around / np.maximum(weight, 1e-9), elevation)
-
-
-def from_ship(x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
-    ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
-    to_x, to_z = x - position[0], z - position[2]
-    return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
-
-
-def waterline(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
-    a = above[triangles]
-    cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
-    ends = []
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        p, q = cut[:, i], cut[:, j]
-        crossed = (above[p] < 0.0) != (above[q] < 0.0)
-        share = np.where(crossed, above[p] / np.where(crossed, above[p] - above[q], 1.0), np.nan)[:, None]
-        ends.append(np.where(crossed[:, None], vertices[p] + share * (vertices[q] - vertices[p]), np.nan)[:, [0, 2]])
-    both = np.stack(ends, axis=1)  # one of the three is not a number
-    missing = np.isnan(both[:, :, 0]).argmax(axis=1)
-    kept = np.array([[1, 2], [0, 2], [0, 1]])[missing]
-    return both[np.arange(len(both))[:, None], kept].reshape(-1, 2, 2)
-
-
-def distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
-    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
-    return np.concatenate([_distance(batch, segments) for batch in batches])
-
-
-def _distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """The same of a few points."""
-    (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
-    to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
-    share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)
-    away = np.sqrt(((to_x - share * along_x) ** 2 + (to_z - share * along_z) ** 2).min(axis=1))
-    spans = (to_z < 0.0) != (to_z < along_z)
-    left_of = to_x < to_z * (along_x / np.where(along_z == 0.0, 1.0, along_z))
-    inside = (spans & left_of).sum(axis=1) % 2 == 1
-    return np.where(inside, -away, away)

@@ -7,13 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-OCTAVES = 5
-LACUNARITY, ACROSS = 0.40, 0.62  # wavelength to wavelength; crests are longer than wavelengths
-TURN, STRETCH, SHIFT, STEP = (0.8, 0.6), 1.13, 5.1, 13.7  # of the second noise in an octave, and between octaves
-SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
-UNRESOLVED = 0.25  # share of the variance that no octave holds
-SMOOTHEST, SHARPEST = 0.0008, 0.035  # variances of slopes between which the drawn ones stay
-FLATTEST = 0.06  # cosine to the normal below which water is seen no flatter
+OCTAVE_COUNT = 5
+OCTAVE_RATIO, CREST_STRETCH = 0.40, 0.62  # wavelength to wavelength; crests are longer than wavelengths
+NOISE_TURN, NOISE_STRETCH, NOISE_SHIFT, OCTAVE_SHIFT = (
+    (0.8, 0.6),
+    1.13,
+    5.1,
+    13.7,
+)  # of the second noise in an octave, and between octaves
+PHASE_SPEED = 1.2  # [m^0.5/s] phase speed over the root of the wavelength: 1.25 in deep water
+UNRESOLVED_SHARE = 0.25  # share of the variance that no octave holds
+MIN_SLOPE_VARIANCE, MAX_SLOPE_VARIANCE = 0.0008, 0.035  # variances of slopes between which the drawn ones stay
+MIN_VIEW_COSINE = 0.06  # cosine to the normal below which water is seen no flatter
 GRADIENT_VARIANCE = 0.4204  # of the slopes of an octave of unit height and wavelength, along and across together
 
 
@@ -24,19 +29,19 @@ class Wind(NamedTuple):
     angle: float  # [rad] where it goes to, from +x to +z
 
 
-def noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Random values at integer points, smooth between them, and their derivatives."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)
-    a, b, c, d = chance(i, j), chance(i + 1, j), chance(i, j + 1), chance(i + 1, j + 1)
+    a, b, c, d = hashed_number(i, j), hashed_number(i + 1, j), hashed_number(i, j + 1), hashed_number(i + 1, j + 1)
     u, v = f**3 * (f * (f * 6.0 - 15.0) + 10.0), g**3 * (g * (g * 6.0 - 15.0) + 10.0)
     du, dv = 30.0 * f**2 * (f * (f - 2.0) + 1.0), 30.0 * g**2 * (g * (g - 2.0) + 1.0)
     k = a - b - c + d
     return a + (b - a) * u + (c - a) * v + k * u * v, du * (b - a + k * v), dv * (c - a + k * u)
 
 
-def chance(i: np.ndarray, j: np.ndarray) -> np.ndarray:
+def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """A number from 0 to 1 for whole i, j: integers hashed, so that every processor finds the same."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF

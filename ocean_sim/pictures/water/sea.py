@@ -7,9 +7,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin.points import middles_of
-from ocean_sim.pictures.frame_files import Frame, ships_in
+from ocean_sim.pictures.frame_files import Frame, ship_keys
 from ocean_sim.pictures.ships import ship_glsl
-from ocean_sim.pictures.ships.ship import MIRROR_SHARE, Mirror, ShadedShip
+from ocean_sim.pictures.ships.ship import MIRROR_SHRINKING, Mirror, ShadedShip
 from ocean_sim.pictures.ships.ship_model import ShipModel
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.stage.camera import Vessel
@@ -18,15 +18,15 @@ from ocean_sim.pictures.stage.render_order import Order
 from ocean_sim.pictures.water import far_sea, foam, water_glsl
 from ocean_sim.pictures.water.sea_state import SeaState
 from ocean_sim.pictures.water.sea_surface import SeaSurface
-from ocean_sim.pictures.water.spray import Spray
-from ocean_sim.pictures.water.wake import Kelvin, Wake, standing
-from ocean_sim.pictures.water.water_shading import EXPOSURE, Terms, slope_variance
-from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING, Hull, Met
+from ocean_sim.pictures.water.splash import Spray
+from ocean_sim.pictures.water.wake import Kelvin, Wake, limited_answer
+from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, ShadingTerms, slope_variance
+from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM, Hull, WettedHull
 
-TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
-NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
-SMOOTHED = 1.5  # pixels across which a final picture is smoothed
-RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
+NODE_TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
+BASIN_NODES = {"draft": 6_000, "final": 90_000}  # of the drawn surface within the basin
+SMOOTHED_PIXELS = 1.5  # pixels across which a final picture is smoothed
+RIPPLE_LENGTHS = 0.02, 3.0  # [m] between which the longest ripple lies
 HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
 
 
@@ -36,11 +36,11 @@ class Dome:
     def __init__(self, stage: Stage, image: Any) -> None:
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
         self.directions = np.asarray(dome.points, dtype=np.float32)
-        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY, "", {"sky": image})
-        self.shaded.set(exposure=EXPOSURE)
+        self.shaded = water_glsl.Shaded(dome, water_glsl.SKY_PROGRAM, "", {"sky": image})
+        self.shaded.set(exposure=SEA_EXPOSURE)
 
     def stand(self, eye: np.ndarray) -> None:
-        self.shaded.mesh.points = (eye + 2.0 * far_sea.OUT * self.directions).astype(np.float32)
+        self.shaded.mesh.points = (eye + 2.0 * far_sea.SEA_RADIUS * self.directions).astype(np.float32)
         self.shaded.set(eyeW=eye)
 
 
@@ -50,33 +50,39 @@ class Sea(Content):
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
         """`vessels`: ships by their keys, where they go."""
         self.stage, self.order, self.state = stage, order, state
-        self.surface = SeaSurface(grid, state, NODES[order.quality])
-        sky = self.sky = sky_module.cloudy() if order.sky else sky_module.clear()
-        self.above = water_glsl.textures_of(sky)
-        self.hulls = {key: Hull(grid, key) for key in ships_in(grid, "_vertices")}
+        self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
+        sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
+        self.above = water_glsl.sky_textures(sky)
+        self.hulls = {key: Hull(grid, key) for key in ship_keys(grid, "_vertices")}
         rows, columns = HULL_PIXELS
         self.vessels = vessels
         self.gap = np.zeros((max(len(self.hulls), 1), rows, columns, 3), np.float32)  # [m] and share, for each ship
-        self.gaps = water_glsl.texture(self.gap.reshape(-1, columns, 3))
-        self.mirrored = water_glsl.texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
-        self.shadow = np.zeros((max(len(self.hulls), 1), ship_glsl.PIXELS, ship_glsl.PIXELS, 3), np.float32)  # [m]
-        self.shadows = water_glsl.texture(self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
+        self.gaps = water_glsl.make_texture(self.gap.reshape(-1, columns, 3))
+        self.mirrored = water_glsl.make_texture(np.zeros((2, 2, 4), np.uint8), smaller=True)
+        self.shadow = np.zeros(
+            (max(len(self.hulls), 1), ship_glsl.SHADOW_PIXELS, ship_glsl.SHADOW_PIXELS, 3), np.float32
+        )  # [m]
+        self.shadows = water_glsl.make_texture(self.shadow.reshape(-1, ship_glsl.SHADOW_PIXELS, 3))
         textures = self.above | {"hull": self.gaps, "mirror": self.mirrored, "shade": self.shadows}
-        dark = "".join(ship_glsl.shadow(k) for k in range(len(self.hulls)))
-        body = water_glsl.water(len(self.hulls), "carW.xz", dark)
-        functions = water_glsl.WATER_FUNCTIONS + ship_glsl.OPEN
+        dark = "".join(ship_glsl.shadow_program(k) for k in range(len(self.hulls)))
+        body = water_glsl.water_program(len(self.hulls), "carW.xz", dark)
+        functions = water_glsl.WATER_FUNCTIONS + ship_glsl.SHADOW_FUNCTIONS
         self.near = water_glsl.Shaded(
-            self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, TRAITS
+            self.mesh_of(self.surface.nodes, self.surface.triangles), body, functions, textures, NODE_TRAITS
         )
         empty = stage.pyvista.PolyData()
-        self.far = water_glsl.Shaded(empty, water_glsl.BEYOND + body, functions, textures, TRAITS)
+        self.far = water_glsl.Shaded(empty, water_glsl.BEYOND_PROGRAM + body, functions, textures, NODE_TRAITS)
         self.dome = Dome(stage, self.above["sky"])
         glint = None if order.glint == "none" else order.glint
-        terms = Terms(order.fresnel, order.reflection, order.body, glint, order.foam)
-        shown = water_glsl.plain(len(self.hulls)) | water_glsl.lit_by(sky) | water_glsl.switched(terms)
-        shown["hullFoam"] = np.array([RESTING, CONTACT_WIDTH, 0.0])
+        terms = ShadingTerms(order.fresnel, order.reflection, order.body, glint, order.foam)
+        shown = (
+            water_glsl.neutral_uniforms(len(self.hulls))
+            | water_glsl.sky_uniforms(sky)
+            | water_glsl.term_uniforms(terms)
+        )
+        shown["hullFoam"] = np.array([RESTING_FOAM, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.angle
-        shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLES)
+        shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLE_LENGTHS)
         self.set(**shown)
         self.origin = np.zeros(2)  # x, z of the nodes' [m]
         self.beyond = np.zeros(0, bool)  # triangles of the far sea that are not hidden in the basin
@@ -93,7 +99,7 @@ class Sea(Content):
         """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for what is told of them."""
         points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
-        for name in TRAITS:
+        for name in NODE_TRAITS:
             mesh.point_data[name] = np.zeros((len(points), 3), np.float32)
         return mesh
 
@@ -107,8 +113,8 @@ class Sea(Content):
     ) -> None:
         """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
         part.mesh.points = points.astype(np.float32)
-        values = normals, traits, np.insert(foam.drawn_out(grain, self.state.angle), 1, 0.0, axis=1)
-        for name, value in zip(TRAITS, values, strict=True):
+        values = normals, traits, np.insert(foam.grain_places(grain, self.state.angle), 1, 0.0, axis=1)
+        for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
     def ship(self, model: ShipModel) -> ShadedShip:
@@ -132,12 +138,12 @@ class Sea(Content):
         self.show_beyond(frame)
         order, eye = self.order, self.stage.camera.eye
         pixel = self.pixel
-        fine = pixel / SMOOTHED if order.quality == "final" else pixel
-        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=MIRROR_SHARE * pixel)
+        fine = pixel / SMOOTHED_PIXELS if order.quality == "final" else pixel
+        self.set(eyeW=eye, time=frame.time, pixel=fine, mirrorPixel=MIRROR_SHRINKING * pixel)
         self.dome.stand(eye)
         levels = [self.meet(k, key, *frame.ships[key]) for k, key in enumerate(self.hulls)]
         if levels:
-            water_glsl.fill(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
+            water_glsl.fill_image(self.gaps.GetInput(), self.gap.reshape(-1, HULL_PIXELS[1], 3))
         self.darken()
         if self.mirror is not None and levels:
             self.set(useMirror=1.0, mirrorView=self.mirror.show(float(np.mean(levels))))
@@ -148,11 +154,11 @@ class Sea(Content):
         """The shadows of its ships, where they are shown."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
-            low, high = ship_glsl.cast(ship.depth[..., 0], ship.shade.length)
+            low, high = ship_glsl.shadow_bounds(ship.depth[..., 0], ship.shade.length)
             known = {"At": ship.position, "Size": ship.shade.length, "Low": low, "High": high}
             self.set(**{f"shade{name}{k}": value for name, value in known.items()} | ship.across)
         if self.ships:
-            water_glsl.fill(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.PIXELS, 3))
+            water_glsl.fill_image(self.shadows.GetInput(), self.shadow.reshape(-1, ship_glsl.SHADOW_PIXELS, 3))
 
     @property
     def pixel(self) -> float:
@@ -169,7 +175,7 @@ class Sea(Content):
         if answer is not None:
             x, z = surface.middles(frame.origin)
             for key, vessel in self.vessels.items():
-                answer = standing(answer, vessel, self.hulls[key].beam, x, z, frame.time)
+                answer = limited_answer(answer, vessel, self.hulls[key].beam, x, z, frame.time)
         now = surface.at(frame, self.now, answer)
         for kelvin in self.kelvins:
             waves_behind = kelvin.height(frame.time, surface.nodes + frame.origin).reshape(now.height.shape)
@@ -183,18 +189,18 @@ class Sea(Content):
             surface.grain = surface.grain_at(frame.origin)
         asked = self.order.foam_cover
         cover = frame.cover if asked is None else asked
-        called = foam.called_for(now.convergence, self.now.raising) if cover is None else cover
+        called = foam.wanted_cover(now.convergence, self.now.raising) if cover is None else cover
         fresh = surface.foam(now.convergence, called)
         nodes = surface.nodes + self.origin
         white, grain = fresh, nodes
         if frame.carried is not None:
-            ways = foam.untorn(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
+            ways = foam.untorn_displacement(frame.carried, (surface.upper - surface.lower) / frame.carried.shape[:2])
             moved = [surface.carried(ways[..., k]).ravel() for k in range(2)]
             grain = nodes - np.stack(moved, axis=-1)
         if frame.foam is not None:
             white = surface.whole(fresh, frame.foam, grain)
             if asked is not None:
-                white = foam.shares(white + 1e-3 * fresh, asked)
+                white = foam.white_shares(white + 1e-3 * fresh, asked)
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
@@ -202,7 +208,7 @@ class Sea(Content):
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
-    def met(self, key: str, position: np.ndarray, turn: np.ndarray) -> Met:
+    def met(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
         """A ship in the water as it is drawn now."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].met(position, turn, speed, self.heights_at)

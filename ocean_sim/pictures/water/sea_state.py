@@ -10,21 +10,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.files import run_files
-from ocean_sim.pictures.frame_files import Frame, Log, elevation_of
+from ocean_sim.pictures.frame_files import Frame, FrameLog, read_elevation
 from ocean_sim.pictures.water import far_sea
 from ocean_sim.pictures.water.ripples import Wind
 from ocean_sim.waves import Components
 from ocean_sim.wind.shared.air_load import stated_speed
 
-SWELLS = 4.0  # [s] by which the far sea lags behind the basin's
-LOOKS, MEMORY = 0.25, 6.0  # [s] between the frames that it is taken from; and in lags, how far it looks back
-LOWEST = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
-GENTLEST, STRONGEST = 2.0, 14.0  # [m/s] wind that ripples follow
-FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
-DRY = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
+SWELL_SECONDS = 4.0  # [s] by which the far sea lags behind the basin's
+FRAME_INTERVAL, MEMORY_LAGS = (
+    0.25,
+    6.0,
+)  # [s] between the frames that it is taken from; and in lags, how far it looks back
+MIN_LIT_HEIGHT = 0.25  # [m] over the resolved length: crests of a sea lower than that are not lit as crests
+MIN_RIPPLE_WIND, MAX_RIPPLE_WIND = 2.0, 14.0  # [m/s] wind that ripples follow
+TANK_FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank
+DRY_DEPTH_SHARE = 0.5  # share of the depth below which the water of a sea does not lie when a run begins
 
 
-class Now(NamedTuple):
+class SeaNow(NamedTuple):
     """A sea at one time."""
 
     level: float  # [m] mean height of the water
@@ -37,62 +40,64 @@ class Now(NamedTuple):
 class SeaState:
     """The sea of one run."""
 
-    def __init__(self, scene: dict[str, Any], grid: Any, log: Log) -> None:
+    def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
         """Of a resolved scene; `grid`: what frames keep once."""
         self.scene, self.log = scene, log
-        self.exact = exact_of(grid)  # the waves themselves, where water is a closed form
+        self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
-        self.stated = stated_of(scene)  # [m/s] wind, 0 where the scene has none with a speed
-        self.angle = heading_of(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
+        self.stated = stated_wind_speed(scene)  # [m/s] wind, 0 where the scene has none with a speed
+        self.angle = wind_heading(scene, self.exact)  # [rad] where the wind goes to, from +x to +z
         towards = np.array([np.cos(self.angle), np.sin(self.angle)])
         first = Frame(log.files[0])
-        self.open = is_open(scene, first, float(grid["depth"]))  # a piece of sea, not a tank
+        self.open = is_open_sea(scene, first, float(grid["depth"]))  # a piece of sea, not a tank
         if self.exact is not None:
             self.resolved = np.pi / float(self.exact.wavenumber.max())
-            self.beyond = far_sea.strongest(self.exact)
+            self.beyond = far_sea.strongest_waves(self.exact)
         else:
             size = tuple(float(grid["upper"][k] - grid["lower"][k]) for k in (0, 2))
             self.modes = far_sea.Modes(first.elevation.shape, (size[0], size[1]), float(grid["depth"]), towards)
             self.beyond = self.modes.sea
         self.seen: dict[int, tuple[float, np.ndarray]] = {}  # level and variances of frames, by their numbers
 
-    def at(self, time: float) -> Now:
+    def at(self, time: float) -> SeaNow:
         """At the time [s] of a frame."""
         sea = self.exact
         if sea is not None:
-            height, raising = sea.significant_height, self.stated or far_sea.raised_by(sea, time)
-            return Now(0.0, height, far_sea.grown(self.beyond, time), self.wind(height), raising)
-        numbers, weights = recent(self.log.times, time)
+            height, raising = sea.significant_height, self.stated or far_sea.wind_speed_from_sea(sea, time)
+            return SeaNow(0.0, height, far_sea.grown_waves(self.beyond, time), self.wind(height), raising)
+        numbers, weights = recent_frames(self.log.times, time)
         self.seen = {n: self.seen[n] if n in self.seen else self.look(n) for n in numbers}
         level = float(sum(w * self.seen[n][0] for n, w in zip(numbers, weights, strict=True)))
         variances = np.sum([w * self.seen[n][1] for n, w in zip(numbers, weights, strict=True)], axis=0)
         height = 4.0 * float(np.sqrt(variances.sum()))
         waves = replace(self.beyond, amplitude=np.sqrt(2.0 * variances))
-        return Now(level, max(height, LOWEST * self.resolved), waves, self.wind(height), self.stated)
+        return SeaNow(level, max(height, MIN_LIT_HEIGHT * self.resolved), waves, self.wind(height), self.stated)
 
     def look(self, number: int) -> tuple[float, np.ndarray]:
-        elevation = elevation_of(self.log.files[number])
+        elevation = read_elevation(self.log.files[number])
         return float(elevation.mean()), self.modes.variances(elevation)
 
     def wind(self, height: float) -> Wind:
         """That the ripples follow in a sea of this height [m]."""
-        return Wind(speed_of(self.scene, height), self.angle)
+        return Wind(ripple_wind_speed(self.scene, height), self.angle)
 
 
-def recent(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
+def recent_frames(times: np.ndarray, time: float) -> tuple[list[int], np.ndarray]:
     """Numbers of the frames that a mean over the past is taken from at a time [s], LOOKS apart, and their weights: each
     lasts until the next, and is forgotten in SWELLS."""
-    begins = max(times[0], times[0] + LOOKS * np.floor((time - MEMORY * SWELLS - times[0]) / LOOKS))
-    moments = np.arange(begins, time + 1e-9, LOOKS)
+    begins = max(
+        times[0], times[0] + FRAME_INTERVAL * np.floor((time - MEMORY_LAGS * SWELL_SECONDS - times[0]) / FRAME_INTERVAL)
+    )
+    moments = np.arange(begins, time + 1e-9, FRAME_INTERVAL)
     last = int(np.searchsorted(times, time + 1e-9)) - 1
     numbers = np.unique(np.minimum(np.searchsorted(times, moments - 1e-9), max(last, 0)))
-    left = np.exp((np.minimum(times[numbers], time) - time) / SWELLS)
+    left = np.exp((np.minimum(times[numbers], time) - time) / SWELL_SECONDS)
     weights = np.append(left[1:], 1.0) - left
     weights[0] += left[0]  # what was before is as the first
     return [int(n) for n in numbers], weights
 
 
-def exact_of(grid: Any) -> Components | None:
+def exact_waves(grid: Any) -> Components | None:
     """The waves of water in closed form."""
     if "sea_amplitude" not in grid:
         return None
@@ -100,44 +105,46 @@ def exact_of(grid: Any) -> Components | None:
     return Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], float(grid["depth"]), ramp=ramp)
 
 
-def is_open(scene: dict[str, Any], first: Frame, depth: float) -> bool:
+def is_open_sea(scene: dict[str, Any], first: Frame, depth: float) -> bool:
     """Whether a basin is a piece of sea: covered by water when the run begins, and no tank with fittings."""
-    fitted = any((scene.get("basin") or {}).get(key) for key in FITTINGS)
-    return bool(first.elevation.min() > -DRY * depth) and not fitted
+    fitted = any((scene.get("basin") or {}).get(key) for key in TANK_FITTINGS)
+    return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not fitted
 
 
-def scene_of(folder: Path) -> dict[str, Any]:
+def run_scene(folder: Path) -> dict[str, Any]:
     """The scene in the manifest of a run; empty without one."""
     scene = run_files.read_manifest(folder).get("scene")
     return scene if isinstance(scene, dict) else {}
 
 
-def wind_of(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
+def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) -> Wind:
     """The scene's wind where it has one with a speed and a heading; else that which raises such a sea."""
-    return Wind(speed_of(scene, height), heading_of(scene, sea))
+    return Wind(ripple_wind_speed(scene, height), wind_heading(scene, sea))
 
 
-def speed_of(scene: dict[str, Any], height: float) -> float:
+def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
     """Speed [m/s] of the wind that ripples follow: the scene's, else that which raises a sea of this height [m]."""
-    return float(np.clip(stated_of(scene) or far_sea.wind_speed_of(height), GENTLEST, STRONGEST))
+    return float(
+        np.clip(stated_wind_speed(scene) or far_sea.wind_speed_from_height(height), MIN_RIPPLE_WIND, MAX_RIPPLE_WIND)
+    )
 
 
-def stated_of(scene: dict[str, Any]) -> float:
+def stated_wind_speed(scene: dict[str, Any]) -> float:
     """Speed [m/s] of the scene's wind, 0 where it has none with one."""
     wind = scene.get("wind") or {}
     return stated_speed(wind["u10"], wind.get("tau")) if "u10" in wind else 0.0
 
 
-def heading_of(scene: dict[str, Any], sea: Components | None) -> float:
+def wind_heading(scene: dict[str, Any], sea: Components | None) -> float:
     """Angle [rad] from +x to +z of the scene's wind, else of the waves."""
-    angle = heading(scene.get("wind") or {})
+    angle = scene_wind_heading(scene.get("wind") or {})
     if angle is not None:
         return angle
     going = np.array([1.0, 0.6]) if sea is None else (sea.amplitude[:, None] ** 2 * sea.wavevector).sum(axis=0)
     return float(np.arctan2(going[1], going[0]))
 
 
-def heading(wind: dict[str, Any]) -> float | None:
+def scene_wind_heading(wind: dict[str, Any]) -> float | None:
     """Angle [rad] from +x to +z of the scene's wind: its heading, or the mean push of its volumes."""
     if wind.get("heading_deg") is not None:
         turn = np.radians(wind["heading_deg"])

@@ -7,11 +7,11 @@ import numpy as np
 
 from ocean_sim.pictures.frame_files import Frame
 from ocean_sim.pictures.water import far_sea, foam
-from ocean_sim.pictures.water.sea_state import Now, SeaState
-from ocean_sim.pictures.water.water_mesh import spline, triangles
+from ocean_sim.pictures.water.sea_state import SeaNow, SeaState
+from ocean_sim.pictures.water.water_mesh import grid_triangles, spline_matrix
 
-FARTHEST = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
-GRAIN = 7.0  # [m] apart at which white water gathers along a crest
+WHITE_REACH = 6  # cells from white water, of the grid that it is kept on, from which a spline through it shows none
+GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
 
 
 class SeaSurface:
@@ -22,23 +22,23 @@ class SeaSurface:
         """`nodes`: about how many lie within the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
-        self.margin = far_sea.MARGIN * float((self.upper - self.lower).min())
+        self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
         cells = len(grid["x"]), len(grid["z"])
         factor = int(np.clip(np.sqrt(nodes / (cells[0] * cells[1])), 1, 24))
         factor += factor % 2  # the points whose heights are known are nodes
         self.x, self.z = (np.linspace(self.lower[k], self.upper[k], n * factor + 1) for k, n in enumerate(cells))
-        self.own = [spline(n, factor) for n in cells]
+        self.own = [spline_matrix(n, factor) for n in cells]
         self.share = np.outer(self.blend_weight(0), self.blend_weight(1))
         self.far, self.fan = far_sea.PlaneWaves(state.beyond, self.x, self.z), far_sea.Fan(state.beyond)
         self.exact = None if state.exact is None else far_sea.PlaneWaves(state.exact, self.x, self.z)
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
-        self.triangles = triangles(len(self.x), len(self.z))
+        self.triangles = grid_triangles(len(self.x), len(self.z))
         self.grain = self.grain_at(np.zeros(2))
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
         """(nx, nz) how readily white water gathers at the nodes around an origin x, z [m]."""
-        return grain(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
+        return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
         """Share of the basin's own waves at the nodes along one side."""
@@ -51,16 +51,16 @@ class SeaSurface:
         x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
         return x, z
 
-    def at(self, frame: Frame, now: Now, answer: np.ndarray | None = None) -> far_sea.SeaSample:
+    def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz).
 
         `answer`: what ships, winds and steepness add to the exact waves, at the points of the basin [m].
         """
-        far = self.far.at(far_sea.turning(now.waves, frame.time, frame.origin))
+        far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
         if self.exact is not None and self.state.exact is not None:
-            sea = far_sea.grown(self.state.exact, frame.time)
-            near = self.exact.at(far_sea.turning(sea, frame.time, frame.origin))
+            sea = far_sea.grown_waves(self.state.exact, frame.time)
+            near = self.exact.at(far_sea.complex_amplitudes(sea, frame.time, frame.origin))
             if answer is not None:
                 near = replace(near, height=near.height + x @ answer @ z.T)
             return far_sea.SeaSample(
@@ -80,9 +80,9 @@ class SeaSurface:
             far.variance,
         )
 
-    def around(self, frame: Frame, eye: np.ndarray, now: Now) -> np.ndarray:
+    def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
         """(rings, rays, 4) of the fan as `far_sea.Fan.at`, around an eye [m]."""
-        found = self.fan.at(far_sea.turning(now.waves, frame.time, eye[[0, 2]]))
+        found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
 
@@ -94,8 +94,8 @@ class SeaSurface:
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
         """(nx, nz) share of white water: its mean over the basin is the cover; None: what crests call for."""
-        self.wanted = foam.cover(drawn_together) if cover is None else cover
-        return foam.shares(drawn_together * self.grain, self.wanted)
+        self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
+        return foam.white_shares(drawn_together * self.grain, self.wanted)
 
     def beyond(
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
@@ -111,9 +111,9 @@ class SeaSurface:
         told = np.clip(drawn / whole, 1e-3, 1.0)
         gathered = found[..., 3] / (told * whole)[:, None]
         near = fan.nodes[fan.evenly] + eye[[0, 2]]
-        known = np.sort(gathered.flat[fan.evenly] * grain(*near.T))
-        here = np.take_along_axis(gathered, rings, axis=0) * grain(*nodes.T).reshape(rings.shape)
-        white = foam.shares(here, self.wanted, known)
+        known = np.sort(gathered.flat[fan.evenly] * foam_gathering(*near.T))
+        here = np.take_along_axis(gathered, rings, axis=0) * foam_gathering(*nodes.T).reshape(rings.shape)
+        white = foam.white_shares(here, self.wanted, known)
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
@@ -132,7 +132,7 @@ class SeaSurface:
         from scipy.ndimage import map_coordinates, maximum_filter
 
         cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)
-        near = maximum_filter(kept, 2 * FARTHEST + 1) > foam.MIN_SHARE
+        near = maximum_filter(kept, 2 * WHITE_REACH + 1) > foam.MIN_SHARE
         rows, columns = (
             np.clip((nodes - self.lower[k]) / cell[k], 0, kept.shape[k] - 1).astype(int)
             for k, nodes in enumerate((self.x, self.z))
@@ -140,11 +140,11 @@ class SeaSurface:
         some = near[np.ix_(rows, columns)]
         at = ((self.nodes[some.ravel()] - self.lower) / cell).T - 0.5
         of_x, of_z = (grain[some.ravel()] / cell).T
-        at += foam.bent(of_x, of_z, self.state.angle)
+        at += foam.edge_bends(of_x, of_z, self.state.angle)
         white[some] = map_coordinates(kept, at, order=3, mode="nearest")
         return self.share * np.clip(white, 0.0, 1.0)
 
 
-def grain(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """How readily white water gathers at positions [m]."""
-    return foam.readily(x / GRAIN, z / GRAIN)
+    return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

@@ -8,12 +8,15 @@ import numpy as np
 
 from ocean_sim.surface import Mesh
 
-PASS_BAND, DEGREE = 0.30, 32  # acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
-NEAR = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
-SPREAD = 16  # edges from its rim to which what lies flat on a side goes with the rim
+PASS_BAND, FILTER_DEGREE = (
+    0.30,
+    32,
+)  # acos(1 - k) of the eigenvalue k where a wave is halved; and how sharply the filter falls
+SIDE_TOLERANCE = 1.0e-4  # of the box: what is nearer to one of its sides lies on it
+SPREAD_STEPS = 16  # edges from its rim to which what lies flat on a side goes with the rim
 
 
-def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
+def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], most: float) -> Mesh:
     """The mesh with vertices that lie smoothly, none more than `most` [m] from where it was, so that drops and thin
     sheets are left; then all of it by the thin layer that keeps its volume.
 
@@ -25,17 +28,17 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
     if n == 0:
         return mesh
     x = mesh.vertices.astype(float)
-    sides = sides_at(x, lower, upper)
+    sides = points_on_sides(x, lower, upper)
     on = np.any(sides, axis=0)
     lies = np.all(sides[:, corners], axis=2)  # (2, m, 3) whether a triangle lies on the lower, on the upper side
     flat = lies.any(axis=(0, 2))
     curved = corners[~flat]
-    adjacent = neighbours(curved, on)
+    adjacent = neighbour_weights(curved, on)
     degree = np.asarray(adjacent.sum(axis=1))[:, None]
     inner = degree == 0.0  # of a side
     held, degree = on | inner, np.maximum(degree, 1.0)
-    x = levelled(x, adjacent, held)
-    weights = low_pass(PASS_BAND, DEGREE)
+    x = level_rim(x, adjacent, held)
+    weights = low_pass_weights(PASS_BAND, FILTER_DEGREE)
     before, now = x, np.where(held, x, adjacent @ x / degree)
     found = weights[0] * before + weights[1] * now
     for weight in weights[2:]:
@@ -43,21 +46,23 @@ def smoothed(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], mos
         found += weight * now
     way = found - x
     way *= np.minimum(1.0, most / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1.0e-30))
-    before, after = (gathered(Mesh(each, corners, mesh.normals)) for each in (x, x + way))
+    before, after = (vertex_areas(Mesh(each, corners, mesh.normals)) for each in (x, x + way))
     swept = (way * (before + after)).sum() / 6.0  # [m3]; a layer of this volume is taken off again
-    out = np.where(held, 0.0, gathered(Mesh(x + way, curved, mesh.normals)))
+    out = np.where(held, 0.0, vertex_areas(Mesh(x + way, curved, mesh.normals)))
     areas = np.linalg.norm(out, axis=1, keepdims=True)
     x += way - out / np.maximum(areas, 1.0e-30) * swept * 3.0 / max(float(areas.sum()), 1.0e-30)
     if flat.any():
-        x = mesh.vertices + spread(x - mesh.vertices, neighbours(corners[flat], np.zeros_like(on)), on | ~inner)
-    normals = np.where(on, 0.0, gathered(Mesh(x, curved, mesh.normals)))
+        x = mesh.vertices + spread_ways(
+            x - mesh.vertices, neighbour_weights(corners[flat], np.zeros_like(on)), on | ~inner
+        )
+    normals = np.where(on, 0.0, vertex_areas(Mesh(x, curved, mesh.normals)))
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1.0e-30), mesh.normals)
     smooth = Mesh(x.astype(mesh.vertices.dtype), corners, normals.astype(mesh.normals.dtype))
-    return edged(smooth, flat, lies[1].astype(int) - lies[0]) if flat.any() else smooth
+    return split_edges(smooth, flat, lies[1].astype(int) - lies[0]) if flat.any() else smooth
 
 
-def neighbours(corners: np.ndarray, on: np.ndarray) -> Any:
+def neighbour_weights(corners: np.ndarray, on: np.ndarray) -> Any:
     """(n, n) sparse weights of the vertices next to each in triangles (m, 3): 1, but twice that across each side that
     the vertex lies on `on` (n, 3) and the other does not, which stands for its mirror image, too."""
     from scipy.sparse import coo_array
@@ -69,7 +74,7 @@ def neighbours(corners: np.ndarray, on: np.ndarray) -> Any:
     return coo_array((weights, (found.row, found.col)), shape=(n, n)).tocsr()
 
 
-def levelled(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
+def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
     """Vertices (n, 3) [m] of which those on a side lie where their neighbours do that are not on it: the grid of a
     marching cube ends half a cell inside, and leaves them in the steps of its nodes."""
     beyond = adjacent > 1.0
@@ -77,16 +82,16 @@ def levelled(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
     return np.where(held | (many == 0), x, beyond @ x / np.maximum(many, 1))
 
 
-def spread(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
+def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
     """Ways (n, 3) [m] of which those that are not held (n, 3) become the means of their neighbours', some edges deep:
     what lies within a side goes with its rim, so that no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
-    for _ in range(SPREAD):
+    for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)
     return way
 
 
-def edged(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
+def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
     """A mesh whose flat triangles (m,) have vertices of their own, facing along axes (m, 3)."""
     kinds, number = np.unique(facing[flat], axis=0, return_inverse=True)
     n, corners = len(mesh.vertices), mesh.triangles.copy()
@@ -97,13 +102,13 @@ def edged(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
     return Mesh(vertices, corners, np.concatenate([mesh.normals, normals]))
 
 
-def sides_at(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
+def points_on_sides(x: np.ndarray, lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
     """(2, n, 3) whether points (n, 3) lie on the lower, on the upper side of a box along each axis."""
     low, up = np.array(lower), np.array(upper)
-    return np.stack([x <= low + NEAR * (up - low), x >= up - NEAR * (up - low)])
+    return np.stack([x <= low + SIDE_TOLERANCE * (up - low), x >= up - SIDE_TOLERANCE * (up - low)])
 
 
-def gathered(mesh: Mesh) -> np.ndarray:
+def vertex_areas(mesh: Mesh) -> np.ndarray:
     """(n, 3) vector areas [m2] of the triangles around each vertex, outwards."""
     areas, across = np.zeros(mesh.vertices.shape), mesh.vector_areas
     for k in range(3):
@@ -111,7 +116,7 @@ def gathered(mesh: Mesh) -> np.ndarray:
     return areas
 
 
-def low_pass(edge: float, degree: int) -> np.ndarray:
+def low_pass_weights(edge: float, degree: int) -> np.ndarray:
     """(degree + 1,) weights of the Chebyshev polynomials T_n(cos t) whose sum is 1 at t = 0, a half at `edge` and
     nothing beyond: the Fourier series of a step under von Hann's window."""
     n = np.arange(1, degree + 1)

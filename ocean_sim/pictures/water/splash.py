@@ -6,25 +6,60 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.pictures.water.spray import normal
+from ocean_sim.pictures.stage.plotter import Stage
+from ocean_sim.pictures.water.far_sea import SEA_RADIUS
 from ocean_sim.random_numbers import numpy_uniform
 from ocean_sim.surface import Mesh
 
-FAST = 0.15, 0.80  # of g times the depth of a tank: square of the speed from which water is stirred, and is wholly so
-STIRRED = 0.12, 0.60  # of the speed of its neighbours: how far a particle's own is off theirs, likewise
-NEIGHBOURS = 24  # of a particle, itself among them
-NEIGHBOURHOOD, TORN = 1.6, (12.0, 6.0)  # [spacings], and neighbours in it below which water comes apart, and wholly so
-COLUMN, GAP = 2.0, (2.2, 3.5)  # [spacings] breadth of a column, and of air in it below a particle that flies
-RISEN, WIDE = (1.5, 5.0), 6.0  # [spacings] over the mean height of the water so far around it, at which it splashes
-GONE = 0.5, 2.0  # [spacings] from where the first picture had it: from where water may splash up, and wholly may
-BEHIND = 5  # neighbours that a particle lacks at a side
-AROUND, NEAR = 8, 2.5  # particles that a vertex asks, and how far away [spacings] they have nothing to say
-DROPS, MOST = 20, 500  # that fly around a particle of water wholly torn, and particles that have any
-SIZES = 0.060, 0.50  # [spacings] median radius of a drop, and standard deviation of its logarithm
-AIR = 0.5, 0.3  # share of air in water wholly torn, and where it splashes up
-LARGEST, FEWEST = 0.20, 2  # [spacings]; and drops below which none fly
-APART, TRAILING = 0.9, 1.2  # [spacings] of drops from their particle, and how much farther along its way
-OFFSETS = 0x5_0004  # stream of random numbers
+STIRRING_SPEEDS = (
+    0.15,
+    0.80,
+)  # of g times the depth of a tank: square of the speed from which water is stirred, and is wholly so
+STIRRING_DEVIATIONS = 0.12, 0.60  # of the speed of its neighbours: how far a particle's own is off theirs, likewise
+STIRRING_NEIGHBOURS = 24  # of a particle, itself among them
+NEIGHBOURHOOD, TEARING_NEIGHBOURS = (
+    1.6,
+    (12.0, 6.0),
+)  # [spacings], and neighbours in it below which water comes apart, and wholly so
+COLUMN_BREADTH, FLYING_GAPS = (
+    2.0,
+    (2.2, 3.5),
+)  # [spacings] breadth of a column, and of air in it below a particle that flies
+SPLASH_RISES, MEAN_WIDTH = (
+    (1.5, 5.0),
+    6.0,
+)  # [spacings] over the mean height of the water so far around it, at which it splashes
+SETTING_OFF_WAYS = (
+    0.5,
+    2.0,
+)  # [spacings] from where the first picture had it: from where water may splash up, and wholly may
+LACKING_NEIGHBOURS = 5  # neighbours that a particle lacks at a side
+VERTEX_PARTICLES, VERTEX_REACH = (
+    8,
+    2.5,
+)  # particles that a vertex asks, and how far away [spacings] they have nothing to say
+PARTICLE_DROPS, MAX_TORN_PARTICLES = (
+    20,
+    500,
+)  # that fly around a particle of water wholly torn, and particles that have any
+DROP_SIZES = 0.060, 0.50  # [spacings] median radius of a drop, and standard deviation of its logarithm
+AIR_SHARES = 0.5, 0.3  # share of air in water wholly torn, and where it splashes up
+MAX_DROP_RADIUS, MIN_DROPS = 0.20, 2  # [spacings]; and drops below which none fly
+DROP_SPREAD, DROP_TRAIL = 0.9, 1.2  # [spacings] of drops from their particle, and how much farther along its way
+DROP_STREAM = 0x5_0004  # of random numbers
+# Spray over a sea.
+MAX_SPRAY_NEIGHBOURS = 3  # within the neighbourhood of a particle that has left a sea
+MIN_SPRAY_HEIGHT = 0.6  # [spacings] over the water
+PUFF_RADIUS, PUFF_DROP_RADIUS = 0.30, 0.009  # [spacings]
+PUFF_DROPS, PUFF_KINDS = 24, 64  # drops that fly in a puff, and different puffs
+MAX_PUFFS = 1500  # in a picture
+PUFF_STREAM = 0x5_0003  # stream of random numbers
+
+
+def bell_numbers(uniform: np.ndarray) -> np.ndarray:
+    """Normally distributed numbers (n, 3) of variance 1/4 from evenly distributed ones (n, 6) (Box & Muller 1958)."""
+    radius, angle = np.sqrt(-2.0 * np.log(1.0 - uniform[:, :3])), 2.0 * np.pi * uniform[:, 3:]
+    return 0.5 * radius * np.cos(angle)
 
 
 class Splash(NamedTuple):
@@ -35,33 +70,33 @@ class Splash(NamedTuple):
     rough: np.ndarray  # (n,) 0 to 1, how wrinkled its skin is
 
 
-def ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
+def clipped_ramp(value: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
     """0 at the first bound, 1 at the second, and so beyond them."""
     return np.clip((value - bounds[0]) / (bounds[1] - bounds[0]), 0.0, 1.0)
 
 
-def stirred(position: np.ndarray, velocity: np.ndarray, depth: float) -> np.ndarray:
+def stirred_air(position: np.ndarray, velocity: np.ndarray, depth: float) -> np.ndarray:
     """(n,) share, 0 to 1, of air in the water of particles (n, 3) [m] with velocities (n, 3) [m/s], in a tank of this
     depth [m]: where they are fast and go otherwise than their neighbours, after the potentials of Ihmsen, Akinci,
     Akinci & Teschner (2012, Vis. Comput. 28). The bounds are ours."""
     from scipy.spatial import cKDTree
 
-    air = ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), FAST)
+    air = clipped_ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), STIRRING_SPEEDS)
     fast = np.flatnonzero(air > 0.0)
     if not len(fast) or len(position) < 2:
         return np.zeros(len(position))
-    _, near = cKDTree(position).query(position[fast], k=min(NEIGHBOURS, len(position)), workers=1)
+    _, near = cKDTree(position).query(position[fast], k=min(STIRRING_NEIGHBOURS, len(position)), workers=1)
     around = velocity[near]
     off = np.linalg.norm(around - around.mean(axis=1, keepdims=True), axis=2).mean(axis=1)
-    air[fast] *= ramp(off / np.linalg.norm(velocity[fast], axis=1), STIRRED)
+    air[fast] *= clipped_ramp(off / np.linalg.norm(velocity[fast], axis=1), STIRRING_DEVIATIONS)
     return air
 
 
-def flying(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
+def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarray:
     """(n,) 0 to 1, how far particles (n, 3) [m] fly: by the widest gap in the water between them and the floor (n,) [m]
     below them."""
     low, size = position.min(axis=0)[[0, 2]] - 0.5 * spacing, np.ptp(position, axis=0)[[0, 2]] + spacing
-    broad = size / np.maximum(np.round(size / (COLUMN * spacing)), 1.0)  # so that none is half behind a side
+    broad = size / np.maximum(np.round(size / (COLUMN_BREADTH * spacing)), 1.0)  # so that none is half behind a side
     column = np.floor((position[:, [0, 2]] - low) / broad).astype(np.int64)
     _, number = np.unique(column, axis=0, return_inverse=True)
     number = number.ravel()
@@ -69,13 +104,13 @@ def flying(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.ndarra
     height, column = position[order, 1] / spacing, number[order]
     lowest = np.diff(column, prepend=-1) > 0
     below = np.where(lowest, floor[order] / spacing - 0.5, np.roll(height, 1))
-    gap = np.clip(height - below, 0.0, 2.0 * GAP[1]) / (2.0 * GAP[1])
+    gap = np.clip(height - below, 0.0, 2.0 * FLYING_GAPS[1]) / (2.0 * FLYING_GAPS[1])
     widest = np.empty(len(position))
     widest[order] = np.maximum.accumulate(2.0 * column + gap) - 2.0 * column
-    return ramp(2.0 * GAP[1] * widest, GAP)
+    return clipped_ramp(2.0 * FLYING_GAPS[1] * widest, FLYING_GAPS)
 
 
-def floors(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
+def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
     """(n,) height [m] of the bed, or of the boxes (m, 2, 3), below particles (n, 3)."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
@@ -84,56 +119,56 @@ def floors(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarra
     return floor
 
 
-def risen(
+def risen_share(
     position: np.ndarray, elevation: np.ndarray, lower: np.ndarray, cell: np.ndarray, spacing: float
 ) -> np.ndarray:
     """(n,) 0 to 1, how far particles (n, 3) [m] are over the mean of the heights (nx, nz) [m] around them, on cells
     from the corner `lower` x, z on [m]."""
     from scipy.ndimage import gaussian_filter, map_coordinates
 
-    mean = gaussian_filter(elevation, WIDE * spacing / cell, mode="nearest")
+    mean = gaussian_filter(elevation, MEAN_WIDTH * spacing / cell, mode="nearest")
     over = position[:, 1] - map_coordinates(
         mean, ((position[:, [0, 2]] - lower) / cell - 0.5).T, order=1, mode="nearest"
     )
-    return ramp(over / spacing, RISEN)
+    return clipped_ramp(over / spacing, SPLASH_RISES)
 
 
-def set_off(
+def travel_share(
     position: np.ndarray, number: np.ndarray, birth: np.ndarray, first: np.ndarray, spacing: float
 ) -> np.ndarray:
     """(n,) 0 to 1, how far particles (n, 3) [m] with these numbers (n,) have gone from their births (n, 3) [m]: the
     edge of a column that still stands is over the water around it, too; 1 of those that were not among the first."""
-    gone = ramp(np.linalg.norm(position - birth, axis=1) / spacing, GONE)
+    gone = clipped_ramp(np.linalg.norm(position - birth, axis=1) / spacing, SETTING_OFF_WAYS)
     return np.where(np.isin(number, first), gone, 1.0)
 
 
-def splash(
+def particle_splash(
     position: np.ndarray, velocity: np.ndarray, up: np.ndarray, sides: np.ndarray, spacing: float, depth: float
 ) -> Splash:
     """Of particles (n, 3) [m] with velocities (n, 3) [m/s]: water comes apart where it is fast, or `up` in the air (n,)
     0 to 1, and few are near; beside so many `sides` of the tank (n,), behind which there are none."""
     from scipy.spatial import cKDTree
 
-    rough = np.maximum(ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), FAST), up)
+    rough = np.maximum(clipped_ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), STIRRING_SPEEDS), up)
     torn, some = np.zeros(len(position)), np.flatnonzero(rough > 0.0)
     if len(some):
         near = cKDTree(position).query_ball_point(position[some], NEIGHBOURHOOD * spacing, return_length=True) - 1
-        torn[some] = rough[some] * ramp(near + BEHIND * sides[some], TORN)
-    air = np.maximum(stirred(position, velocity, depth), np.maximum(AIR[0] * torn, AIR[1] * up))
+        torn[some] = rough[some] * clipped_ramp(near + LACKING_NEIGHBOURS * sides[some], TEARING_NEIGHBOURS)
+    air = np.maximum(stirred_air(position, velocity, depth), np.maximum(AIR_SHARES[0] * torn, AIR_SHARES[1] * up))
     return Splash(air, torn, rough)
 
 
-def at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.ndarray, spacing: float) -> np.ndarray:
+def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.ndarray, spacing: float) -> np.ndarray:
     """(m, k) means of particles' values (n, k) around vertices (m, 3) [m], the nearer the more."""
     from scipy.spatial import cKDTree
 
-    away, near = cKDTree(position).query(vertices, k=min(AROUND, len(position)), workers=1)
+    away, near = cKDTree(position).query(vertices, k=min(VERTEX_PARTICLES, len(position)), workers=1)
     away, near = away.reshape(len(vertices), -1), near.reshape(len(vertices), -1)
-    weight = np.square(np.maximum(1.0 - np.square(away / (NEAR * spacing)), 1e-6))
+    weight = np.square(np.maximum(1.0 - np.square(away / (VERTEX_REACH * spacing)), 1e-6))
     return np.einsum("mj,mjk->mk", weight / weight.sum(axis=1, keepdims=True), values[near])
 
 
-def born(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, first: np.ndarray) -> np.ndarray:
+def birth_places(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, first: np.ndarray) -> np.ndarray:
     """(n, 3) [m] where particles with these numbers (n,) were in a first picture, so that a grain goes with the water
     and is drawn out as it is; of one that was not in it, where it is."""
     if not len(first):
@@ -143,28 +178,71 @@ def born(position: np.ndarray, number: np.ndarray, first_position: np.ndarray, f
     return np.where((first[found] == number)[:, None], first_position[found], position)
 
 
-def drops(
+def torn_drops(
     position: np.ndarray, velocity: np.ndarray, number: np.ndarray, torn: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Middles (m, 3) and radii (m,) [m] of the drops around particles whose water is torn, the more the more it is,
     drawn out along their ways; `number` (n,): by which a particle has the same ones in every picture."""
-    some = np.argsort(-torn, kind="stable")[:MOST]
+    some = np.argsort(-torn, kind="stable")[:MAX_TORN_PARTICLES]
     some = some[torn[some] > 0.0]
-    which = np.arange(DROPS)
-    seed = (number[some, None] * DROPS + which).ravel()
-    uniform = np.stack([numpy_uniform(0, OFFSETS, seed, k) for k in range(8)], axis=1)
-    offset = APART * spacing * 2.0 * normal(uniform[:, :6]).reshape(len(some), DROPS, 3)
+    which = np.arange(PARTICLE_DROPS)
+    seed = (number[some, None] * PARTICLE_DROPS + which).ravel()
+    uniform = np.stack([numpy_uniform(0, DROP_STREAM, seed, k) for k in range(8)], axis=1)
+    offset = DROP_SPREAD * spacing * 2.0 * bell_numbers(uniform[:, :6]).reshape(len(some), PARTICLE_DROPS, 3)
     way = velocity[some] / np.maximum(np.linalg.norm(velocity[some], axis=1, keepdims=True), 1e-9)
-    offset += TRAILING * (offset * way[:, None]).sum(axis=2, keepdims=True) * way[:, None]
+    offset += DROP_TRAIL * (offset * way[:, None]).sum(axis=2, keepdims=True) * way[:, None]
     bell = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 6])) * np.cos(2.0 * np.pi * uniform[:, 7])
-    radius = np.minimum(SIZES[0] * np.exp(SIZES[1] * bell), LARGEST).reshape(len(some), DROPS) * spacing
-    flying = which < (DROPS * torn[some] - FEWEST)[:, None]
+    radius = (
+        np.minimum(DROP_SIZES[0] * np.exp(DROP_SIZES[1] * bell), MAX_DROP_RADIUS).reshape(len(some), PARTICLE_DROPS)
+        * spacing
+    )
+    flying = which < (PARTICLE_DROPS * torn[some] - MIN_DROPS)[:, None]
     return (position[some, None] + offset)[flying], radius[flying]
 
 
-def spheres(middles: np.ndarray, radii: np.ndarray, ball: Mesh) -> Mesh:
+def sphere_mesh(middles: np.ndarray, radii: np.ndarray, ball: Mesh) -> Mesh:
     """A mesh of balls like one of radius 1."""
     n, k = len(middles), len(ball.vertices)
     vertices = middles[:, None] + radii[:, None, None] * ball.vertices
     triangles = ball.triangles + k * np.arange(n)[:, None, None]
     return Mesh(vertices.reshape(-1, 3), triangles.reshape(-1, 3), np.tile(ball.normals, (n, 1)))
+
+
+def has_left_water(position: np.ndarray, spacing: float, high: np.ndarray) -> np.ndarray:
+    """True (m,) for those of the high ones (m, 3) among particles (n, 3) that have few neighbours."""
+    from scipy.spatial import cKDTree
+
+    if not len(high):
+        return np.zeros(0, bool)
+    near = cKDTree(position).query_ball_point(high, NEIGHBOURHOOD * spacing, return_length=True)
+    return near - 1 <= MAX_SPRAY_NEIGHBOURS
+
+
+class Spray:
+    """A fixed number of puffs; those not needed wait below the sea."""
+
+    def __init__(self, stage: Stage, spacing: float) -> None:
+        self.spacing = spacing
+        self.positions = np.tile(np.array([0.0, -SEA_RADIUS, 0.0], np.float32), (MAX_PUFFS * PUFF_DROPS, 1))
+        n = np.arange(PUFF_KINDS * PUFF_DROPS)
+        offsets = (
+            PUFF_RADIUS
+            * spacing
+            * bell_numbers(np.stack([numpy_uniform(0, PUFF_STREAM, n, k) for k in range(6)], axis=1))
+        )
+        self.offsets = offsets.reshape(PUFF_KINDS, PUFF_DROPS, 3)
+        self.cloud = stage.pyvista.PolyData(self.positions)
+        drops = stage.plotter.add_mesh(
+            self.cloud, color="white", style="points_gaussian", render_points_as_spheres=False, lighting=False
+        )
+        drops.mapper.scale_factor = PUFF_DROP_RADIUS * spacing
+        self.drawn = drops.mapper.dataset
+
+    def show(self, position: np.ndarray, heights: np.ndarray) -> None:
+        """Particles (n, 3) and the heights (n,) of the water below them [m]."""
+        high = position[position[:, 1] > heights + MIN_SPRAY_HEIGHT * self.spacing]
+        centres = high[has_left_water(position, self.spacing, high)][:MAX_PUFFS]
+        drops = (centres[:, None] + self.offsets[np.arange(len(centres)) % PUFF_KINDS]).reshape(-1, 3)
+        positions = self.positions.copy()
+        positions[: len(drops)] = drops
+        self.drawn.points = positions

@@ -8,17 +8,32 @@ import numpy as np
 
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.stage.plotter import Stage
-from ocean_sim.pictures.water.water_surface import round_above
+from ocean_sim.pictures.water.water_surface import round_up
 
-EDGE = "#eef3f6"
-BELOW = 0.004  # of a tank's height by which bed and walls are drawn outside the water
-BED = np.array([0.68, 0.74, 0.76])  # of bed and walls: on dark ground clear water would not tell how thick it is
-APART, BROAD, LINE = 0.2, 0.03, 0.86  # lines on it: [tank's depths] apart, breadth over that, and their light over its
-CELLS = 24  # along each side of a panel
-NOOK, REACH = 0.25, 0.12  # light that a panel lacks where another meets it, a third of it so many heights away
-DARK, FAINT = (8, 20, 30), 0.16  # lines on the ground, and how far they hide it at the block
-TILES, AROUND = 12.0, 1.5  # lines along the longer side of a block; of that side, how far around they fade away
-SHADED, SUNNY = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
+EDGE_COLOUR = "#eef3f6"
+PANEL_OFFSET = 0.004  # of a tank's height by which bed and walls are drawn outside the water
+PANEL_COLOUR = np.array(
+    [0.68, 0.74, 0.76]
+)  # of bed and walls: on dark ground clear water would not tell how thick it is
+LINE_INTERVAL, LINE_BREADTH, LINE_LIGHT = (
+    0.2,
+    0.03,
+    0.86,
+)  # lines on it: [tank's depths] apart, breadth over that, and their light over its
+PANEL_CELLS = 24  # along each side of a panel
+NOOK_SHADE, NOOK_REACH = (
+    0.25,
+    0.12,
+)  # light that a panel lacks where another meets it, a third of it so many heights away
+GROUND_LINE_COLOUR, GROUND_LINE_OPACITY = (
+    (8, 20, 30),
+    0.16,
+)  # lines on the ground, and how far they hide it at the block
+GROUND_LINES, GROUND_REACH = (
+    12.0,
+    1.5,
+)  # lines along the longer side of a block; of that side, how far around they fade away
+AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's on a panel that faces it
 
 
 class Panel(NamedTuple):
@@ -29,13 +44,13 @@ class Panel(NamedTuple):
     inwards: float  # 1 or -1, along the axis
 
 
-def panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
+def tank_panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
     """Bed and walls of a tank from `low` to `up` [m]."""
     walls = [Panel(axis, end[axis], side) for axis in (0, 2) for end, side in ((low, 1.0), (up, -1.0))]
     return [Panel(1, low[1], 1.0), *walls]
 
 
-def sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
+def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) places of a panel at these places along its next two axes [m], so far outside of it [m], and rectangles
     (m, 4) between them that look inwards."""
     points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
@@ -48,69 +63,69 @@ def sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.nd
     return points, faces if panel.inwards > 0.0 else faces[:, ::-1]
 
 
-def light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
+def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
     """(n,) on places (n, 3) [m] of a panel: less in the nooks where others meet it."""
-    sunny = max(panel.inwards * float(sky.SUN[panel.axis]), 0.0)
-    bright = np.full(len(points), SHADED + SUNNY * sunny)
+    sunny = max(panel.inwards * float(sky.SUN_DIRECTION[panel.axis]), 0.0)
+    bright = np.full(len(points), AMBIENT_LIGHT + SUN_LIGHT * sunny)
     for other in all_of_them:
         if other.axis != panel.axis:
-            bright *= 1.0 - NOOK * np.exp(-np.abs(points[:, other.axis] - other.at) / (REACH * height))
+            bright *= 1.0 - NOOK_SHADE * np.exp(-np.abs(points[:, other.axis] - other.at) / (NOOK_REACH * height))
     return bright
 
 
-def marked(low: float, up: float, step: float) -> Iterator[np.ndarray]:
+def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
     """Both sides of each line at a multiple of a step along an axis from `low` to `up` [m]."""
     for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
-        yield np.clip(at + 0.5 * BROAD * step * np.array([-1.0, 1.0]), low, up)
+        yield np.clip(at + 0.5 * LINE_BREADTH * step * np.array([-1.0, 1.0]), low, up)
 
 
-def joined(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
     """Places and rectangles of many sheets as one."""
     begins = np.cumsum([0] + [len(points) for points, _ in sheets])
     faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
     return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
 
 
-def ground(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
+def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
     """Add lines on the ground at a height around a block from `low` to `up` [m], a round number of metres apart: bare,
     it would not tell how far it goes."""
     longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
-    reach, step = AROUND * longer, round_above(longer / TILES)
+    reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
     first, last = low - reach, up + reach
-    x, z = (np.linspace(first[k], last[k], round(2 * AROUND + 1) * CELLS) for k in (0, 2))
-    sheets = [sheet(level, z, pair, 0.0) for pair in marked(first[0], last[0], step)]
-    sheets += [sheet(level, pair, x, 0.0) for pair in marked(first[2], last[2], step)]
-    points, faces = joined(sheets)
+    x, z = (np.linspace(first[k], last[k], round(2 * GROUND_REACH + 1) * PANEL_CELLS) for k in (0, 2))
+    sheets = [panel_sheet(level, z, pair, 0.0) for pair in line_sides(first[0], last[0], step)]
+    sheets += [panel_sheet(level, pair, x, 0.0) for pair in line_sides(first[2], last[2], step)]
+    points, faces = join_sheets(sheets)
     lines = stage.pyvista.PolyData.from_regular_faces(points, faces)
     away = np.maximum(0.0, np.maximum(low - points, points - up))[:, [0, 2]]
-    left = FAINT * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
-    lines["colour"] = np.column_stack([np.full((len(points), 3), DARK), 255.0 * left]).astype(np.uint8)
+    left = GROUND_LINE_OPACITY * np.square(np.maximum(1.0 - np.hypot(*away.T) / reach, 0.0))
+    lines["colour"] = np.column_stack([np.full((len(points), 3), GROUND_LINE_COLOUR), 255.0 * left]).astype(np.uint8)
     stage.plotter.add_mesh(lines, scalars="colour", rgba=True, lighting=False)
 
 
-def build(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
+def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
     """Add the vessel from `low` to `top` [m]: its panels, the lines on them, a round number of metres apart that befits
     a tank of this depth [m], and its edges."""
-    pyvista, below, step = stage.pyvista, BELOW * (top[1] - low[1]), round_above(APART * depth)
+    pyvista, below, step = stage.pyvista, PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
     box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
-    stage.plotter.add_mesh(box, color=EDGE, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
-    whole = panels(low, top)
+    stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)
+    whole = tank_panels(low, top)
     sheets: list[tuple[np.ndarray, np.ndarray]] = []
     bright: list[np.ndarray] = []
 
     def add(panel: Panel, u: np.ndarray, v: np.ndarray, out: float, share: float) -> None:
-        sheets.append(sheet(panel, u, v, out))
-        bright.append(share * light(sheets[-1][0], panel, whole, top[1] - low[1]))
+        sheets.append(panel_sheet(panel, u, v, out))
+        bright.append(share * panel_light(sheets[-1][0], panel, whole, top[1] - low[1]))
 
     for panel in whole:
         a, b = ((panel.axis + n) % 3 for n in (1, 2))
-        even = [np.linspace(low[k], top[k], CELLS + 1) for k in range(3)]
+        even = [np.linspace(low[k], top[k], PANEL_CELLS + 1) for k in range(3)]
         add(panel, even[a], even[b], below, 1.0)
-        for pair in marked(low[a], top[a], step):
-            add(panel, pair, even[b], 0.5 * below, LINE)
-        for pair in marked(low[b], top[b], step):
-            add(panel, even[a], pair, 0.5 * below, LINE)
-    drawn: Any = pyvista.PolyData.from_regular_faces(*joined(sheets))
-    colour = np.clip(255.0 * np.concatenate(bright)[:, None] * BED, 0.0, 255.0)
+        for pair in line_sides(low[a], top[a], step):
+            add(panel, pair, even[b], 0.5 * below, LINE_LIGHT)
+        for pair in line_sides(low[b], top[b], step):
+            add(panel, even[a], pair, 0.5 * below, LINE_LIGHT)
+    drawn: Any = pyvista.PolyData.from_regular_faces(*join_sheets(sheets))
+    colour = np.clip(255.0 * np.concatenate(bright)[:, None] * PANEL_COLOUR, 0.0, 255.0)
     drawn["colour"] = colour.astype(np.uint8)
     stage.plotter.add_mesh(drawn, scalars="colour", rgb=True, lighting=False, culling="back")

@@ -7,26 +7,39 @@ import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.pictures.stage.camera import Vessel
-from ocean_sim.pictures.water.foam import from_ship
+from ocean_sim.pictures.water.waterline import ship_coordinates
 
-LASTS = 7.0  # [s] in which it falls to a third
-AGE = 22.0  # [s] after which it is not drawn
-STEPS = 48  # positions of the stern that are kept
-FAST = 4.0  # [m/s] from which a wake is as white as it gets
-WHITEST = 0.8
-HIGHEST = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
-ASTERN, ABEAM, FADES = 9.0, 3.5, 5.0  # lengths of a ship that they are drawn behind her bow and aside; and fade in
-HOLLOW, DEEPEST = 0.15, 0.10  # of V^2 / g: depth of the water behind a transom; and of the breadth: its greatest
-FINEST = 0.5  # lengths of a node of their pattern, over the beam
-SLOWEST = 1.0  # [m/s] under which there are none
-ANGLES = 360  # of the waves that they are made of
-STERN = 0.46  # lengths of a ship from its middle to its stern
-SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
-CLEARED, CLEARS = 0.75, 2.0  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
-FARTHEST = 2.0  # squared half widths from the track at which the white is gone
-SLICK = 0.6  # [half breadths] is left between two lines of foam
-LEAST = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
-AROUND = 1.3, 1.2  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
+FADE_SECONDS = 7.0  # [s] in which it falls to a third
+MAX_AGE = 22.0  # [s] after which it is not drawn
+TRACK_STEPS = 48  # positions of the stern that are kept
+WHITEST_SPEED = 4.0  # [m/s] from which a wake is as white as it gets
+MAX_WHITENESS = 0.8
+KELVIN_HEIGHT = 0.13  # of V^2 / g: the greatest height of Kelvin's waves
+KELVIN_ASTERN, KELVIN_ABEAM, KELVIN_FADE_LENGTH = (
+    9.0,
+    3.5,
+    5.0,
+)  # lengths of a ship that they are drawn behind her bow and aside; and fade in
+HOLLOW_DEPTH, MAX_HOLLOW = (
+    0.15,
+    0.10,
+)  # of V^2 / g: depth of the water behind a transom; and of the breadth: its greatest
+PATTERN_STEP = 0.5  # lengths of a node of their pattern, over the beam
+MIN_SPEED = 1.0  # [m/s] under which there are none
+WAVE_ANGLES = 360  # of the waves that they are made of
+STERN_DISTANCE = 0.46  # lengths of a ship from its middle to its stern
+WAKE_SPREADING = 0.22  # [half breadths at s^-1/2] by which it widens
+SLICK_SHARE, SLICK_SECONDS = (
+    0.75,
+    2.0,
+)  # share of the white in the middle that goes soonest, in so many seconds: a smooth path
+MAX_TRACK_DISTANCE = 2.0  # squared half widths from the track at which the white is gone
+SLICK_WIDTH = 0.6  # [half breadths] is left between two lines of foam
+MIN_ANSWER = 0.025  # lengths of a ship: the height to which the waves at a ship that lies still may rise
+LIMITED_REACH = (
+    1.3,
+    1.2,
+)  # lengths of a ship before and abaft her middle and breadths aside, within which they are limited
 
 
 class Wake:
@@ -42,12 +55,12 @@ class Wake:
         track = self.vessel.track
         if time <= track.time[0]:
             return share
-        stern = track.position - STERN * self.vessel.length * track.turn[:, :, 2]
-        moments = np.linspace(max(track.time[0], time - AGE), time, STEPS)
+        stern = track.position - STERN_DISTANCE * self.vessel.length * track.turn[:, :, 2]
+        moments = np.linspace(max(track.time[0], time - MAX_AGE), time, TRACK_STEPS)
         position = np.stack([np.interp(moments, track.time, stern[:, k]) for k in (0, 2)], axis=1) - origin
         along = np.diff(position, axis=0)
         length2 = np.maximum((along**2).sum(axis=1), 1e-9)
-        seconds = max(float(moments[-1] - moments[0]), 1e-9) / (STEPS - 1)
+        seconds = max(float(moments[-1] - moments[0]), 1e-9) / (TRACK_STEPS - 1)
         speed = np.sqrt(length2) / seconds
         reach = 4.0 * self.half
         near = [
@@ -58,32 +71,37 @@ class Wake:
             return share
         x, z = self.x[near[0]], self.z[near[1]]
         found, nearest = np.zeros((len(x), len(z))), np.full((len(x), len(z)), np.inf)
-        for k in range(STEPS - 1):
+        for k in range(TRACK_STEPS - 1):
             low, high = position[k : k + 2].min(axis=0) - reach, position[k : k + 2].max(axis=0) + reach
             here = tuple(slice(*np.searchsorted(nodes, ends)) for nodes, ends in zip((x, z), zip(low, high)))
             (to_x, to_z), (on_x, on_z) = (x[here[0], None] - position[k, 0], z[here[1]] - position[k, 1]), along[k]
             part = np.clip((to_x * on_x + to_z * on_z) / length2[k], 0.0, 1.0)
             age = np.maximum(time - moments[k] - part * seconds, 0.0)
-            width = self.half * (0.75 + SPREADING * np.sqrt(age))
+            width = self.half * (0.75 + WAKE_SPREADING * np.sqrt(age))
             away2 = (np.square(to_x - part * on_x) + np.square(to_z - part * on_z)) / np.square(width)
-            nearer = (away2 < nearest[here]) & (away2 < FARTHEST)
+            nearer = (away2 < nearest[here]) & (away2 < MAX_TRACK_DISTANCE)
             age, away2 = age[nearer], away2[nearer]
-            slick = CLEARED * (1.0 - np.exp(-age / CLEARS)) * np.exp(-away2 / SLICK**2)
-            white = WHITEST * min(speed[k] / FAST, 1.0) * np.exp(-age / LASTS - away2**2) * (1.0 - slick)
+            slick = SLICK_SHARE * (1.0 - np.exp(-age / SLICK_SECONDS)) * np.exp(-away2 / SLICK_WIDTH**2)
+            white = (
+                MAX_WHITENESS
+                * min(speed[k] / WHITEST_SPEED, 1.0)
+                * np.exp(-age / FADE_SECONDS - away2**2)
+                * (1.0 - slick)
+            )
             found[here][nearer], nearest[here][nearer] = white, away2
         share[np.ix_(*near)] = np.where(found > 0.02, found, 0.0)
         return share
 
 
 @lru_cache(maxsize=64)
-def pattern(speed: float, breadth: float, length: float) -> np.ndarray:
+def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
     """(n, m) height [m] of the waves of a pressure as wide as a ship that goes steadily over deep water (Havelock 1908,
     Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes FINEST breadths
     apart behind its bow and aside."""
-    step = FINEST * breadth
-    x, y = np.arange(0.0, ASTERN * length, step), np.arange(0.0, ABEAM * length, step)
+    step = PATTERN_STEP * breadth
+    x, y = np.arange(0.0, KELVIN_ASTERN * length, step), np.arange(0.0, KELVIN_ABEAM * length, step)
     k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
-    angle = (np.arange(ANGLES) + 0.5) / ANGLES * np.pi - 0.5 * np.pi
+    angle = (np.arange(WAVE_ANGLES) + 0.5) / WAVE_ANGLES * np.pi - 0.5 * np.pi
     secant = 1.0 / np.cos(angle)
     weight = secant**4 * np.exp(-(secant**4) / (4.0 * np.pi**2 * froude**4))
     heard = weight > 1e-4 * weight.max()
@@ -91,8 +109,8 @@ def pattern(speed: float, breadth: float, length: float) -> np.ndarray:
     along, across = np.outer(x, k * np.cos(angle[heard])), np.outer(y, k * np.sin(angle[heard]))
     height = (weight[heard] * np.sin(along)) @ np.cos(across).T
     begins = np.clip(x / (0.6 * length), 0.0, 1.0)
-    height *= (begins * begins * (3.0 - 2.0 * begins) * np.exp(-x / (FADES * length)))[:, None]
-    return HIGHEST * speed**2 / GRAVITY * height / max(float(np.abs(height).max()), 1e-12)
+    height *= (begins * begins * (3.0 - 2.0 * begins) * np.exp(-x / (KELVIN_FADE_LENGTH * length)))[:, None]
+    return KELVIN_HEIGHT * speed**2 / GRAVITY * height / max(float(np.abs(height).max()), 1e-12)
 
 
 class Kelvin:
@@ -109,33 +127,33 @@ class Kelvin:
         track, length = self.vessel.track, self.vessel.length
         k = int(np.abs(track.time - time).argmin())
         speed = round(self.vessel.speed(time), 1)
-        if speed < SLOWEST:
+        if speed < MIN_SPEED:
             return np.zeros(len(places))
-        along, aside = from_ship(places[:, 0], places[:, 1], track.position[k], track.turn[k])
-        behind, aside = STERN * length - along, np.abs(aside)
-        at = np.stack([behind, aside]) / (FINEST * self.breadth)
-        waves = map_coordinates(pattern(speed, self.breadth, length), at, order=1, mode="constant")
-        return waves - hollow(behind - 2.0 * STERN * length, aside, speed, self.breadth)
+        along, aside = ship_coordinates(places[:, 0], places[:, 1], track.position[k], track.turn[k])
+        behind, aside = STERN_DISTANCE * length - along, np.abs(aside)
+        at = np.stack([behind, aside]) / (PATTERN_STEP * self.breadth)
+        waves = map_coordinates(kelvin_pattern(speed, self.breadth, length), at, order=1, mode="constant")
+        return waves - transom_hollow(behind - 2.0 * STERN_DISTANCE * length, aside, speed, self.breadth)
 
 
-def hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
+def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
     """(n,) depth [m] by which water that leaves a transom stands lower than around it, before it rises again into a
     wave of the ship's own length; at distances astern of it and aside [m]. The law is ours."""
-    depth = min(HOLLOW * speed**2 / GRAVITY, DEEPEST * breadth)
+    depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
     under = np.clip(1.0 + astern / breadth, 0.0, 1.0) * (astern <= 0.0)  # the hull lies there
     return depth * (along + under) * np.exp(-((aside / (0.5 * breadth)) ** 4))
 
 
-def standing(
+def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
     """(nx, nz) [m] what a water answers to a ship, at nodes x, z [m], no higher or deeper around her than a flow of her
     speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
-    along, aside = from_ship(x[:, None], z[None, :], track.position[k], track.turn[k])
-    near = np.exp(-((along / (AROUND[0] * vessel.length)) ** 4) - (aside / (AROUND[1] * breadth)) ** 4)
-    most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), LEAST * vessel.length)
+    along, aside = ship_coordinates(x[:, None], z[None, :], track.position[k], track.turn[k])
+    near = np.exp(-((along / (LIMITED_REACH[0] * vessel.length)) ** 4) - (aside / (LIMITED_REACH[1] * breadth)) ** 4)
+    most = max(vessel.speed(time) ** 2 / (2.0 * GRAVITY), MIN_ANSWER * vessel.length)
     return answer + near * (most * np.tanh(answer / most) - answer)

@@ -1,7 +1,7 @@
 """The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
 Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
-declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing (see `refused`). Mesa's
+declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing (see `refusal`). Mesa's
 processor in software computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: what
 few pixels need is a loop of one turn or none.
 """
@@ -11,11 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.pictures.stage.sky import HAZES, LOWEST, Sky
+from ocean_sim.pictures.stage.sky import HAZE_SIZE, MIN_SKY_HEIGHT, Sky
 from ocean_sim.pictures.water import foam, ripples
 from ocean_sim.pictures.water import water_shading as w
 
-GAMMA = 0.0319, 0.8804, 0.8577, 0.0193, 0.7503  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
+GAMMA_POLYNOMIAL = (
+    0.0319,
+    0.8804,
+    0.8577,
+    0.0193,
+    0.7503,
+)  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
 
 
 def number(value: float) -> str:
@@ -26,17 +32,17 @@ def vector(values: Iterable[float]) -> str:
     return f"vec3({', '.join(number(v) for v in values)})"
 
 
-COMMON = f"""
+COMMON_FUNCTIONS = f"""
 vec3 skyAt(vec3 d, float level) {{
-  d = normalize(vec3(d.x, max(d.y, {number(LOWEST)}), d.z));
+  d = normalize(vec3(d.x, max(d.y, {number(MIN_SKY_HEIGHT)}), d.z));
   return textureLod(sky, 0.5 + 0.5 * d.xz / (1.0 + d.y), level).rgb;
 }}
 vec3 filmic(vec3 c) {{
   c = max(c, vec3(0.0)) * exposure;
   c = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14);
   vec3 s = sqrt(clamp(c, 0.0, 1.0));
-  return s * ({number(GAMMA[0])} + s * ({number(GAMMA[1])} + {number(GAMMA[2])} * s)) /
-         ({number(GAMMA[3])} + s * ({number(GAMMA[4])} + s));
+  return s * ({number(GAMMA_POLYNOMIAL[0])} + s * ({number(GAMMA_POLYNOMIAL[1])} + {number(GAMMA_POLYNOMIAL[2])} * s)) /
+         ({number(GAMMA_POLYNOMIAL[3])} + s * ({number(GAMMA_POLYNOMIAL[4])} + s));
 }}
 vec3 radiance(vec3 shown) {{
   vec3 y = min(pow(shown, vec3(2.2)), vec3(0.98));
@@ -46,19 +52,19 @@ vec3 radiance(vec3 shown) {{
 """
 
 # The haze is fetched from a fine row around the horizon, in less time than it is found in the sky.
-FOG = f"""
+FOG_FUNCTIONS = f"""
 vec3 foggy(vec3 c, vec3 away, float dist) {{
   float f = 1.0 - exp(-dist / fogReach);
   f *= 0.5 + 0.5 * f * (3.0 - 2.0 * f);
-  f = mix(f, 1.0, smoothstep({number(w.END[0])}, {number(w.END[1])}, dist / fogReach));
+  f = mix(f, 1.0, smoothstep({number(w.FOG_END[0])}, {number(w.FOG_END[1])}, dist / fogReach));
   float ahead = away.x / max(abs(away.x) + abs(away.z), 1e-6);
   float at = away.z < 0.0 ? 3.0 + ahead : 1.0 - ahead;
-  int k = int({number(HAZES[0] * HAZES[1] / 4)} * at) % {HAZES[0] * HAZES[1]};
-  return mix(c, texelFetch(haze, ivec2(k % {HAZES[1]}, k / {HAZES[1]}), 0).rgb, f * useFog);
+  int k = int({number(HAZE_SIZE[0] * HAZE_SIZE[1] / 4)} * at) % {HAZE_SIZE[0] * HAZE_SIZE[1]};
+  return mix(c, texelFetch(haze, ivec2(k % {HAZE_SIZE[1]}, k / {HAZE_SIZE[1]}), 0).rgb, f * useFog);
 }}
 """
 
-WATER_FUNCTIONS = f"""{FOG}
+WATER_FUNCTIONS = f"""{FOG_FUNCTIONS}
 float refracted(float ci) {{ return sqrt(1.0 - (1.0 - ci * ci) / {number(w.REFRACTIVE_INDEX**2)}); }}
 float fresnel(float ci) {{
   const float n = {number(w.REFRACTIVE_INDEX)};
@@ -121,26 +127,27 @@ vec3 heaps(vec2 q, float footprint) {{
 }}
 vec3 ripples(vec2 p, float footprint) {{
   float c = cos(windAngle), s = sin(windAngle), wave = rippleLongest;
-  float lost = {number(ripples.UNRESOLVED)} * rippleVariance;
-  float each = {number((1 - ripples.UNRESOLVED) / ripples.OCTAVES)} * rippleVariance;
+  float lost = {number(ripples.UNRESOLVED_SHARE)} * rippleVariance;
+  float each = {number((1 - ripples.UNRESOLVED_SHARE) / ripples.OCTAVE_COUNT)} * rippleVariance;
   float steep = sqrt(each / {number(ripples.GRADIENT_VARIANCE)});
   vec2 slope = vec2(0.0);
-  lost += {number(ripples.OCTAVES)} * each;
-  float drawn = log(2.0 * footprint / wave) / {number(np.log(ripples.LACUNARITY))};
-  int octaves = rippleVariance > 0.0 ? int(clamp(ceil(drawn), 0.0, {number(ripples.OCTAVES)})) : 0;
+  lost += {number(ripples.OCTAVE_COUNT)} * each;
+  float drawn = log(2.0 * footprint / wave) / {number(np.log(ripples.OCTAVE_RATIO))};
+  int octaves = rippleVariance > 0.0 ? int(clamp(ceil(drawn), 0.0, {number(ripples.OCTAVE_COUNT)})) : 0;
   for (int o = 0; o < octaves; o++) {{
     float fade = clamp((wave / footprint - 2.0) / 4.0, 0.0, 1.0);
-    vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.SPEED)} / sqrt(wave),
-                  {number(ripples.ACROSS)} * (p.y * c - p.x * s) / wave) + {number(ripples.STEP)} * float(o);
-    vec2 t = vec2({number(ripples.TURN[0])} * q.x - {number(ripples.TURN[1])} * q.y,
-                  {number(ripples.TURN[1])} * q.x + {number(ripples.TURN[0])} * q.y);
-    vec2 a = noise(q).yz, b = noise({number(ripples.STRETCH)} * t + {number(ripples.SHIFT)}).yz;
-    float down = a.x + 0.8 * ({number(ripples.TURN[0])} * b.x + {number(ripples.TURN[1])} * b.y);
-    float side = {number(ripples.ACROSS)} *
-                 (a.y + 0.8 * ({number(ripples.TURN[0])} * b.y - {number(ripples.TURN[1])} * b.x));
+    vec2 q = vec2((p.x * c + p.y * s) / wave - time * {number(ripples.PHASE_SPEED)} / sqrt(wave),
+                  {number(ripples.CREST_STRETCH)} * (p.y * c - p.x * s) / wave) +
+             {number(ripples.OCTAVE_SHIFT)} * float(o);
+    vec2 t = vec2({number(ripples.NOISE_TURN[0])} * q.x - {number(ripples.NOISE_TURN[1])} * q.y,
+                  {number(ripples.NOISE_TURN[1])} * q.x + {number(ripples.NOISE_TURN[0])} * q.y);
+    vec2 a = noise(q).yz, b = noise({number(ripples.NOISE_STRETCH)} * t + {number(ripples.NOISE_SHIFT)}).yz;
+    float down = a.x + 0.8 * ({number(ripples.NOISE_TURN[0])} * b.x + {number(ripples.NOISE_TURN[1])} * b.y);
+    float side = {number(ripples.CREST_STRETCH)} *
+                 (a.y + 0.8 * ({number(ripples.NOISE_TURN[0])} * b.y - {number(ripples.NOISE_TURN[1])} * b.x));
     slope += fade * steep * vec2(down * c - side * s, down * s + side * c);
     lost -= fade * fade * each;
-    wave *= {number(ripples.LACUNARITY)};
+    wave *= {number(ripples.OCTAVE_RATIO)};
   }}
   return vec3(slope, 0.5 * lost);
 }}
@@ -149,15 +156,15 @@ vec3 fromWithin(float height, vec3 n, vec3 e, float ct, float bubbles, float sun
   float behind = max(-dot(e, vec3(sunDir.x, 0.0, sunDir.z)), 0.0), tilt = 3.0 * clamp(1.0 - n.y * n.y, 0.0, 0.3);
   float through = 0.25 * up + 1.9 * sunLight.y * (0.30 + 1.3 * behind * behind) * thin * (0.25 + tilt);
   float sunny = 0.25 * up + (through - 0.25 * up) * sunlit;
-  vec3 milky = bubbles * {vector(w.BUBBLES)} * (up + sunLight.y * sunlit);
-  return 2.0 * up * {vector(w.BODY)} + {vector(w.THIN)} * sunny * (0.55 + 0.45 * ct) + milky;
+  vec3 milky = bubbles * {vector(w.BUBBLE_LIGHT)} * (up + sunLight.y * sunlit);
+  return 2.0 * up * {vector(w.BODY_LIGHT)} + {vector(w.THIN_LIGHT)} * sunny * (0.55 + 0.45 * ct) + milky;
 }}
 vec3 foamColour(vec3 n, float white, vec3 heap, float sunlit) {{
   float up = max(n.y, 0.1);
   n = normalize(vec3(n.x / up - white * heap.x, 1.0, n.z / up - white * heap.y));
   float sunny = max(0.7 * dot(n, sunDir) + 0.3 * sunDir.y + 0.06, 0.0), bright = 1.0 + white * (heap.z - 1.0);
   vec3 light = 1.25 * skyLight + 1.75 * sunLight * sunny * sunlit;
-  return bright * mix({vector(w.THIN_FOAM)}, {vector(w.FOAM)}, white) * light;
+  return bright * mix({vector(w.THIN_FOAM_REFLECTANCE)}, {vector(w.FOAM_REFLECTANCE)}, white) * light;
 }}
 vec3 sunGlint(vec3 n, vec3 e, float variance) {{
   vec3 h = normalize(sunDir + e);
@@ -170,12 +177,12 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 """
 
 
-def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
+def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
     """The program of water around so many ships; the maps of distances to their hulls lie one over another in one
     texture. `grain`: the place by which foam finds its grain: its own, or where it was born; `shadows`: the program
     that takes its share from `sunlit`."""
-    hulls = "".join(hull(k, ships) for k in range(ships))
-    mirrors = "".join(mirror(k) for k in range(ships))
+    hulls = "".join(hull_program(k, ships) for k in range(ships))
+    mirrors = "".join(mirror_program(k) for k in range(ships))
     return f"""
   vec3 away = posW - eyeW;
   float dist = length(away);
@@ -183,7 +190,7 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   vec3 e = -away, n = normalize(nrmW);
   float share = attW.x, variance = attW.z, sunlit = 1.0;
 {hulls}{shadows}  share = useFoam * clamp(share, 0.0, 1.0);
-  float slant = sqrt(max(dot(e, n), {number(ripples.FLATTEST)}));
+  float slant = sqrt(max(dot(e, n), {number(ripples.MIN_VIEW_COSINE)}));
   float footprint = max(pixel * dist / slant, 0.004);
   if (rippleVariance > 0.0) {{
     vec3 r = ripples(posW.xz, footprint * inversesqrt(slant));
@@ -191,7 +198,7 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
     n = normalize(vec3(n.x / up - r.x, 1.0, n.z / up - r.y));
     variance += r.z;
   }}
-  variance = clamp(variance, {number(ripples.SMOOTHEST)}, {number(ripples.SHARPEST)});
+  variance = clamp(variance, {number(ripples.MIN_SLOPE_VARIANCE)}, {number(ripples.MAX_SLOPE_VARIANCE)});
   float back = 0.03 - dot(n, e);
   if (back > 0.01) n = normalize(n + e * back);
   float ci = max(dot(n, e), 0.02), blur = sqrt(variance);
@@ -200,8 +207,8 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
   if (ray.y < 0.0) ray.y = 0.01 - 0.6 * ray.y;
   vec3 straight = normalize(ray);
   ray.y += 0.35 * blur * (1.0 - ci);
-  float blurred = min({number(w.BLURS)} * blur, {number(w.MOST_BLURRED)});
-  vec3 mirrored = min(skyAt(normalize(ray), blurred), vec3({number(w.BRIGHTEST)}));
+  float blurred = min({number(w.BLUR_LEVELS)} * blur, {number(w.MAX_BLUR_LEVEL)});
+  vec3 mirrored = min(skyAt(normalize(ray), blurred), vec3({number(w.MAX_MIRRORED)}));
   float hidden = 0.0;
 {mirrors}  if (glintKind > 1.5) mirrored *= 1.0 + {number(w.HDR_FACTOR)} *
     clamp(mirrored.r - {number(w.HDR_THRESHOLD)}, 0.0, {number(w.HDR_EXCESS)});
@@ -215,7 +222,7 @@ def water(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
 """
 
 
-def hull(k: int, ships: int) -> str:
+def hull_program(k: int, ships: int) -> str:
     """Foam along the waterline of ship k, and no water inside it."""
     return f"""
   vec2 uv{k} = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
@@ -228,7 +235,7 @@ def hull(k: int, ships: int) -> str:
 """
 
 
-def mirror(k: int) -> str:
+def mirror_program(k: int) -> str:
     """Ship k where the water mirrors her, no farther from her middle than mirrorReach."""
     return f"""
   float reach{k} = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
@@ -249,28 +256,28 @@ def mirror(k: int) -> str:
 """
 
 
-BEYOND = """
+BEYOND_PROGRAM = """
   if (all(greaterThan(posW.xz, innerLow.xz)) && all(lessThan(posW.xz, innerHigh.xz))) discard;
 """  # of the far sea: the basin is drawn by its own surface
 
-SKY = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
+SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 1.0);\n"
 
 
-def textures_of(sky: Sky) -> dict[str, Any]:
+def sky_textures(sky: Sky) -> dict[str, Any]:
     """The textures of a sky and of its haze, by the names that programs know them by."""
-    return {"sky": texture(sky.image, smaller=True), "haze": texture(sky.haze)}
+    return {"sky": make_texture(sky.image, smaller=True), "haze": make_texture(sky.haze)}
 
 
-def texture(image: np.ndarray, *, smaller: bool = False) -> Any:
+def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
     """A texture of floats, or of 8-bit numbers from 0 to 1; row 0 is at the coordinate 0."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
-    fill(data, image)
-    return texture_of(data, smaller)
+    fill_image(data, image)
+    return image_texture(data, smaller)
 
 
-def texture_of(data: Any, smaller: bool) -> Any:
+def image_texture(data: Any, smaller: bool) -> Any:
     """A texture of VTK's image; one that two windows share would be sent anew to each in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
@@ -285,7 +292,7 @@ def texture_of(data: Any, smaller: bool) -> Any:
     return made
 
 
-def fill(data: Any, image: np.ndarray) -> None:
+def fill_image(data: Any, image: np.ndarray) -> None:
     """Pixels (height, width, channels) into VTK's image."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
@@ -313,7 +320,7 @@ class Shaded:
         body_of_vertex = f"//VTK::Normal::Impl\n{copied}  posW = vertexMC.xyz;\n"
         program.AddVertexShaderReplacement("//VTK::Normal::Impl", True, body_of_vertex, False)
         program.AddFragmentShaderReplacement("//VTK::Normal::Dec", True, f"{keep}{given}in vec3 posW;\n", False)
-        declared = f"//VTK::TMap::Dec\n{COMMON}{functions}"
+        declared = f"//VTK::TMap::Dec\n{COMMON_FUNCTIONS}{functions}"
         program.AddFragmentShaderReplacement("//VTK::TMap::Dec", True, declared, False)
         program.AddFragmentShaderReplacement("//VTK::Light::Impl", True, body, False)
         self.uniforms = program.GetFragmentCustomUniforms()
@@ -336,7 +343,7 @@ class Shaded:
 
     def twin(self) -> Any:
         """An actor of the same mesh and program, for another plotter, whose textures are its own."""
-        own = {name: texture_of(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
+        own = {name: image_texture(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
         twin = self.drawn(own)
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
@@ -357,8 +364,8 @@ class Shaded:
                 self.uniforms.SetUniformf(name, float(array))
 
 
-def listening() -> Any:
-    """Keeps what VTK has to say from now on, for `refused`."""
+def collect_messages() -> Any:
+    """Keeps what VTK has to say from now on, for `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     said = vtkStringOutputWindow()
@@ -366,7 +373,7 @@ def listening() -> Any:
     return said
 
 
-def refused(said: Any) -> str | None:
+def refusal(said: Any) -> str | None:
     """Why OpenGL has refused a program since then, None where it has not: VTK leaves out what that shades."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
@@ -374,17 +381,17 @@ def refused(said: Any) -> str | None:
     return next(why, "it does not say why").rsplit("): ", 1)[-1]
 
 
-def lit_by(sky: Sky) -> dict[str, Any]:
+def sky_uniforms(sky: Sky) -> dict[str, Any]:
     """Uniforms that a sky sets."""
     return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
 
 
-def plain(ships: int) -> dict[str, Any]:
+def neutral_uniforms(ships: int) -> dict[str, Any]:
     """Uniforms of still, smooth water that ships do not touch yet: every one that its program knows besides light and
     terms."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel"), 1.0)
-    known = {"exposure": w.EXPOSURE, "fogReach": w.FOG, "mirrorView": np.eye(4), "hullFoam": np.ones(3)}
+    known = {"exposure": w.SEA_EXPOSURE, "fogReach": w.FOG_DISTANCE, "mirrorView": np.eye(4), "hullFoam": np.ones(3)}
     for k in range(ships):
         nothing |= {f"useHull{k}": 0.0}
         ones |= {f"mirrorSize{k}": 1.0, f"mirrorReach{k}": 1.0}
@@ -392,7 +399,7 @@ def plain(ships: int) -> dict[str, Any]:
     return known | nothing | ones
 
 
-def switched(terms: w.Terms) -> dict[str, float]:
+def term_uniforms(terms: w.ShadingTerms) -> dict[str, float]:
     """Uniforms that choose the terms."""
     return {
         "useFresnel": float(terms.fresnel),

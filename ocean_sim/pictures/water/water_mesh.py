@@ -5,7 +5,7 @@ import numpy as np
 SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
-def spline(cells: int, factor: int) -> np.ndarray:
+def spline_matrix(cells: int, factor: int) -> np.ndarray:
     """(cells * factor + 1, cells): values in the middles of equal cells -> cubic spline at nodes from wall to wall.
 
     The spline is mirrored in the walls, where water under gravity alone stands level.
@@ -16,7 +16,7 @@ def spline(cells: int, factor: int) -> np.ndarray:
     return np.stack([map_coordinates(unit, [nodes], order=3, mode="reflect") for unit in np.eye(cells)], axis=1)
 
 
-def triangles(rows: int, columns: int) -> np.ndarray:
+def grid_triangles(rows: int, columns: int) -> np.ndarray:
     """(m, 3) corners of the triangles between nodes numbered row by row, both of a cell together: what is drawn of them
     in this order finds its pixels in the processor's cache."""
     k = np.arange(rows * columns).reshape(rows, columns)
@@ -30,7 +30,7 @@ class WaterMesh:
     def __init__(self, x: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray, nodes: int) -> None:
         """x, z: middles of the cells where heights are known [m]; `nodes`: about how many the surface may have."""
         factor = int(np.clip(np.sqrt(nodes / (len(x) * len(z))), 1, 12))
-        self.along_x, self.along_z = spline(len(x), factor), spline(len(z), factor)
+        self.along_x, self.along_z = spline_matrix(len(x), factor), spline_matrix(len(z), factor)
         self.x = np.linspace(lower[0], upper[0], len(self.along_x))
         self.z = np.linspace(lower[2], upper[2], len(self.along_z))
         self.bed = float(lower[1])
@@ -39,7 +39,7 @@ class WaterMesh:
             np.gradient(self.along_z, self.z, axis=0),
         )
         self.nodes = np.stack(np.meshgrid(self.x, self.z, indexing="ij"), axis=-1).reshape(-1, 2)
-        self.surface_triangles = triangles(len(self.x), len(self.z))
+        self.surface_triangles = grid_triangles(len(self.x), len(self.z))
         rim = np.arange(len(self.nodes)).reshape(len(self.x), len(self.z))
         self.rims = (rim[:, -1], rim[::-1, 0], rim[-1, ::-1], rim[0, :])  # +z, -z, +x, -x, seen from outside
         self.side_normals = np.repeat(
@@ -48,7 +48,7 @@ class WaterMesh:
             axis=0,
         )
         counts = np.cumsum([0] + [len(rim) * SIDE_ROWS for rim in self.rims])
-        self.side_triangles = np.concatenate([triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
+        self.side_triangles = np.concatenate([grid_triangles(SIDE_ROWS, len(r)) + n for r, n in zip(self.rims, counts)])
         self.side_depth = np.concatenate([np.repeat(np.linspace(0.0, 1.0, SIDE_ROWS), len(rim)) for rim in self.rims])
 
     def heights(self, elevation: np.ndarray) -> np.ndarray:

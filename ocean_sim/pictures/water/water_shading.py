@@ -9,40 +9,47 @@ from typing import Literal
 import numpy as np
 
 from ocean_sim.pictures.stage import sky as sky_module
-from ocean_sim.pictures.stage.sky import HORIZON, SUN, SUNLIGHT, unit_vector
+from ocean_sim.pictures.stage.sky import HORIZON_COLOUR, SUN_DIRECTION, SUNLIGHT_COLOUR, unit_vector
 
 REFRACTIVE_INDEX = 1.333
-ROUGHNESS = 0.004  # variance of slopes finer than the mesh
-DEEP = np.array([0.004, 0.030, 0.050])  # light that returns from the depth, linear RGB
-CREST = np.array([0.020, 0.160, 0.150])  # light through thin water
-GLASS = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
+NODE_ROUGHNESS = 0.004  # variance of slopes finer than the mesh
+DEEP_LIGHT = np.array([0.004, 0.030, 0.050])  # light that returns from the depth, linear RGB
+CREST_LIGHT = np.array([0.020, 0.160, 0.150])  # light through thin water
+SIDE_LIGHT = np.array([0.020, 0.210, 0.260])  # the cut side of the water, at the top
 
-TROUGH, REST, PEAK = np.array([[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]])  # of the map
+TROUGH_COLOUR, REST_COLOUR, PEAK_COLOUR = np.array(
+    [[0.004, 0.030, 0.075], [0.030, 0.150, 0.230], [0.420, 0.620, 0.620]]
+)  # of the map
 MAP_LIGHT, MAP_SLOPE = unit_vector(np.array([-0.55, 0.62, -0.55])), 0.35  # where its light is; deviation of its slopes
 MAP_STEEPEST = 0.45  # slope that none of them reaches
 
-BODY = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
-THIN = np.array([0.010, 0.085, 0.088])  # light that comes through crests
-BUBBLES = np.array([0.024, 0.120, 0.132])  # light that comes back from water full of bubbles, below and between foam
-FOAM = np.array([0.70, 0.75, 0.78])  # reflectance of foam
-THIN_FOAM = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
-BLURS, MOST_BLURRED = 26.0, 5.5  # smaller copies of the sky over the roughness of water that mirrors it, and at most
-BRIGHTEST = 12.0  # to which the mirrored sky is cut: no single pixel burns
+BODY_LIGHT = np.array([0.0036, 0.0200, 0.0350])  # light from the depth of the sea under a sky of radiance 1
+THIN_LIGHT = np.array([0.010, 0.085, 0.088])  # light that comes through crests
+BUBBLE_LIGHT = np.array(
+    [0.024, 0.120, 0.132]
+)  # light that comes back from water full of bubbles, below and between foam
+FOAM_REFLECTANCE = np.array([0.70, 0.75, 0.78])  # reflectance of foam
+THIN_FOAM_REFLECTANCE = np.array([0.30, 0.43, 0.50])  # of a film of bubbles, through which the water shows
+BLUR_LEVELS, MAX_BLUR_LEVEL = (
+    26.0,
+    5.5,
+)  # smaller copies of the sky over the roughness of water that mirrors it, and at most
+MAX_MIRRORED = 12.0  # to which the mirrored sky is cut: no single pixel burns
 HDR_THRESHOLD, HDR_EXCESS, HDR_FACTOR = 0.9, 0.6, 3.0  # of (3.16); the thesis's 100 is meant for a sky of at most 1
 SUN_STRENGTH = 1.6  # of the drawn sun over its colour
-EXPOSURE = 0.60
-FOG = 6000.0  # [m] in which the air takes 1 - 1/e of a colour
-END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colour
+SEA_EXPOSURE = 0.60
+FOG_DISTANCE = 6000.0  # [m] in which the air takes 1 - 1/e of a colour
+FOG_END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colour
 
 
-def refracted(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
+def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
     """Cosine of the angle in the water by Snell's law (3.7): at most 48.6 degrees for n = 1.333."""
     return np.sqrt(1.0 - (1.0 - np.asarray(cos_incident) ** 2) / n**2)
 
 
 def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
     """Reflected share of unpolarised light (3.8), in cosines: no division of zero by zero at normal incidence."""
-    cos_refracted = refracted(cos_incident, n)
+    cos_refracted = refracted_cosine(cos_incident, n)
     across = (cos_incident - n * cos_refracted) / (cos_incident + n * cos_refracted)
     along = (n * cos_incident - cos_refracted) / (n * cos_incident + cos_refracted)
     return 0.5 * (across**2 + along**2)
@@ -62,7 +69,7 @@ def slope_variance(wind_speed: float) -> float:
 
 
 @dataclass(frozen=True)
-class Terms:
+class ShadingTerms:
     """Which terms the colour is made of; without Fresnel's the sky takes a constant share, as before it was there."""
 
     fresnel: bool = True
@@ -75,60 +82,64 @@ class Terms:
     """Share of the mirrored sky where Fresnel's is switched off."""
 
 
-def surface(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
+def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of points of the surface; `height` is -1 in a trough, 0 at rest, 1 on a crest."""
     to_eye = unit_vector(eye - position)
     facing = np.maximum((to_eye * normal).sum(axis=1), 0.0)
-    cosine = np.sqrt(facing**2 + ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
+    cosine = np.sqrt(facing**2 + NODE_ROUGHNESS)  # ripples keep a rough sea from mirroring fully at grazing angles
     share = fresnel(np.minimum(cosine, 1.0))[:, None]
     mirrored = 2.0 * facing[:, None] * normal - to_eye
     mirrored[:, 1] = np.abs(mirrored[:, 1]) + 0.02
-    sky = np.minimum(sky_module.colour(unit_vector(mirrored)), 1.5)
-    lit = np.clip(normal @ SUN, 0.0, 1.0)[:, None]
+    sky = np.minimum(sky_module.clear_sky(unit_vector(mirrored)), 1.5)
+    lit = np.clip(normal @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     thin = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None] ** 1.5
-    inside = DEEP * (0.7 + 0.9 * lit) + CREST * thin * (0.15 + 0.85 * lit)
-    return inside * (1.0 - share) + sky * share + SUNLIGHT * glint(normal, to_eye, cosine)[:, None]
+    inside = DEEP_LIGHT * (0.7 + 0.9 * lit) + CREST_LIGHT * thin * (0.15 + 0.85 * lit)
+    return inside * (1.0 - share) + sky * share + SUNLIGHT_COLOUR * sun_glint(normal, to_eye, cosine)[:, None]
 
 
-def glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     """The sun mirrored by facets with normally distributed slopes, for colours at nodes."""
-    half = unit_vector(SUN + to_eye)
+    half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
-    facets = beckmann((half * normal).sum(axis=1), np.full(len(half), ROUGHNESS))
+    facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))
     return np.minimum(0.6 * facets * share / (4.0 * np.maximum(cosine, 0.12)), 3.0)
 
 
-def side(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
+def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of the cut side of the water, as through glass; `depth` is 0 at the surface, 1 at the bed."""
     to_eye = unit_vector(eye - position)
     facing = np.clip((to_eye * normal).sum(axis=1), 0.0, 1.0)
     share = fresnel(facing)[:, None]
-    lit = 0.55 + 0.45 * np.clip(normal @ unit_vector(SUN * [1.0, 0.0, 1.0]), -0.4, 1.0)[:, None]
-    inside = DEEP * 0.5 + GLASS * np.exp(-3.2 * depth[:, None]) * lit
-    return inside * (1.0 - share) + 0.35 * HORIZON * share
+    lit = 0.55 + 0.45 * np.clip(normal @ unit_vector(SUN_DIRECTION * [1.0, 0.0, 1.0]), -0.4, 1.0)[:, None]
+    inside = DEEP_LIGHT * 0.5 + SIDE_LIGHT * np.exp(-3.2 * depth[:, None]) * lit
+    return inside * (1.0 - share) + 0.35 * HORIZON_COLOUR * share
 
 
-def relief(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
+def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
     """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the
     upper left, its slopes made steeper until they are seen, and none so steep that it is black; `height` as in
-    `surface`."""
+    `surface_light`."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
     tilted = unit_vector(np.stack([-slope[:, 0], np.ones(len(slope)), -slope[:, 1]], axis=1))
     lit = np.clip(tilted @ MAP_LIGHT, 0.0, 1.0)[:, None]
     share = np.clip(0.5 + 0.5 * height, 0.0, 1.0)[:, None]
-    paint = np.where(share < 0.5, TROUGH + 2.0 * share * (REST - TROUGH), REST + (2.0 * share - 1.0) * (PEAK - REST))
+    paint = np.where(
+        share < 0.5,
+        TROUGH_COLOUR + 2.0 * share * (REST_COLOUR - TROUGH_COLOUR),
+        REST_COLOUR + (2.0 * share - 1.0) * (PEAK_COLOUR - REST_COLOUR),
+    )
     return paint * (0.25 + 1.1 * lit)
 
 
-def filmic(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
+def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
     """Linear RGB -> 0 to 1 for a screen: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
     c = np.maximum(radiance, 0.0) * exposure
     curve = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
     return np.clip(curve, 0.0, 1.0) ** (1.0 / 2.2)
 
 
-def display(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
+def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
     """Linear RGB -> 8-bit colour."""
-    return (255.0 * filmic(radiance, exposure) + 0.5).astype(np.uint8)
+    return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)

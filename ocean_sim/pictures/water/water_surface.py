@@ -10,7 +10,7 @@ from ocean_sim.pictures.stage.plotter import Content, Stage
 from ocean_sim.pictures.water import water_shading
 from ocean_sim.pictures.water.water_mesh import WaterMesh
 
-NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
+SURFACE_NODES = {"draft": 40_000, "final": 160_000}  # of the drawn surface
 
 
 class Water(Content):
@@ -34,20 +34,24 @@ class Water(Content):
         eye = self.stage.camera.eye
         points, normals = self.mesh.surface(frame.elevation)
         points += frame.place
-        self.most = round_above(max(2.5 * float(frame.elevation.std()), self.scale))
+        self.most = round_up(max(2.5 * float(frame.elevation.std()), self.scale))
         height = np.clip(points[:, 1] / self.most, -1.0, 1.0)
         self.surface.points = points.astype(np.float32)
         camera = self.stage.camera
         if camera.parallel_height is not None or camera.from_above:
-            self.surface["colour"] = water_shading.display(water_shading.relief(normals, height))
+            self.surface["colour"] = water_shading.display_colours(water_shading.relief_light(normals, height))
         else:
-            self.surface["colour"] = water_shading.display(water_shading.surface(points, normals, height, eye))
+            self.surface["colour"] = water_shading.display_colours(
+                water_shading.surface_light(points, normals, height, eye)
+            )
         sides, depth = self.mesh.sides(points), self.mesh.side_depth
         self.sides.points = sides.astype(np.float32)
-        self.sides["colour"] = water_shading.display(water_shading.side(sides, self.mesh.side_normals, depth, eye))
+        self.sides["colour"] = water_shading.display_colours(
+            water_shading.side_light(sides, self.mesh.side_normals, depth, eye)
+        )
 
 
-def round_above(value: float) -> float:
+def round_up(value: float) -> float:
     """The least number of one digit, or of a half more below 2, times a power of ten that is not below a value."""
     power = 10.0 ** floor(log10(value))
     steps = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0

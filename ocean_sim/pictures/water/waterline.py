@@ -5,14 +5,82 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.pictures.water import foam
-from ocean_sim.pictures.water.bow_wave import Bow
+from ocean_sim.conventions import GRAVITY
 
-REACH, FADES = 4.0, 1.5  # [m] around a hull in which it is white, and before the end of that in which her bow's ends
-RESTING, CONTACT_WIDTH = 0.30, 0.55  # share of foam along a hull that lies still, and [m] in which it falls to a third
+FOAM_REACH, FOAM_FADE_WIDTH = (
+    4.0,
+    1.5,
+)  # [m] around a hull in which it is white, and before the end of that in which her bow's ends
+RESTING_FOAM, CONTACT_WIDTH = (
+    0.30,
+    0.55,
+)  # share of foam along a hull that lies still, and [m] in which it falls to a third
+POINTS_PER_BATCH = 512  # whose distances to a line are found together: they stay in the processor's cache
+ENTRANCE_LENGTH = 0.35  # lengths of a ship abaft her stem in which she reaches her breadth
+DRAUGHT_SHARE = 0.25  # of her breadth
+CREST_RISE, CREST_DISTANCE = 2.2, 1.1  # of V^2 / g: height and place of the crest
+MAX_CREST = 0.2  # of the breadth: a higher one is spray
+CREST_SLOPE = 0.33  # slope of the crest's line against the hull, as it leaves it
+CREST_DECAY = 0.5, 2.0  # lengths of a ship, and V^2 / g, along that line in which the crest falls to a third
+CREST_WIDTH, CREST_WIDENING = 0.10, 0.10  # [breadths] of the crest at the stem, and what it gains for each it goes aft
+BREAKING_HEIGHT, WHITE_HEIGHT = 0.03, 0.22  # [m] height from which the crest breaks, and is wholly white
+FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a third
 
 
-class Met(NamedTuple):
+class Bow(NamedTuple):
+    """Of a ship that goes at a speed."""
+
+    length: float  # [m]
+    breadth: float  # [m]
+    speed: float  # [m/s]
+
+    @property
+    def wedge(self) -> float:
+        """Tangent of half the angle of her entrance."""
+        return 0.5 * self.breadth / (ENTRANCE_LENGTH * self.length)
+
+    @property
+    def crest(self) -> tuple[float, float]:
+        """Height over the water around, and distance abaft the stem [m]."""
+        head = self.speed**2 / GRAVITY
+        slowed = 1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)
+        rise = CREST_RISE / slowed * self.wedge * np.hypot(1.0, self.wedge) * head
+        return float(min(rise, MAX_CREST * self.breadth)), float(CREST_DISTANCE / slowed * head)
+
+    @property
+    def breaks(self) -> float:
+        """0 to 1, how white its crest is."""
+        return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
+
+    def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far places lie outside the line of the crest [its own widths], and the share of its height that it has
+        left there: places `abaft` the stem and a `gap` off the hull [m]."""
+        back = self.crest[1]
+        aft = np.maximum(abaft - back, 0.0)
+        width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
+        left = np.exp(-aft / (CREST_DECAY[0] * self.length + CREST_DECAY[1] * self.speed**2 / GRAVITY))
+        ahead = np.exp(-np.square(np.minimum(abaft - back, 0.0) / (back + self.breadth * CREST_WIDTH)))
+        return (gap - CREST_SLOPE * aft) / width, left * ahead
+
+    def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
+        """[m] of the wave at places abaft the stem and off the hull [m]: a steep face outside, and inside it the water
+        falls to what it was."""
+        off, left = self.across(abaft, gap)
+        return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
+
+    def white(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
+        """Share of foam there: on the face of the crest, and thinner behind it."""
+        off, left = self.across(abaft, gap)
+        behind = np.exp(np.minimum(off, 0.0) * self.breadth * CREST_WIDTH / (FOAM_TRAIL * self.breadth) * 3.0)
+        face = np.exp(-np.square(np.maximum(off, 0.0) / 0.8))
+        return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
+
+    def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
+        """[m] of a wedge that goes on as a wall."""
+        return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
+
+
+class WettedHull(NamedTuple):
     """A hull in the water at a time."""
 
     line: np.ndarray  # (m, 2, 2) segments x, z [m] at which it meets the water
@@ -27,13 +95,13 @@ class Met(NamedTuple):
 
     def around(self) -> tuple[np.ndarray, np.ndarray]:
         """(2,) the least and the greatest x, z [m] at which it is white."""
-        return self.line.min(axis=(0, 1)) - REACH, self.line.max(axis=(0, 1)) + REACH
+        return self.line.min(axis=(0, 1)) - FOAM_REACH, self.line.max(axis=(0, 1)) + FOAM_REACH
 
     def places(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,) how far places x, z (n, 2) lie abaft the stem and to a side of the middle [m]."""
         ends = self.line.reshape(-1, 2)
-        stem = foam.from_ship(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
-        along, aside = foam.from_ship(at[:, 0], at[:, 1], self.position, self.turn)
+        stem = ship_coordinates(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
+        along, aside = ship_coordinates(at[:, 0], at[:, 1], self.position, self.turn)
         return stem - along, aside
 
     def raised(self, at: np.ndarray) -> np.ndarray:
@@ -43,16 +111,16 @@ class Met(NamedTuple):
 
     def gap(self, at: np.ndarray) -> np.ndarray:
         """(n,) [m] from places x, z (n, 2) to the hull, negative inside it."""
-        return foam.distance(at, self.line)
+        return distance_to_line(at, self.line)
 
     def breaking(self, at: np.ndarray, gap: np.ndarray) -> np.ndarray:
         """(n,) share of foam of the wave at her bow, at places x, z (n, 2) that lie a gap off the hull [m]."""
-        return self.bow.white(self.places(at)[0], gap) * np.clip((REACH - gap) / FADES, 0.0, 1.0)
+        return self.bow.white(self.places(at)[0], gap) * np.clip((FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0)
 
     def white(self, at: np.ndarray) -> np.ndarray:
         """(n,) share of foam at places x, z (n, 2): of that wave, and of all the hull."""
         gap = self.gap(at)
-        return np.maximum(self.breaking(at, gap), RESTING * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
+        return np.maximum(self.breaking(at, gap), RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
 
 
 class Hull:
@@ -65,9 +133,52 @@ class Hull:
 
     def met(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
-    ) -> Met:
+    ) -> WettedHull:
         """Where she is, at a speed [m/s]; `heights_at`: of the water [m] at places x, z (n, 2)."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
-        line = foam.waterline(vertices, self.triangles, above)
-        return Met(line, position, turn, Bow(self.length, self.beam, speed))
+        line = waterline_segments(vertices, self.triangles, above)
+        return WettedHull(line, position, turn, Bow(self.length, self.beam, speed))
+
+
+def ship_coordinates(
+    x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
+    to_x, to_z = x - position[0], z - position[2]
+    return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
+
+
+def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
+    a = above[triangles]
+    cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
+    ends = []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        p, q = cut[:, i], cut[:, j]
+        crossed = (above[p] < 0.0) != (above[q] < 0.0)
+        share = np.where(crossed, above[p] / np.where(crossed, above[p] - above[q], 1.0), np.nan)[:, None]
+        ends.append(np.where(crossed[:, None], vertices[p] + share * (vertices[q] - vertices[p]), np.nan)[:, [0, 2]])
+    both = np.stack(ends, axis=1)  # one of the three is not a number
+    missing = np.isnan(both[:, :, 0]).argmax(axis=1)
+    kept = np.array([[1, 2], [0, 2], [0, 1]])[missing]
+    return both[np.arange(len(both))[:, None], kept].reshape(-1, 2, 2)
+
+
+def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
+    batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
+    return np.concatenate([batch_distance(batch, segments) for batch in batches])
+
+
+def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+    """The same of a few points."""
+    (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
+    to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
+    share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)
+    away = np.sqrt(((to_x - share * along_x) ** 2 + (to_z - share * along_z) ** 2).min(axis=1))
+    spans = (to_z < 0.0) != (to_z < along_z)
+    left_of = to_x < to_z * (along_x / np.where(along_z == 0.0, 1.0, along_z))
+    inside = (spans & left_of).sum(axis=1) % 2 == 1
+    return np.where(inside, -away, away)

@@ -1,4 +1,4 @@
-"""Keys of the kinds that float by their own volume, and their hull of cubes in the water of a scene."""
+"""Keys of the kinds that float by their own volume, their checks, and the pose of a hull at rest."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,25 +15,25 @@ from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
 from ocean_sim.ship import Afloat, Look, Outline
-from ocean_sim.ship.body.rigid_body import RigidBody, matrix, oriented
-from ocean_sim.ship.body.vessel import VesselConfig, outline
+from ocean_sim.ship.body.rigid_body import RigidBody, euler_quaternion, rotation_matrix
+from ocean_sim.ship.body.vessel import VesselConfig, placed_outline
 from ocean_sim.ship.forces.damping import Resistance
 from ocean_sim.ship.forces.moorings import Mooring
 from ocean_sim.ship.forces.propulsion import Autopilot, Crew, Propeller, Rudder
 from ocean_sim.ship.hull.cubes import Cubes
-from ocean_sim.ship.hull.distance import MANY, memory
-from ocean_sim.ship.hull.hull import Hull, Inertia, explained, hull_of
-from ocean_sim.ship.hull.shapes import outermost
-from ocean_sim.ship.naval.hydrostatics import Hydrostatics, metacentric_heights, squat
+from ocean_sim.ship.hull.distance import MAX_LATTICE_NODES, lattice_memory
+from ocean_sim.ship.hull.hull import Hull, Inertia, error_sentence, hull_of
+from ocean_sim.ship.hull.shapes import convex_corners
+from ocean_sim.ship.naval.hydrostatics import Hydrostatics, bow_squat, metacentric_heights
 from ocean_sim.ship.water.solid import Solid
 from ocean_sim.ship.water.wall_contact import Sides
-from ocean_sim.ship.water.water_samples import ACROSS, ALONG, LEVELS, SurroundingSea
-from ocean_sim.ship.water.wave_contact import FINE, RIM, Contact
+from ocean_sim.ship.water.water_samples import DEPTH_LEVELS, NODES_ACROSS, NODES_ALONG, SurroundingSea
+from ocean_sim.ship.water.wave_contact import CUBES_A_SPACING, SAG_RIM, Contact
 
-FEW = 4.0  # spacings in a draught
-SHALLOW = 4.0  # draughts of water from which on the bed is hardly felt
-STIFFER = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
-LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
+RESOLVED_SPACINGS = 4.0  # spacings in a draught
+SHALLOW_DRAUGHTS = 4.0  # draughts of water from which on the bed is hardly felt
+GM_TOLERANCE = 0.05  # of GM by which that of the cubes may differ from that of the hull without a warning
+MAX_LEAN = 30.0  # [deg] of trim or heel, within which a pose at rest is looked for
 
 
 class FloatingConfig(VesselConfig):
@@ -52,8 +52,7 @@ class FloatingConfig(VesselConfig):
     cells_per_draught: float = quantity("1", 8.0, ge=1.0, le=64.0)
     """Cubes over the draught: 8 for motions, 16 for stability curves."""
     contact: Contact | None = Contact()
-    """How particles and the hull push each other; null: they pass through each other, and the hull feels the surface
-    alone."""
+    """Push between particles and the hull; null: they pass through each other, and the hull feels the surface alone."""
     propeller: Propeller | None = None
     rudder: Rudder | None = None
     moorings: list[Mooring] = []
@@ -61,7 +60,7 @@ class FloatingConfig(VesselConfig):
 
     @field_validator("hull")
     @classmethod
-    def _known(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
+    def _existing_hull(cls, hull: str | Hull, info: ValidationInfo) -> str | Hull:
         if not isinstance(hull, str) or hull in named("hull"):
             return hull
         hull_of(hull)
@@ -75,36 +74,36 @@ class FloatingConfig(VesselConfig):
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
 
     @cached_property
-    def known(self) -> dict[tuple[float, float], Hydrostatics]:
-        """The hull in still water, by gravity and density, as far as it has been asked for."""
+    def still_water_cache(self) -> dict[tuple[float, float], Hydrostatics]:
+        """Hydrostatics by gravity and density, as far as they have been asked for."""
         return {}
 
     @cached_property
-    def by_faces(self) -> dict[Hydrostatics, float | None]:
-        """GM [m] of the hull itself, likewise."""
+    def face_gms(self) -> dict[Hydrostatics, float | None]:
+        """GM [m] of the hull by its faces, as far as it has been asked for."""
         return {}
 
-    def afloat(self, gravity: float, density: float) -> Hydrostatics:
+    def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
         """The hull in still water; raises ValueError."""
         asked = gravity, density
-        if asked not in self.known:
-            self.known[asked] = self.whole_hull.afloat(self.cells_per_draught, density, gravity)
-        return self.known[asked]
+        if asked not in self.still_water_cache:
+            self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)
+        return self.still_water_cache[asked]
 
-    def still(self, preflight: Preflight) -> Hydrostatics:
+    def hydrostatics_of(self, preflight: Preflight) -> Hydrostatics:
         """The hull in the still water of a scene; raises ValueError."""
-        return self.afloat(-preflight.tank.gravity[1], preflight.fluid.rest_density)
+        return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] that her law of motion has, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2] of her law of motion, in the order of `Motions`."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
-        """What slows the hull down; None where nothing but particles does."""
+        """Damping of the hull; None if nothing but particles slows it down."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
@@ -113,39 +112,39 @@ class FloatingConfig(VesselConfig):
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:
         """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
-        if still not in self.by_faces:
+        if still not in self.face_gms:
             heights = metacentric_heights(self.whole_hull.shape, still)
-            self.by_faces[still] = None if heights is None else heights[0]
-        return self.by_faces[still]
+            self.face_gms[still] = None if heights is None else heights[0]
+        return self.face_gms[still]
 
     def look(self, preflight: Preflight) -> Look:
-        still = self.still(preflight)
+        still = self.hydrostatics_of(preflight)
         name = self.hull if isinstance(self.hull, str) else ""
         lower, upper = self.whole_hull.shape.bounds()
-        submerged = min(1.0, still.wanted / still.voxels.volume)
+        submerged = min(1.0, still.needed_volume / still.voxels.volume)
         return Look(f"{name} {self.whole_hull.shape.kind}", submerged, float(upper[0] - lower[0]))
 
     def outline(self, preflight: Preflight) -> Outline:
-        still = self.still(preflight)
-        corners = outermost(self.whole_hull.shape) - still.matter.centre
-        return outline(corners, self.body(still.matter, *afloat_pose(still)))
+        still = self.hydrostatics_of(preflight)
+        corners = convex_corners(self.whole_hull.shape) - still.matter.centre
+        return placed_outline(corners, self.body_at_start(still.matter, *afloat_pose(still)))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
-        still = self.still(preflight)
-        body = self.unsettled(self.body(still.matter, *afloat_pose(still)), preflight)
-        reach = max(RIM, preflight.fluid.support_asked or RIM) * preflight.spacing
+        still = self.hydrostatics_of(preflight)
+        body = self.above_unsettled_water(self.body_at_start(still.matter, *afloat_pose(still)), preflight)
+        reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
 
-    def unsettled(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """The body where it makes room in water that has not settled yet: higher by as much where its height is given,
-        so that no gap opens under it."""
+    def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
+        """The body raised by the height that the water will lose as it settles, so that no gap opens under it; a body
+        whose height is given stays."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
-    def too_large(self, basin: Basin) -> str:
-        """How the hull is larger than the basin, in words; empty where it is not."""
+    def oversize(self, basin: Basin) -> str:
+        """Words on a hull that is larger than the basin; empty if it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -157,29 +156,32 @@ class FloatingConfig(VesselConfig):
     def mismatches(self, preflight: Preflight) -> Problems:
         found, basin, spacing = Problems(), preflight.tank, preflight.spacing or 0.0
         solid = self.solid(preflight)
-        large = self.too_large(basin) if preflight.fluid.made_of_particles else ""
+        large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
         if large:
             return [(("hull",), large)]
         if solid is not None:
-            if memory(solid.shape, spacing / FINE, max(solid.reach, RIM * spacing), 8)[0] > MANY:
+            if (
+                lattice_memory(solid.shape, spacing / CUBES_A_SPACING, max(solid.reach, SAG_RIM * spacing), 8)[0]
+                > MAX_LATTICE_NODES
+            ):
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
                 return [(("hull",), f"{message}; take a smaller fluid.spacing")]
-            for axis, _, depth in Sides(solid.shape, solid.centre, basin).beyond(solid.body):
+            for axis, _, depth in Sides(solid.shape, solid.centre, basin).penetrations(solid.body):
                 if depth.max() > 1e-6:
                     side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         if not preflight.fluid.made_of_particles:
-            still = self.still(preflight)
-            body = self.body(still.matter, *afloat_pose(still))
+            still = self.hydrostatics_of(preflight)
+            body = self.body_at_start(still.matter, *afloat_pose(still))
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
-            for _, _, depth in sides.beyond(body):
+            for _, _, depth in sides.penetrations(body):
                 if depth.max() > 1e-6 and not isinf(still.draught):
                     found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
         return found
 
-    def unable(self) -> Problems:
-        """Orders that the ship has nothing to follow with."""
+    def unfollowable_orders(self) -> Problems:
+        """Problems of orders for which the ship has no propeller or rudder."""
         found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"
@@ -193,7 +195,7 @@ class FloatingConfig(VesselConfig):
 
     def problems(self, preflight: Preflight) -> Problems:
         basin = preflight.tank
-        found = self.misplaced(basin) + self.unable()
+        found = self.basin_problems(basin) + self.unfollowable_orders()
         for k, mooring in enumerate(self.moorings):
             if isinstance(mooring.fairlead, str) and mooring.fairlead not in self.points:
                 there = f"there are {', '.join(self.points)}" if self.points else "it names none"
@@ -201,19 +203,19 @@ class FloatingConfig(VesselConfig):
         if found:
             return found
         try:
-            hull = self.afloat(-basin.gravity[1], WATER_DENSITY)
+            hull = self.in_still_water(-basin.gravity[1], WATER_DENSITY)
         except ValueError as error:
-            return [*found, (("hull",), explained(error))]
+            return [*found, (("hull",), error_sentence(error))]
         if not isinf(hull.draught) and hull.draught > basin.depth:
             message = f"the ship draws {hull.draught:.3g} m, the water is {basin.depth:g} m deep"
             found.append((("hull",), message))
         return found
 
-    def unborne(self, preflight: Preflight) -> list[str]:
-        """Why there may be no water that bears the ship."""
+    def missing_water(self, preflight: Preflight) -> list[str]:
+        """Warnings that there may be no water to bear the ship."""
         fluid, (x, z) = preflight.fluid, (self.position[0], self.position[-1])
         if not fluid.made_of_particles:
-            large = self.too_large(preflight.tank)
+            large = self.oversize(preflight.tank)
             return [f"{large}: pictures show only the basin; a sea in closed form continues beyond it"] if large else []
         found = [] if fluid.bears else [f"water of kind {fluid.kind} has no pressure: only a bed carries the ship"]
         boxes = preflight.untouched.boxes if preflight.untouched is not None else []
@@ -223,8 +225,8 @@ class FloatingConfig(VesselConfig):
             found.append(f"there is no water under the ship at x = {x:g}, z = {z:g} m at first: it falls")
         return found
 
-    def high_or_deep(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
-        """Whether the ship begins more than a draught above where it floats, or wholly under water."""
+    def start_height_warnings(self, hull: Hydrostatics, preflight: Preflight) -> list[str]:
+        """Warnings of a ship that begins more than a draught above its floating height, or wholly under water."""
         if self.afloat_at_first:
             return []
         above = self.position[1] - afloat_pose(hull)[0]
@@ -241,26 +243,26 @@ class FloatingConfig(VesselConfig):
         return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
 
     def feels_bed(self, depth: float) -> bool:
-        """Whether added mass and damping are those over a bed at this depth [m]."""
+        """True if added mass and damping are those over a bed at this depth [m]."""
         return False
 
-    def over_a_bed(self, hull: Hydrostatics, depth: float) -> str:
-        """What is missing in water of few draughts."""
+    def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
+        """Warning of the effects that are missing in water of few draughts."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
         if speed == 0.0:
             return message
-        sunk = squat(hull.wanted, hull.length, speed, depth)
+        sunk = bow_squat(hull.needed_volume, hull.length, speed, depth)
         if isinf(sunk):
             return f"{message}; {speed:.3g} m/s are faster than the fastest wave there, sqrt(g h)"
         touches = ", and touch the bed" if hull.draught + sunk >= depth else ""
         return f"{message}; at {speed:.3g} m/s her bow would lie {sunk:.2g} m deeper{touches} (ICORELS 1980)"
 
-    def of_cubes(self, still: Hydrostatics) -> list[str]:
-        """Whether the cubes that a law feels the water by stand up more or less than the hull that they stand for."""
+    def cube_gm_warnings(self, still: Hydrostatics) -> list[str]:
+        """Warning that GM of the cubes differs from GM of the hull that they stand for."""
         gm, own = still.metacentric_height(), self.gm_of_faces(still)
-        if self.carried_as_body or own is None or abs(gm - own) <= STIFFER * abs(own):
+        if self.carried_as_body or own is None or abs(gm - own) <= GM_TOLERANCE * abs(own):
             return []
         than = f"GM of the ship's cubes is {gm:.3g} m, that of her hull {own:.3g} m"
         rows = f"{still.draught / float(still.voxels.size[1]):.2f} rows of cubes are under water"
@@ -272,19 +274,28 @@ class FloatingConfig(VesselConfig):
         return [f"{than}: {rolls}; {cure}"]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        hull = self.still(preflight)
-        mesh = self.whole_hull.shape.closed()
+        hull = self.hydrostatics_of(preflight)
+        mesh = self.whole_hull.shape.closed_mesh()
         remarks = [] if mesh is None else [f"the hull's mesh: {remark}" for remark in mesh.remarks]
         if mesh is not None and not isinf(hull.draught):
             remarks += mesh.unlike_a_ship(hull.draught, hull.kb)
         if isinf(hull.draught):
             return [*remarks, f"the ship weighs {hull.matter.mass:.4g} kg, more than its hull can carry: it sinks"]
-        found = remarks + super().warnings(preflight) + self.unborne(preflight) + self.high_or_deep(hull, preflight)
+        found = (
+            remarks
+            + super().warnings(preflight)
+            + self.missing_water(preflight)
+            + self.start_height_warnings(hull, preflight)
+        )
         orders = [(1.0, 0.0)] if isinstance(self.controls, Autopilot) else Crew(self.controls).orders
         for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
             if moved and getattr(self, lacks) is None:
                 found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
-        if self.helm is not None and self.propeller is not None and self.propeller.force(1.0, self.helm.speed) <= 0.0:
+        if (
+            self.helm is not None
+            and self.propeller is not None
+            and self.propeller.thrust_at(1.0, self.helm.speed) <= 0.0
+        ):
             found.append(f"helm: asks for {self.helm.speed:g} m/s, at which her propeller gives no thrust")
         logged = [part.model_dump()["point"] for key, part in preflight.parts.items() if key == "motion"]
         if unasked := self.points.keys() - {"helm", *logged, *(mooring.fairlead for mooring in self.moorings)}:
@@ -300,64 +311,64 @@ class FloatingConfig(VesselConfig):
             )
         if hull.metacentric_height() <= 0.0:
             found.append(f"the ship is unstable upright: GM = {hull.metacentric_height():.3g} m; it will heel")
-        elif at_rest(hull) is None:
+        elif rest_angles(hull) is None:
             far = "her centre of mass lies too far from that of her buoyancy"
-            found.append(f"within {LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
-        found += self.of_cubes(hull)
-        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW * hull.draught:
-            found.append(self.over_a_bed(hull, preflight.tank.depth))
+            found.append(f"within {MAX_LEAN:g} degrees of trim and heel the ship has no pose at rest: {far}")
+        found += self.cube_gm_warnings(hull)
+        if not preflight.fluid.made_of_particles and preflight.tank.depth < SHALLOW_DRAUGHTS * hull.draught:
+            found.append(self.shallow_water_warning(hull, preflight.tank.depth))
         resistance = self.resistance(hull)
         if resistance is not None:
-            found += [*resistance.warnings, *resistance.undamped(self.free)]
+            found += [*resistance.warnings, *resistance.undamped_warnings(self.free)]
         spacing = preflight.spacing
-        if spacing and hull.draught < FEW * spacing:
-            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings; below {FEW:g}"
-            found.append(f"{message} the water does not resolve the ship")
+        if spacing and hull.draught < RESOLVED_SPACINGS * spacing:
+            message = f"the draught of {hull.draught:.3g} m is {hull.draught / spacing:.2g} spacings"
+            found.append(f"{message}; below {RESOLVED_SPACINGS:g} the water does not resolve the ship")
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
-        n = len(self.afloat(-basin.gravity[1], WATER_DENSITY).voxels.share)
+        n = len(self.in_still_water(-basin.gravity[1], WATER_DENSITY).voxels.share)
         size = Cubes.bytes(n, word) + SurroundingSea.bytes(word)
-        size += preflight.fluid.window_bytes(preflight, (ALONG, ACROSS), LEVELS)
+        size += preflight.fluid.window_bytes(preflight, (NODES_ALONG, NODES_ACROSS), DEPTH_LEVELS)
         why = f"{self.cells_per_draught:g} cells_per_draught"
         rows = [LedgerRow("ship", f"{n} cubes of the hull", size, why)]
         solid = self.solid(preflight)
         if solid is not None:
-            count, size = memory(solid.shape, solid.reach / RIM / FINE, solid.reach, word)
+            count, size = lattice_memory(solid.shape, solid.reach / SAG_RIM / CUBES_A_SPACING, solid.reach, word)
             rows.append(LedgerRow("ship", f"{count} distances from the hull", size, "ship.contact with particles"))
         return rows
 
 
 def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
-    """Height of the centre of mass over the still water [m], and the quaternion of trim and heel, at rest, or upright
-    where there is no such pose; a ship that cannot float begins with its deck awash."""
+    """Height of the centre of mass over the still water [m] and quaternion of trim and heel, at rest; upright if there
+    is no such pose. A ship that cannot float begins with its deck awash."""
     if isinf(still.draught):
-        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), oriented(0.0, 0.0, 0.0)
-    found = at_rest(still)
+        return float(still.matter.centre[1] - still.voxels.centre[:, 1].max()), euler_quaternion(0.0, 0.0, 0.0)
+    found = rest_angles(still)
     angle = np.zeros(2) if found is None else found
-    turn = matrix_of(angle)
-    level = still.level(turn[1])
-    return float((turn @ still.matter.centre)[1] - level), oriented(angle[0], 0.0, angle[1])
+    turn = lean_matrix(angle)
+    level = still.water_level(turn[1])
+    return float((turn @ still.matter.centre)[1] - level), euler_quaternion(angle[0], 0.0, angle[1])
 
 
 @lru_cache(maxsize=4)
-def at_rest(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll of a hull that floats [rad], at which nothing turns it: upright, if it can rest so; None
-    where there is no such pose within LEAN."""
+def rest_angles(still: Hydrostatics) -> np.ndarray | None:
+    """(2,) pitch and roll [rad] at which nothing turns a hull that floats: upright, if it can rest so; None if there is
+    no such pose within MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
-        return still.apart(matrix_of(angle))[::-1]
+        return still.buoyancy_offset(lean_matrix(angle))[::-1]
 
     upright = np.zeros(2)
     size = float(np.ptp(still.voxels.centre[:, 2]))
     if np.abs(levers(upright)).max() <= 1e-6 * size:
         return upright
-    found = balanced(levers, upright)
-    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(LEAN) else None
+    found = newton_balance(levers, upright)
+    return found if np.abs(levers(found)).max() < 1e-3 * size and np.abs(found).max() < radians(MAX_LEAN) else None
 
 
-def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
+def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
     """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a
     step: to 1e-10 rad, or as near as 20 steps come."""
     small = 1e-4
@@ -371,6 +382,6 @@ def balanced(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> n
     return angle
 
 
-def matrix_of(angle: np.ndarray) -> np.ndarray:
-    """(3, 3) of pitch and roll."""
-    return matrix(oriented(angle[0], 0.0, angle[1]))
+def lean_matrix(angle: np.ndarray) -> np.ndarray:
+    """(3, 3) rotation of a pitch and a roll [rad]."""
+    return rotation_matrix(euler_quaternion(angle[0], 0.0, angle[1]))

@@ -50,7 +50,7 @@ class FloatingShip(Vessel):
 
     def __init__(self, name: str, config: FloatingConfig, basin: Basin, fluid: Fluid) -> None:
         particles = fluid.of_particles
-        self.hydrostatics = still = config.afloat(-basin.gravity[1], fluid.rest_density)
+        self.hydrostatics = still = config.in_still_water(-basin.gravity[1], fluid.rest_density)
         self.cubes = Cubes(still)
         shape, matter = config.whole_hull.shape, still.matter
         width, height, length = np.subtract(*shape.bounds()[::-1])
@@ -71,7 +71,7 @@ class FloatingShip(Vessel):
             if contact is not None and particles is not None:
                 hollow = (contact.hull.distance, contact.rim, particles.contacts)
             self.water = SurroundingWater(length, width, height, *hollow)
-        body = self.carried_along(config.lowered(config.body(matter, *afloat_pose(still)), fluid), fluid)
+        body = self.carried_along(config.settled_body(config.body_at_start(matter, *afloat_pose(still)), fluid), fluid)
         self.first_body = body  # at the beginning
         if contact is not None and particles is not None:
             contact.hull.water = self.water
@@ -81,7 +81,7 @@ class FloatingShip(Vessel):
         super().__init__(name, config, body, actuators, basin.lower[1])
         self.shape, self.contact, self.sides = shape, contact, sides
         self.moor(config.moorings, config.points)
-        self.usual_volume = min(still.wanted, still.voxels.volume)  # under water [m3]
+        self.usual_volume = min(still.needed_volume, still.voxels.volume)  # under water [m3]
         self.weight = np.array([[0.0, -matter.mass * still.gravity, 0.0], [0.0, 0.0, 0.0]])
         self.motion_limits = self.limits_of_motion()
         # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
@@ -94,14 +94,14 @@ class FloatingShip(Vessel):
         if fluid.of_particles is not None:
             return body
         still, turn = self.hydrostatics, body.matrix
-        wet = still.wet(turn[1], -float(body.position[1] - turn[1] @ still.matter.centre))
+        wet = still.wet_volumes(turn[1], -float(body.position[1] - turn[1] @ still.matter.centre))
         moved = fluid.velocities((still.voxels.centre - still.matter.centre) @ turn.T + body.position)
         flow = (wet[:, None] * moved).sum(axis=0) / max(float(wet.sum()), 1e-9)
         return replace(body, velocity=body.velocity + flow)
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        body = self.centred if self.water.samples_depth else self.body
-        wet = self.cubes.wetted(body, self.water, surface, wind)
+        body = self.centred_body if self.water.samples_depth else self.body
+        wet = self.cubes.sum_forces(body, self.water, surface, wind)
         # Added mass, damping and thrust are whole until half the usual volume is out of the water.
         share = min(1.0, 2.0 * wet.volume / self.usual_volume)
         motion = np.array([*body.own_velocity, *body.own_spin]) - wet.velocity
@@ -154,7 +154,7 @@ class FloatingShip(Vessel):
             raise Diverged(f"{called(self.name)} has sunk to the bed, {-self.bed:g} m down, at ({x:.4g}, {z:.4g}) m")
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.cubes.displaced(self.body, self.water)
+        return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: dict[str, float] | None = None) -> Limits:
         """STEPS_A_PERIOD steps in the fastest natural motion, with added mass where given."""

@@ -25,24 +25,24 @@ class RigidBody:
 
     @cached_property
     def rows(self) -> small_linalg.Rows:
-        """Those of the rotation, body to world, as plain numbers."""
-        return small_linalg.matrix(self.orientation.tolist())
+        """Rows of the rotation matrix, body to world, as plain numbers."""
+        return small_linalg.rotation_matrix(self.orientation.tolist())
 
     @cached_property
     def own_spin(self) -> small_linalg.Three:
         """Angular velocity in body axes [rad/s], as plain numbers."""
-        momentum = small_linalg.turned_back(self.rows, self.angular_momentum.tolist())
-        return small_linalg.solved(self.inertia_body.tolist(), momentum)
+        momentum = small_linalg.transpose_times(self.rows, self.angular_momentum.tolist())
+        return small_linalg.solve_3x3(self.inertia_body.tolist(), momentum)
 
     @cached_property
     def spin(self) -> small_linalg.Three:
         """Angular velocity in world axes [rad/s], as plain numbers."""
-        return small_linalg.turned(self.rows, self.own_spin)
+        return small_linalg.matrix_times(self.rows, self.own_spin)
 
     @cached_property
     def own_velocity(self) -> small_linalg.Three:
         """Velocity of the centre of mass in body axes [m/s], as plain numbers."""
-        return small_linalg.turned_back(self.rows, self.velocity.tolist())
+        return small_linalg.transpose_times(self.rows, self.velocity.tolist())
 
     @cached_property
     def matrix(self) -> np.ndarray:
@@ -62,10 +62,10 @@ class RigidBody:
     @cached_property
     def angles(self) -> np.ndarray:
         """(3,) pitch, yaw, roll [rad]: intrinsic yaw about Y, then pitch about X, then roll about Z."""
-        return angles(self.orientation)
+        return euler_angles(self.orientation)
 
     def kinetic_energy(self) -> float:
-        """Of translation and rotation [J]."""
+        """Kinetic energy of translation and rotation [J]."""
         turning = self.angular_velocity @ self.angular_momentum
         return 0.5 * float(self.mass * self.velocity @ self.velocity + turning)
 
@@ -79,19 +79,19 @@ class RigidBody:
 
 
 def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
-    """(2, 3) force and torque in body axes, in those of the world."""
-    return np.array([small_linalg.turned(body.rows, part) for part in load.tolist()])
+    """(2, 3) force and torque in body axes, turned to world axes."""
+    return np.array([small_linalg.matrix_times(body.rows, part) for part in load.tolist()])
 
 
-def components(vector: np.ndarray) -> list:
-    """Those of a vector as plain numbers, with which Python reckons many times as quickly as with NumPy's; of n vectors
-    (k, n), k arrays (n,)."""
+def plain_components(vector: np.ndarray) -> list:
+    """Components of a vector as plain numbers, with which Python computes many times as quickly as with NumPy's; of n
+    vectors (k, n), k arrays (n,)."""
     return vector.tolist() if vector.ndim == 1 else list(vector)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a x b of two (3,), many times as quick as NumPy's, or of (3, n)."""
-    return np.array(small_linalg.cross(components(a), components(b)))
+    return np.array(small_linalg.cross(plain_components(a), plain_components(b)))
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -99,56 +99,56 @@ def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.concatenate([[np.cos(angle / 2.0)], np.sin(angle / 2.0) * np.asarray(axis)])
 
 
-def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(4.7): first q, then p; (4,) each, or (4, n)."""
-    return np.array(small_linalg.product(components(p), components(q)))
+    return np.array(small_linalg.quaternion_product(plain_components(p), plain_components(q)))
 
 
-def inverse(q: np.ndarray) -> np.ndarray:
-    """(4.8): of a unit quaternion, or of (4, n)."""
-    w, x, y, z = components(q)
+def quaternion_inverse(q: np.ndarray) -> np.ndarray:
+    """(4.8): the inverse of a unit quaternion, or of (4, n)."""
+    w, x, y, z = plain_components(q)
     return np.array([w, -x, -y, -z])
 
 
-def rotated(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
+def rotate_vector(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """(4.9): a vector turned by a unit quaternion."""
-    return product(product(q, np.concatenate([[0.0], vector])), inverse(q))[1:]
+    return quaternion_product(quaternion_product(q, np.concatenate([[0.0], vector])), quaternion_inverse(q))[1:]
 
 
-def matrix(q: np.ndarray) -> np.ndarray:
+def rotation_matrix(q: np.ndarray) -> np.ndarray:
     """(4.10): (3, 3) rotation of a quaternion of any length, or (3, 3, n) of (4, n)."""
-    return np.array(small_linalg.matrix(components(q)))
+    return np.array(small_linalg.rotation_matrix(plain_components(q)))
 
 
-def normalised(q: np.ndarray) -> np.ndarray:
+def unit_quaternion(q: np.ndarray) -> np.ndarray:
     """The unit quaternion along q."""
-    return np.array(small_linalg.normalised(q.tolist()))
+    return np.array(small_linalg.unit_quaternion(q.tolist()))
 
 
-def rotation(turn: np.ndarray) -> np.ndarray:
+def turn_quaternion(turn: np.ndarray) -> np.ndarray:
     """The factor of (4.25): turn about a vector by its length [rad]."""
-    return np.array(small_linalg.rotation(turn.tolist()))
+    return np.array(small_linalg.turn_quaternion(turn.tolist()))
 
 
-def about(axis: int, angle: float) -> np.ndarray:
+def axis_rotation(axis: int, angle: float) -> np.ndarray:
     """(4.3): (3, 3) rotation about x, y or z (0, 1, 2)."""
-    return matrix(quaternion(np.eye(3)[axis], angle))
+    return rotation_matrix(quaternion(np.eye(3)[axis], angle))
 
 
-def oriented(pitch: float, yaw: float, roll: float) -> np.ndarray:
+def euler_quaternion(pitch: float, yaw: float, roll: float) -> np.ndarray:
     """Quaternion of intrinsic yaw about Y, then pitch about X, then roll about Z [rad]."""
     turns = [quaternion(np.eye(3)[axis], angle) for axis, angle in ((1, yaw), (0, pitch), (2, roll))]
-    return product(product(turns[0], turns[1]), turns[2])
+    return quaternion_product(quaternion_product(turns[0], turns[1]), turns[2])
 
 
-def angles(q: np.ndarray) -> np.ndarray:
-    """(3,) pitch, yaw, roll [rad] of a quaternion, or (3, n) of (4, n); the inverse of `oriented`."""
-    r = matrix(q)
+def euler_angles(q: np.ndarray) -> np.ndarray:
+    """(3,) pitch, yaw, roll [rad] of a quaternion, or (3, n) of (4, n); the inverse of `euler_quaternion`."""
+    r = rotation_matrix(q)
     pitch = np.arcsin(np.minimum(np.maximum(-r[1, 2], -1.0), 1.0))
     return np.array([pitch, np.arctan2(r[0, 2], r[2, 2]), np.arctan2(r[1, 0], r[1, 1])])
 
 
-def spinning(body: RigidBody, omega: np.ndarray) -> RigidBody:
+def with_spin(body: RigidBody, omega: np.ndarray) -> RigidBody:
     """The body with another angular velocity, world axes [rad/s]."""
     return replace(body, angular_momentum=momentum_of(body.matrix, body.inertia_body, omega))
 
@@ -158,7 +158,7 @@ def momentum_of(turn: np.ndarray, inertia_body: np.ndarray, omega: np.ndarray) -
     return turn @ inertia_body @ turn.T @ omega
 
 
-def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
+def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
     """The body one step of dt [s] later under a force [N] and a torque about the centre of mass [N m].
 
     (4.22) with the new velocity in (4.23), which for an oscillator neither gains nor loses energy, and (4.25) at the
@@ -167,15 +167,17 @@ def advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) 
     inertia, start = body.inertia_body.tolist(), body.orientation.tolist()
     momentum = small_linalg.plus(body.angular_momentum.tolist(), small_linalg.times(dt, torque.tolist()))
     now = small_linalg.spin_of(body.rows, momentum, inertia)
-    halfway = small_linalg.product(small_linalg.rotation(small_linalg.times(dt / 2.0, now)), start)
-    omega = small_linalg.spin_of(small_linalg.matrix(halfway), momentum, inertia)
-    turned = small_linalg.normalised(small_linalg.product(small_linalg.rotation(small_linalg.times(dt, omega)), start))
+    halfway = small_linalg.quaternion_product(small_linalg.turn_quaternion(small_linalg.times(dt / 2.0, now)), start)
+    omega = small_linalg.spin_of(small_linalg.rotation_matrix(halfway), momentum, inertia)
+    turned = small_linalg.unit_quaternion(
+        small_linalg.quaternion_product(small_linalg.turn_quaternion(small_linalg.times(dt, omega)), start)
+    )
     velocity = body.velocity + force / body.mass * dt
     position = body.position + velocity * dt
     return RigidBody(body.mass, body.inertia_body, position, np.array(turned), velocity, np.array(momentum))
 
 
-def thesis_advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
+def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
     """(4.22), (4.23) and (4.25) as printed: forward Euler, from the velocities of the step's beginning.
 
     Algorithm 7 prints v = a dt, x = v dt; the increments of (4.22) and (4.23) are meant.
@@ -183,8 +185,8 @@ def thesis_advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: 
     r, omega = body.matrix, body.angular_velocity
     inertia = r @ body.inertia_body @ r.T
     faster = omega + np.linalg.solve(inertia, torque - cross(omega, inertia @ omega)) * dt
-    orientation = normalised(product(rotation(omega * dt), body.orientation))
-    turned = matrix(orientation)
+    orientation = unit_quaternion(quaternion_product(turn_quaternion(omega * dt), body.orientation))
+    turned = rotation_matrix(orientation)
     return replace(
         body,
         velocity=body.velocity + force / body.mass * dt,
@@ -194,14 +196,14 @@ def thesis_advanced(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: 
     )
 
 
-def held(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """The body without the motions that are not free: (6,) booleans in the order of `Motions`.
+def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
+    """The body with the motions stopped that are not free: (6,) booleans in the order of `Motions`.
 
     Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
     """
     if False not in free.tolist():
         return body
-    r, heading = body.matrix, about(1, body.angles[1])
+    r, heading = body.matrix, axis_rotation(1, body.angles[1])
     rates = np.where(free[3:], body.rates, 0.0)
     return replace(
         body,
@@ -210,14 +212,14 @@ def held(body: RigidBody, free: np.ndarray) -> RigidBody:
     )
 
 
-def guided(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """The body after a step of dt [s] in which only the motions that are free took place: the others do not creep."""
+def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
+    """The body after a step of dt [s] in which only the free motions took place, so that the held ones do not creep."""
     if False not in free.tolist():
         return after
-    heading, rates = about(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)
+    heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)
     velocity, moved = (
         heading @ np.where(free[:3], heading.T @ way, 0.0) for way in (after.velocity, after.position - before.position)
     )
-    turned = normalised(product(before.orientation, rotation(rates * dt)))
+    turned = unit_quaternion(quaternion_product(before.orientation, turn_quaternion(rates * dt)))
     body = replace(after, velocity=velocity, position=before.position + moved, orientation=turned)
-    return spinning(body, body.matrix @ rates)
+    return with_spin(body, body.matrix @ rates)

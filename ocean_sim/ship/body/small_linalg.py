@@ -1,8 +1,7 @@
 """Vectors, (3, 3) matrices and quaternions of one body as plain numbers.
 
-Python reckons with so few several times as quickly as NumPy, and comes to the same bytes on every processor, which the
-library behind NumPy's products of matrices does not. A component may be an array, too: then all of its columns are
-meant.
+Python computes with so few numbers several times as quickly as NumPy, and with the same bytes on every processor,
+unlike the library behind NumPy's matrix products. A component may also be an array; each column is then one vector.
 """
 
 from collections.abc import Sequence
@@ -32,8 +31,8 @@ def times(factor: float, a: Vector) -> Three:
     return factor * x, factor * y, factor * z
 
 
-def scaled(factors: Vector, a: Vector) -> Three:
-    """Each component by a factor of its own."""
+def times_each(factors: Vector, a: Vector) -> Three:
+    """Product of each component with a factor of its own."""
     (fx, fy, fz), (x, y, z) = factors, a
     return fx * x, fy * y, fz * z
 
@@ -50,21 +49,21 @@ def cross(a: Vector, b: Vector) -> Three:
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-def turned(m: Rows, a: Vector) -> Three:
+def matrix_times(m: Rows, a: Vector) -> Three:
     """m a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + q * y + r * z, s * x + t * y + u * z, v * x + w * y + o * z
 
 
-def turned_back(m: Rows, a: Vector) -> Three:
-    """The transpose of m, times a."""
+def transpose_times(m: Rows, a: Vector) -> Three:
+    """Transpose of m, times a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + s * y + v * z, q * x + t * y + w * z, r * x + u * y + o * z
 
 
-def solved(m: Rows, b: Vector) -> Three:
+def solve_3x3(m: Rows, b: Vector) -> Three:
     """The solution x of m x = b, by Cramer's rule."""
     (p, q, r), (s, t, u), (v, w, x) = m
     d, e, f = b
@@ -77,7 +76,7 @@ def solved(m: Rows, b: Vector) -> Three:
     )
 
 
-def product(p: Vector, q: Vector) -> Four:
+def quaternion_product(p: Vector, q: Vector) -> Four:
     """(4.7): first q, then p."""
     a, b, c, d = p
     e, f, g, h = q
@@ -89,7 +88,7 @@ def product(p: Vector, q: Vector) -> Four:
     )
 
 
-def matrix(q: Vector) -> tuple[Three, Three, Three]:
+def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
     """(4.10): rotation of a quaternion of any length."""
     w, x, y, z = q
     s = 2.0 / (w * w + x * x + y * y + z * z)
@@ -100,14 +99,14 @@ def matrix(q: Vector) -> tuple[Three, Three, Three]:
     )
 
 
-def normalised(q: Vector) -> Four:
+def unit_quaternion(q: Vector) -> Four:
     """The unit quaternion along q."""
     w, x, y, z = q
     size = sqrt(w * w + x * x + y * y + z * z)
     return w / size, x / size, y / size, z / size
 
 
-def rotation(turn: Vector) -> Four:
+def turn_quaternion(turn: Vector) -> Four:
     """The factor of (4.25): turn about a vector by its length [rad]."""
     x, y, z = turn
     angle = sqrt(x * x + y * y + z * z)
@@ -116,5 +115,5 @@ def rotation(turn: Vector) -> Four:
 
 
 def spin_of(turn: Rows, momentum: Vector, inertia_body: Rows) -> Three:
-    """Angular velocity in world axes [rad/s] of an angular momentum, with the inertia of (4.19)."""
-    return turned(turn, solved(inertia_body, turned_back(turn, momentum)))
+    """Angular velocity in world axes [rad/s] of an angular momentum, by the inertia of (4.19)."""
+    return matrix_times(turn, solve_3x3(inertia_body, transpose_times(turn, momentum)))

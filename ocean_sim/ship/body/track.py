@@ -1,30 +1,30 @@
-"""The track of a rigid body that is seen step by step: how fast it is at the time of each moment, and where it passes
-between two. A column of an array is a moment, and each number is worked out by itself, so that it does not matter how
-many moments are looked at together."""
+"""Track of a rigid body that is observed step by step: its velocity at each moment, and its place between two moments.
+A column of an array is a moment. Each number is computed by itself, so the result does not depend on the number of
+moments at a time."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.ship.body.rigid_body import angles, cross, inverse, matrix, product
+from ocean_sim.ship.body.rigid_body import cross, euler_angles, quaternion_inverse, quaternion_product, rotation_matrix
 
-UNKNOWN = np.full(7, np.nan)  # the velocity of a moment before which nothing was seen
+UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which nothing was seen
 
 
 class Track(NamedTuple):
-    """What passes n moments: times (n,) [s], places (7, n), position [m] and quaternion, and their derivatives."""
+    """n moments: times (n,) [s], places (7, n) of position [m] and quaternion, and their time derivatives."""
 
     time: np.ndarray
     place: np.ndarray
     velocity: np.ndarray
 
-    def at(self, number: np.ndarray) -> "Track":
+    def moments(self, number: np.ndarray) -> "Track":
         """The moments of these numbers."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
-class Turned(NamedTuple):
-    """How a body is turned, by moment."""
+class Attitude(NamedTuple):
+    """Orientation and angular velocity of a body, by moment."""
 
     orientation: np.ndarray  # (4, n) unit quaternion, body to world
     matrix: np.ndarray  # (3, 3, n) body to world
@@ -33,13 +33,13 @@ class Turned(NamedTuple):
     @property
     def angles(self) -> np.ndarray:
         """(3, n) pitch, yaw, roll [rad]: intrinsic yaw about Y, then pitch about X, then roll about Z."""
-        return angles(self.orientation)
+        return euler_angles(self.orientation)
 
     def to_body(self, vector: np.ndarray) -> np.ndarray:
         """(3, n) vectors in world axes, in body axes."""
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
-    def acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
+    def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
         """(3, n) world acceleration [m/s2] of a point whose position from the centre of mass is `arm`, body axes [m],
         from that of the centre of mass and the angular one [rad/s2], (3, n)."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
@@ -47,32 +47,35 @@ class Turned(NamedTuple):
 
 
 def short_way(orientation: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions, each with the sign by which it lies nearer to the one before."""
+    """(4, n) quaternions, each with the sign that is nearer to the one before."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
 
-def pure(vector: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions of vectors (3, n)."""
+def pure_quaternion(vector: np.ndarray) -> np.ndarray:
+    """(4, n) quaternions with scalar part 0 and the vectors (3, n)."""
     return np.concatenate([np.zeros_like(vector[:1]), vector])
 
 
-def change(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) first derivatives of position [m/s] and quaternion [1/s], of velocities and angular ones [rad/s]."""
-    return np.concatenate([velocity, 0.5 * product(pure(spin), orientation)])
+def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
+    """(7, n) first derivatives of position [m/s] and quaternion [1/s], from velocities and angular velocities
+    [rad/s]."""
+    return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 
-def bend(acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], of accelerations and angular ones [rad/s2]
-    and angular velocities [rad/s]."""
+def second_derivative(
+    acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
+) -> np.ndarray:
+    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], from accelerations, angular accelerations
+    [rad/s2] and angular velocities [rad/s]."""
     x, y, z = spin
-    turned = product(pure(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
+    turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
 
 
-def joined(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
-    """Moments that follow each other, with the velocities of their own times: the way of a step over its length is the
-    mean velocity, from which accelerations lead on that change evenly. `first`: (7,) that of the first moment."""
+def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
+    """Track of successive moments with the velocities of their own times. The displacement over a step gives the mean
+    velocity; accelerations that change linearly lead on from it. `first`: (7,) velocity of the first moment."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -83,19 +86,19 @@ def joined(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.nda
 
 
 class Between:
-    """Times (n,) [s], each between two moments of a track: the one of a number and the one before."""
+    """Times (n,) [s], each between the moment of a number and the one before it."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
-        self.ends = track.at(self.before), track.at(self.after)
+        self.ends = track.moments(self.before), track.moments(self.after)
         start, end = (moment.time for moment in self.ends)
         self.over = (time >= end) | (end <= start)  # where the moment after says all
         self.step = np.where(self.over, 1.0, end - start)
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
-    def passing(self) -> Track:
-        """What passes then, on the cubic that has place and velocity of both moments (Hermite): neither of them leaps
-        from one step to the next. If their velocities are third-order in the step, so is its own, and its place
+    def interpolated_track(self) -> Track:
+        """Cubic Hermite interpolation of place and velocity between the two moments, continuous in both from one step
+        to the next. If the velocities are third-order in the step, so is the velocity found, and the place is
         fourth-order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
@@ -104,15 +107,17 @@ class Between:
         velocity = (moved + (1.0 - s) * (1.0 - 3.0 * s) * start - s * (2.0 - 3.0 * s) * end) / step
         return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
 
-    def values(self, known: np.ndarray) -> np.ndarray:
-        """(n, m) on straight lines between the values that each moment of the track has, (k, m)."""
+    def interpolated_values(self, known: np.ndarray) -> np.ndarray:
+        """(n, m) linear interpolation of the values (k, m) of the moments."""
         earlier, later = known[self.before], known[self.after]
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 
 
-def turned(track: Track) -> Turned:
-    """How a body is turned that passes these places, whose quaternions may have any length."""
+def attitude_of(track: Track) -> Attitude:
+    """Attitude at the places of a track, whose quaternions may have any length."""
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)
-    return Turned(unit, matrix(unit), 2.0 / square * product(track.velocity[3:], inverse(q))[1:])
+    return Attitude(
+        unit, rotation_matrix(unit), 2.0 / square * quaternion_product(track.velocity[3:], quaternion_inverse(q))[1:]
+    )

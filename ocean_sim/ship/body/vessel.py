@@ -1,4 +1,5 @@
-"""What every kind of ship has: its keys, propeller and rudder with who orders them, and its motion step by step."""
+"""Base of every kind of ship: its keys, its propeller and rudder with the crew that orders them, and its motion step by
+step."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -19,25 +20,25 @@ from ocean_sim.ship import PARTS, Load, Outline
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import (
     RigidBody,
-    about,
-    advanced,
-    guided,
-    oriented,
-    product,
-    rotated,
-    spinning,
+    advance_body,
+    axis_rotation,
+    euler_quaternion,
+    guide_step,
+    quaternion_product,
+    rotate_vector,
+    with_spin,
 )
 from ocean_sim.ship.forces.moorings import Mooring, Moorings
-from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, towards
-from ocean_sim.ship.hull.shapes import HullShape, drawn, outermost
+from ocean_sim.ship.forces.propulsion import Crew, Helm, Helmsman, Person, Pilot, Propeller, Rudder, rate_limited
+from ocean_sim.ship.hull.shapes import HullShape, convex_corners, drawn_mesh
 from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.wave_contact import WaveContact
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-SLIGHT = 1e-9  # [m/s], [rad/s] of rounding
-FASTEST = 1.0e3  # [m/s] no ship moves like this
+SPEED_ROUNDING = 1e-9  # [m/s], [rad/s] of rounding
+MAX_SPEED = 1.0e3  # [m/s] no ship moves like this
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Free = Literal["sway", "heave", "surge", "pitch", "yaw", "roll"]  # Motions, in their order
 Position = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -64,8 +65,8 @@ class VesselConfig(Helm, ShipConfig):
     points: dict[Name, Vector3] = {}
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
-    def misplaced(self, basin: Basin) -> Problems:
-        """What contradicts the basin: (path below `ship`, sentence)."""
+    def basin_problems(self, basin: Basin) -> Problems:
+        """Contradictions to the basin: (path below `ship`, sentence)."""
         found: Problems = []
         if basin.dimension == 2 and not self.slices:
             found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
@@ -82,15 +83,15 @@ class VesselConfig(Helm, ShipConfig):
         return found
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        return [*self.lost_at_first(), *self.late(preflight.duration)]
+        return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
-        """Velocity and rates at the beginning in motions that are held, which take none."""
-        heading = about(1, radians(self.heading_deg + self.attitude_deg[1]))
+        """Warnings of velocities and rates at the beginning in motions that are held."""
+        heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
         told = []
         for key, names in (("velocity", Motions._fields[:3]), ("rates", Motions._fields[3:])):
-            lost = [name for name in names if name not in self.free and abs(motion[name]) > SLIGHT]
+            lost = [name for name in names if name not in self.free and abs(motion[name]) > SPEED_ROUNDING]
             if lost:
                 them = " and ".join(lost)
                 cure = f"so the ship does not begin with it; add {them} to `free`, or leave it out"
@@ -99,29 +100,29 @@ class VesselConfig(Helm, ShipConfig):
 
     @property
     def afloat_at_first(self) -> bool:
-        """Whether it begins at the height at which it floats, not at one that is given."""
+        """True if the ship begins at its floating height, not at a given one."""
         return len(self.position) == 2
 
-    def body(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
+    def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
         """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
-        turn = oriented(pitch, yaw + radians(self.heading_deg), roll)
+        turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
-            turn = product(turn, trim)
+            turn = quaternion_product(turn, trim)
         x, z = self.position[0], self.position[-1]
         y = height if self.afloat_at_first else self.position[1]
         body = RigidBody(matter.mass, matter.inertia, np.array([x, y, z]), turn, np.array(self.velocity), np.zeros(3))
-        return spinning(body, rotated(turn, np.array(self.rates)))
+        return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
-    def lowered(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body as it begins in water that has settled: lower by as much where it floats, else at its own height."""
+    def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
+        """The body as it begins in water that has settled: lower by as much if it floats, else at its own height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))
 
 
 class Actuators:
-    """Propeller and rudder of one ship, and who orders them."""
+    """Propeller and rudder of one ship, and the crew that orders them."""
 
     def __init__(self, config: Helm, propeller: Propeller | None, rudder: Rudder | None, centre: np.ndarray) -> None:
         """`centre`: the centre of mass from the hull's origin [m]."""
@@ -133,17 +134,17 @@ class Actuators:
         self.time, self.throttle, self.rudder = 0.0, 0.0, 0.0
 
     @property
-    def limit(self) -> float:
+    def rudder_limit(self) -> float:
         """The largest angle of the rudder [rad]."""
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Follow the orders of the crew `ahead` [s] of the step's beginning, as fast as they can; dt 0 is the first
-        time."""
+        """Follow the orders of the crew `ahead` [s] of the beginning of a step of `dt` [s], as fast as propeller and
+        rudder can; dt 0 is the first time."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
-        self.throttle = towards(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
-        self.rudder = towards(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.limit)
+        self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
+        self.rudder = rate_limited(self.rudder, rudder, blade.rate if blade and dt else None, dt, self.rudder_limit)
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
@@ -151,25 +152,25 @@ class Actuators:
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
-            thrust = self.propeller.force(self.throttle, velocity[2])
-            found["propeller"] = at(self.pushing, (0.0, 0.0, wet * thrust))
+            thrust = self.propeller.thrust_at(self.throttle, velocity[2])
+            found["propeller"] = force_at(self.pushing, (0.0, 0.0, wet * thrust))
         if self.rudder_blade is not None:
             across, _, ahead = small_linalg.plus(velocity, small_linalg.cross(rates, self.steering))
             if self.propeller is not None:
-                stream = self.propeller.slipstream(thrust, ahead, density)
-                ahead = self.rudder_blade.behind(self.propeller, stream, ahead)
-            force = self.rudder_blade.load(self.rudder, across, ahead, density)
-            found["rudder"] = at(self.steering, small_linalg.times(wet, force))
+                stream = self.propeller.slipstream_speed(thrust, ahead, density)
+                ahead = self.rudder_blade.mean_inflow(self.propeller, stream, ahead)
+            force = self.rudder_blade.blade_force(self.rudder, across, ahead, density)
+            found["rudder"] = force_at(self.steering, small_linalg.times(wet, force))
         return found
 
 
-def at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
-    """(2, 3) a force [N] and its torque [N m], at an arm [m]."""
+def force_at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
+    """(2, 3) force [N] and its torque [N m], at an arm [m]."""
     return np.array((force, small_linalg.cross(arm, force)))
 
 
-def outline(corners: np.ndarray, body: RigidBody) -> Outline:
-    """The room of a hull with (m, 3) corners from its centre of mass, body axes [m], where its body is."""
+def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
+    """Outline of a hull with (m, 3) corners from its centre of mass, body axes [m], at the pose of a body."""
     from scipy.spatial import ConvexHull
 
     at = np.einsum("ij,kj->ik", corners, body.matrix) + body.position
@@ -178,14 +179,14 @@ def outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(ABC):
-    """A ship on its way: body, actuators, what acted last, and the points that are named on it. A kind gives `load`."""
+    """A ship under way: body, actuators, last load, and its named points. A kind gives `load`."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("corners",)  # of its shape, made again when asked for
+    left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
     parts: tuple[str, ...] = PARTS
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`bed`: its height [m]; what lies on it is not modelled."""
+        """`bed`: its height [m]; contact with a bed of another shape is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: HullShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
@@ -214,15 +215,11 @@ class Vessel(ABC):
         return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
-        """From now on a person gives the orders, beginning with those of now; the actuators follow as fast as they do
-        for any crew."""
-        person = Person(*self.orders, self.actuators.limit)
+        person = Person(*self.orders, self.actuators.rudder_limit)
         self.actuators.crew = person
         return person
 
     def sail(self, route: list[Vector2], speed: float) -> Helmsman:
-        """From now on a pilot sails along waypoints x, z [m] at a speed [m/s]; one is reached a ship's length before
-        it."""
         shape = self.drawn()
         length = None if shape is None else float(np.ptp(shape[0][:, 2]))
         pilot = Pilot(route=route, speed=speed, arrival=length).crew()
@@ -231,26 +228,23 @@ class Vessel(ABC):
         return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where only a law of motion
-        is known."""
         if self.shape is None:
             return None
-        vertices, triangles = drawn(self.shape)
+        vertices, triangles = drawn_mesh(self.shape)
         return vertices - self.actuators.centre, triangles
 
     @cached_property
-    def corners(self) -> np.ndarray | None:
-        """(n, 3) of the convex hull of its shape, from the centre of mass, body axes [m]."""
-        return None if self.shape is None else outermost(self.shape) - self.actuators.centre
+    def outline_corners(self) -> np.ndarray | None:
+        """(n, 3) corners of the convex hull of its shape, from the centre of mass, body axes [m]."""
+        return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
-        """The room that it takes; None where it has no shape."""
-        return None if self.corners is None else outline(self.corners, self.body)
+        return None if self.outline_corners is None else placed_outline(self.outline_corners, self.body)
 
     @property
-    def centred(self) -> RigidBody:
-        """The body with the velocities of its own time: those that it has have led to where it is, so they are of half
-        a step before."""
+    def centred_body(self) -> RigidBody:
+        """The body with velocities of the time of its position. The integrator's own velocities lead to that position,
+        so they are those of half a step before."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body
@@ -261,44 +255,45 @@ class Vessel(ABC):
         """(4.27), now."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nothing: only a law of motion is known."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> Limits:
-        """What the time step must stay a fraction of."""
         return Limits()
 
-    def stepped(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step of dt [s] later where nothing holds it: the kind's law of motion."""
+    def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
+        """The body a step of dt [s] later if nothing holds it: the kind's law of motion."""
         force, torque = load.total
-        return advanced(body, force, torque, dt)
+        return advance_body(body, force, torque, dt)
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s]; raises Diverged where the ship has left the physical world."""
-        before, sides = self.body, self.sides if self.sides is not None and self.sides.near(self.body, dt) else None
+        """Take a step of dt [s]; raises Diverged if the ship has left the physical world."""
+        before, sides = (
+            self.body,
+            self.sides if self.sides is not None and self.sides.may_touch(self.body, dt) else None,
+        )
 
         def guided_step(load: Load) -> RigidBody:
-            return guided(before, self.stepped(before, load, dt), self.free, dt)
+            return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
-            return guided_step(load) if sides is None else sides.off(guided_step(load))
+            return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False
         if sides is not None:
-            load = sides.stopped(load, guided_step, dt)
+            load = sides.with_impulses(load, guided_step, dt)
             touched = sides.bed
         self.groundings += touched and not self.aground
         self.aground = touched
         if self.contact is None:
             after = walled_step(load)
         else:
-            load, after = self.contact.collided(load, walled_step, dt)
+            load, after = self.contact.collide_step(load, walled_step, dt)
         velocity = after.velocity.tolist()
         speed = sqrt(small_linalg.dot(velocity, velocity))
-        if not speed <= FASTEST:
+        if not speed <= MAX_SPEED:
             x, y, z = before.position
             raise Diverged(
-                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {FASTEST:g} "
+                f"{called(self.name)} at ({x:.4g}, {y:.4g}, {z:.4g}) m reached {speed:.4g} m/s (bound {MAX_SPEED:g} "
                 "m/s); try a smaller time step"
             )
         if after.position[1] < self.bed:

@@ -1,27 +1,23 @@
-"""Water that moves with a hull, by rule from its sections, and the motion of hull and water together.
+"""Added mass of a hull by rule from its sections, and the joint motion of hull and water.
 
-By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch
-(Newman 1977, Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in
-pitch that of each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass
-in surge (Fossen 2021, Handbook of Marine Craft Hydrodynamics, 6.5).
+By rule: half the added mass of flat plates as broad as the sections at the still water in heave and pitch (Newman 1977,
+Marine Hydrodynamics, table 4.3), with Pabst's factor for a length that is not infinite (Pabst 1930), in pitch that of
+each half of the ship; half of circles as deep as the sections in sway and yaw; a twentieth of the mass in surge (Fossen
+2021, Handbook of Marine Craft Hydrodynamics, 6.5).
 
-In roll a section and its mirror image at the still water turn about their middle in unbounded water, which is what a
-quick roll is (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a
-rectangle as RECTANGLES says; sections between an ellipse and a rectangle by their fullness. Of a barge of 8 x 2 m that
-is 1 % above the panel method at the natural frequency, a plate 14 % below.
+In roll a section and its mirror image at the still water turn about their middle in unbounded water, the limit of quick
+roll (Newman 1977, 6.17): an ellipse rho pi / 8 (a^2 - b^2)^2, a plate the same with b = 0 (table 4.3), a rectangle by
+RECTANGLE_FACTORS; sections between an ellipse and a rectangle by their fullness.
 
-Slamming: the momentum of hull and water is kept while the water that moves along grows, (m + A) V (von Karman 1929,
-NACA TN 321): sections as half plates of their wetted breadth, broader by the water that rises beside them. By that
-Wagner's (1932, ZAMM 12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and less for a larger one, by
-RISE a radian. RISE is ours: fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid
-Mech. 246) are quoted for them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below.
-A step has the impulse of all that it wets, so that its acceleration is a mean over the step and its peak grows as steps
-become shorter, up to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The water's
-mass grows no further than what moves along with the hull afloat. Going out of the water changes nothing: it falls off
-the hull.
+Slamming: the momentum of hull and water is kept while the added mass grows, (m + A) V (von Karman 1929, NACA TN 321).
+Sections count as half plates of their wetted breadth, broader by the water that rises beside them: Wagner's (1932, ZAMM
+12) added mass is (pi / 2)^2 times von Karman's at a small deadrise, and less by DEADRISE_FACTOR a radian. A step has
+the impulse of all that it wets, so its acceleration is a mean over the step; its peak grows as steps become shorter, up
+to a limit that it is near once a slam takes many steps (figures: docs/theory/ship.md). The added mass grows no further
+than that of the hull afloat. Leaving the water changes nothing: it falls off the hull.
 
 A hull that lies half as deep or one and a half times as deep as afloat is a blunt body in heave (Hoerner 1965,
-Fluid-Dynamic Drag, 3): BLUNT on its waterplane, all of it from twice as deep and wholly out.
+Fluid-Dynamic Drag, 3): BLUNT_DRAG on its waterplane, all of it from twice as deep and wholly out.
 """
 
 from math import pi, sqrt
@@ -35,22 +31,24 @@ from ocean_sim.ship.body.small_linalg import (
     Three,
     Vector,
     cross,
+    matrix_times,
     minus,
     plus,
-    scaled,
-    solved,
+    solve_3x3,
     times,
-    turned,
-    turned_back,
+    times_each,
+    transpose_times,
 )
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
-DEPTHS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draughts over breadth
-RECTANGLES = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
+DRAUGHT_RATIOS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0)  # draughts over breadth
+RECTANGLE_FACTORS = (1.0, 1.092, 1.148, 1.185, 1.180, 1.186, 1.347, 1.845, 6.147, 18.77)
 """Added inertia of rectangles that turn about the still water over that of a plate, by 600 panels of potential flow."""
-WAGNER = (pi / 2.0) ** 2
-RISE = 0.75  # [1/rad]
-BLUNT = 1.1  # coefficient of drag
+WAGNER_FACTOR = (pi / 2.0) ** 2
+DEADRISE_FACTOR = 0.75  # [1/rad], ours
+"""Fitted to the forces of similarity solutions of wedges as Zhao & Faltinsen (1993, J. Fluid Mech. 246) are quoted for
+them, not checked against the paper; of 10 to 30 degrees within 5 %, of 40 degrees 16 % below."""
+BLUNT_DRAG = 1.1  # coefficient of drag
 
 
 class AddedMass(Model):
@@ -85,31 +83,31 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
     return np.array(
         [
             circle.sum(),
-            slenderness(length / broad) * plate.sum(),
+            pabst_factor(length / broad) * plate.sum(),
             0.05 * hull.matter.mass,
-            slenderness(length / 2.0 / broad) * (plate * z**2).sum(),
+            pabst_factor(length / 2.0 / broad) * (plate * z**2).sum(),
             (circle * z**2).sum(),
-            (rho * pi / 256.0 * turning(hull, breadth, draught) * ds).sum(),
+            (rho * pi / 256.0 * equivalent_breadth_4(hull, breadth, draught) * ds).sum(),
         ]
     )
 
 
-def turning(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
+def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
     """(n,) [m4] breadth^4 of plates that are as hard to roll as sections of the fullness of the whole hull."""
-    full = min(hull.wanted, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
+    full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
-    deep = np.minimum(draught / np.maximum(breadth, 1e-9), DEPTHS[-1])
-    beyond = np.interp(deep, DEPTHS, RECTANGLES) - (1.0 - 4.0 * deep**2) ** 2  # an ellipse
+    deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
+    beyond = np.interp(deep, DRAUGHT_RATIOS, RECTANGLE_FACTORS) - (1.0 - 4.0 * deep**2) ** 2  # an ellipse
     return (breadth**2 - 4.0 * draught**2) ** 2 + share * beyond * breadth**4
 
 
-def slenderness(ratio: float) -> float:
+def pabst_factor(ratio: float) -> float:
     """Pabst's factor of a plate so many times as long as broad (or as broad as long)."""
     r = max(ratio, 1.0 / ratio)
     return r / sqrt(1.0 + r * r) * (1.0 - 0.425 * r / (1.0 + r * r))
 
 
-def reaction(
+def water_reaction(
     body: RigidBody,
     added: np.ndarray,
     between: np.ndarray | None,
@@ -130,40 +128,42 @@ def reaction(
     """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
-    (stream, swirl), (pull, pull_turn) = halves(drift), halves(surge)
+    (stream, swirl), (pull, pull_turn) = line_and_turn(drift), line_and_turn(surge)
     v_r, omega_r = minus(v, stream), minus(omega, swirl)
-    momentum, turning = swept(water, between, v_r, omega_r)
-    carried, carried_turn = swept(water, between, pull, pull_turn)
-    kept, kept_turn = swept(water, between, cross(omega, stream), cross(omega, swirl))  # of it, as the axes turn
+    momentum, turning = water_momentum(water, between, v_r, omega_r)
+    carried, carried_turn = water_momentum(water, between, pull, pull_turn)
+    kept, kept_turn = water_momentum(
+        water, between, cross(omega, stream), cross(omega, swirl)
+    )  # of it, as the axes turn
     along = plus(cross(omega, momentum), kept)
     around = plus(plus(cross(omega, turning), cross(v_r, momentum)), kept_turn)
-    push = minus(minus(plus(turned_back(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
-    gyration = cross(omega, turned(inertia, omega))
-    twisting = minus(minus(plus(turned_back(r, torque.tolist()), carried_turn), around), gyration)
+    push = minus(minus(plus(transpose_times(r, force.tolist()), carried), along), times(body.mass, cross(omega, v)))
+    gyration = cross(omega, matrix_times(inertia, omega))
+    twisting = minus(minus(plus(transpose_times(r, torque.tolist()), carried_turn), around), gyration)
     moving = None if between is None else between * np.outer(free, free)
-    rate, twist = sped_up(body.mass, inertia, water, moving, push, twisting)
-    answer, answer_turn = swept(water, moving, rate, twist)
-    moved = turned(r, plus(answer, along)), turned(r, plus(answer_turn, around))
-    return -np.array(moved), np.array([turned(r, carried), turned(r, carried_turn)])
+    rate, twist = joint_acceleration(body.mass, inertia, water, moving, push, twisting)
+    answer, answer_turn = water_momentum(water, moving, rate, twist)
+    moved = matrix_times(r, plus(answer, along)), matrix_times(r, plus(answer_turn, around))
+    return -np.array(moved), np.array([matrix_times(r, carried), matrix_times(r, carried_turn)])
 
 
-def halves(motion: np.ndarray) -> tuple[list[float], list[float]]:
+def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
     """Of (6,) along and about the axes, as plain numbers."""
     six = motion.tolist()
     return six[:3], six[3:]
 
 
-def swept(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
+def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
     """Momentum and angular momentum of the water that moves along at such velocities, or their rates at such
     accelerations."""
-    own = scaled(water[:3], line), scaled(water[3:], turn)
+    own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own
-    more = halves(between @ [*line, *turn])
+    more = line_and_turn(between @ [*line, *turn])
     return plus(own[0], more[0]), plus(own[1], more[1])
 
 
-def sped_up(
+def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
     """Acceleration [m/s2] and angular one [rad/s2] of hull and water together under a force [N] and a torque [N m]."""
@@ -173,10 +173,10 @@ def sped_up(
     heavy = [mass + more for more in water[:3]]
     if between is None:
         (a, b, c), (k, l, m) = push, heavy
-        return (a / k, b / l, c / m), solved(whole, twisting)
+        return (a / k, b / l, c / m), solve_3x3(whole, twisting)
     both = between + np.diag(heavy + [0.0, 0.0, 0.0])
     both[3:, 3:] += whole
-    return halves(np.linalg.solve(both, [*push, *twisting]))
+    return line_and_turn(np.linalg.solve(both, [*push, *twisting]))
 
 
 class Slamming:
@@ -184,10 +184,10 @@ class Slamming:
 
     def __init__(self, hull: Hydrostatics, usual: float) -> None:
         """`usual`: what moves along in heave afloat [kg]."""
-        self.volumes, self.masses = entry(hull)
+        self.volumes, self.masses = entry_curve(hull)
         self.mass, self.usual = hull.matter.mass, usual
-        self.volume = min(hull.wanted, hull.voxels.volume)  # afloat [m3]
-        self.drag = 0.5 * hull.density * BLUNT * hull.waterplane
+        self.volume = min(hull.needed_volume, hull.voxels.volume)  # afloat [m3]
+        self.drag = 0.5 * hull.density * BLUNT_DRAG * hull.waterplane
         self.entering, self.moved = False, usual  # since it left the water [kg]
 
     def added(self, volume: float) -> float:
@@ -212,7 +212,7 @@ class Slamming:
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
 
 
-def entry(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
+def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
     """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and what it has set in motion [kg]."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
@@ -222,8 +222,10 @@ def entry(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
     volumes = np.cumsum(breadth.sum(axis=1)) * v.size[1] * v.size[2]
     deadrise = np.arctan2(2.0 * v.size[1], np.maximum(np.diff(breadth, axis=0, prepend=0.0), 1e-9))
     breadth = 0.5 * (breadth + np.append(breadth[1:], breadth[-1:], axis=0))  # at the top of each layer
-    wetted = np.minimum(np.maximum(WAGNER * (1.0 - RISE * deadrise), 0.0) * breadth**2, breadth.max(axis=0) ** 2)
+    wetted = np.minimum(
+        np.maximum(WAGNER_FACTOR * (1.0 - DEADRISE_FACTOR * deadrise), 0.0) * breadth**2, breadth.max(axis=0) ** 2
+    )
     plates = hull.density * pi / 8.0 * np.maximum.accumulate(wetted, axis=0).sum(axis=1) * v.size[2]
     length = np.maximum(np.count_nonzero(breadth, axis=1) * v.size[2], v.size[2])
-    slender = np.array([slenderness(a / b) for a, b in zip(length, np.maximum(breadth.max(axis=1), 1e-9))])
+    slender = np.array([pabst_factor(a / b) for a, b in zip(length, np.maximum(breadth.max(axis=1), 1e-9))])
     return np.append(0.0, volumes), np.append(0.0, np.maximum.accumulate(slender * plates))

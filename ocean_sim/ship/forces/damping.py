@@ -79,14 +79,14 @@ class Resistance:
         self.rolled = self.low if self.rolling is None else 0.0  # what a rate of roll adds to it: the rest counts it
         self.stern = float(self.z[draught > 0.0].min())
         slender = pi / 2.0 * hull.density * float(draught.mean()) ** 2  # [kg/m] of a body that ends in a stern
-        self.lift = (1.0 + 0.4 * fullness(hull)) * slender
+        self.lift = (1.0 + 0.4 * lift_form_factor(hull)) * slender
         self.munk = munk
         self.warnings = [] if self.rolling is None else self.rolling.warnings
         if self.rolling is not None and config.roll:
             adds = f"damping.roll, {config.roll:g} of critical, adds to that of damping.ikeda"
             self.warnings = [*self.warnings, adds]
 
-    def undamped(self, free: Collection[str]) -> Iterator[str]:
+    def undamped_warnings(self, free: Collection[str]) -> Iterator[str]:
         """Motions of those that are free which nothing damps, or nothing but the waves of a table."""
         if "roll" in free and not (self.linear["roll"] or self.roll or self.rolling):
             left = "the waves of the table" if "roll" in self.radiated else "the drag of what crosses her"
@@ -106,20 +106,20 @@ class Resistance:
         """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
         sway, heave, surge, pitch, yaw, roll = motion.tolist()
         middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
-        crossed, crossed_turn = self.crossing.drag(middle, yaw)
+        crossed, crossed_turn = self.crossing.strip_drag(middle, yaw)
         lift = -self.lift * max(surge, 0.0) * (middle + yaw * self.stern)
         side = lift - crossed
         force = side, -self.linear["heave"] * heave, -self.surge * abs(surge) * surge
         torque = (
             -self.linear["pitch"] * pitch,
             lift * self.stern - crossed_turn - self.munk * surge * sway,
-            -side * self.low - (self.linear["roll"] + self.roll * abs(roll)) * roll + self.predicted(roll, surge),
+            -side * self.low - (self.linear["roll"] + self.roll * abs(roll)) * roll + self.ikeda_moment(roll, surge),
         )
         return np.array((force, torque))
 
-    def predicted(self, roll: float, surge: float) -> float:
+    def ikeda_moment(self, roll: float, surge: float) -> float:
         """Moment of roll damping by components [N m]."""
-        return 0.0 if self.rolling is None else self.rolling.moment(roll, surge)
+        return 0.0 if self.rolling is None else self.rolling.roll_moment(roll, surge)
 
 
 class CrossFlow:
@@ -132,7 +132,7 @@ class CrossFlow:
         moments = np.cumsum(np.stack([c * z**k for k in range(4)], axis=1), axis=0)
         self.behind: list[list[float]] = [[0.0] * 4, *moments.tolist()]  # of how many sections, from the stern on
 
-    def drag(self, v: float, r: float) -> tuple[float, float]:
+    def strip_drag(self, v: float, r: float) -> tuple[float, float]:
         """Force [N] and moment [N m] of water that crosses at v [m/s] amidships and at r [1/s] more a metre ahead."""
         astern = self.behind[bisect_left(self.z, -v / r)] if r else self.behind[0]
         way = copysign(1.0, r or v)  # of the water ahead of there
@@ -141,7 +141,7 @@ class CrossFlow:
         return c_0 * vv + c_1 * vr + c_2 * rr, c_1 * vv + c_2 * vr + c_3 * rr
 
 
-def fullness(hull: Hydrostatics) -> float:
+def lift_form_factor(hull: Hydrostatics) -> float:
     """C_B B / T: the volume under water over length and draught squared."""
     _, _, draught = hull.stations
-    return min(hull.wanted, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)
+    return min(hull.needed_volume, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

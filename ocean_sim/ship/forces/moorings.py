@@ -46,17 +46,17 @@ class Moorings:
         self.to = np.array([c.to for c in configs]).reshape(-1, 3)
         self.stiffness, self.damping = np.array([[c.stiffness, c.damping] for c in configs]).reshape(-1, 2).T
         self.pulls = np.array([1.0 if c.kind == "line" else -1.0 for c in configs])
-        first = np.linalg.norm(self.spans(body), axis=1)
+        first = np.linalg.norm(self.line_spans(body), axis=1)
         self.slack = np.array([l if c.slack_length is None else c.slack_length for c, l in zip(configs, first)])
 
-    def spans(self, body: RigidBody) -> np.ndarray:
+    def line_spans(self, body: RigidBody) -> np.ndarray:
         """(n, 3) from the ship to the world [m]."""
         return self.to - body.position - self.arm @ body.matrix.T
 
     def load(self, body: RigidBody) -> np.ndarray:
         """(2, 3) force [N] and torque about the centre of mass [N m], world axes."""
         total = np.zeros((2, 3))
-        for k, span in enumerate(self.spans(body)):
+        for k, span in enumerate(self.line_spans(body)):
             length = sqrt(float(span @ span))
             along = span / max(length, 1e-9)
             faster = -float(along @ body.point_velocity(self.arm[k]))  # [m/s] at which it lengthens
@@ -67,7 +67,7 @@ class Moorings:
                 total += [force, cross(body.matrix @ self.arm[k], force)]
         return total
 
-    def energy(self, body: RigidBody) -> float:
+    def stored_energy(self, body: RigidBody) -> float:
         """That is stored in them [J]."""
-        stretched = self.pulls * (np.linalg.norm(self.spans(body), axis=1) - self.slack)
+        stretched = self.pulls * (np.linalg.norm(self.line_spans(body), axis=1) - self.slack)
         return 0.5 * float((self.stiffness * np.maximum(stretched, 0.0) ** 2).sum())

@@ -21,16 +21,18 @@ from ocean_sim.model import Model, Vector2, Vector3, quantity
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.body.small_linalg import Three
 
-COLUMNS = ("throttle", "rudder_rad")
+ORDER_COLUMNS = ("throttle", "rudder_rad")
 MAX_ORDERS = (1.0, pi / 2)  # to either side
-ORDERS = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
-CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDERS,)),)
-SWIFT = 0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
-AHEAD = 6.0  # [s] of way: how far a pilot looks ahead
-DRIFT = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
-HERE = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
-PULL, SLOW = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
-BENT = 0.35  # [rad] the most that the integral of the heading's error may steer
+ORDER_RULE = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
+CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDER_RULE,)),)
+SLIPSTREAM_SHARE = (
+    0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
+)
+LOOK_AHEAD_TIME = 6.0  # [s] of way: how far a pilot looks ahead
+DRIFT_RATE = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+START_RADIUS = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
+SPEED_GAIN, SPEED_INTEGRAL_TIME = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
+MAX_INTEGRAL_RUDDER = 0.35  # [rad] the most that the integral of the heading's error may steer
 
 
 class Propeller(Model):
@@ -53,19 +55,19 @@ class Propeller(Model):
     """Diameter of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels no
     slipstream."""
 
-    def force(self, throttle: float, speed: float) -> float:
+    def thrust_at(self, throttle: float, speed: float) -> float:
         """Thrust [N] at a speed of the ship ahead [m/s]."""
         slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
         bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
         return bare if throttle >= 0.0 else self.astern * bare
 
-    def slipstream(self, thrust: float, speed: float, density: float) -> float:
+    def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
         """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
-        gets far behind by the momentum of an actuator disc, the share SWIFT."""
+        gets far behind by the momentum of an actuator disc, the share SLIPSTREAM_SHARE."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
-        return speed + SWIFT * (far - speed)
+        return speed + SLIPSTREAM_SHARE * (far - speed)
 
 
 class Rudder(Model):
@@ -83,7 +85,7 @@ class Rudder(Model):
     rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
     """How fast it turns; null: at once."""
 
-    def behind(self, propeller: Propeller, stream: float, speed: float) -> float:
+    def mean_inflow(self, propeller: Propeller, stream: float, speed: float) -> float:
         """Speed [m/s] of which the square is the mean over the rudder: of the `stream` as high as the propeller is
         wide, and of water at the ship's speed beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
         if propeller.diameter is None or stream <= speed:
@@ -91,7 +93,7 @@ class Rudder(Model):
         share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
         return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
-    def load(self, angle: float, across: float, ahead: float, density: float) -> Three:
+    def blade_force(self, angle: float, across: float, ahead: float, density: float) -> Three:
         """Force [N], body axes, in water that it moves through at such speeds across and ahead [m/s], body axes."""
         speed = hypot(ahead, across)
         incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
@@ -120,12 +122,12 @@ class Track(Model):
 
     @field_validator("file")
     @classmethod
-    def _readable(cls, file: str) -> str:
-        _, *orders = csv_file.Table(file).series(*COLUMNS)
-        for name, values, most in zip(COLUMNS, orders, MAX_ORDERS, strict=True):
+    def _orders_in_range(cls, file: str) -> str:
+        _, *orders = csv_file.Table(file).series(*ORDER_COLUMNS)
+        for name, values, most in zip(ORDER_COLUMNS, orders, MAX_ORDERS, strict=True):
             row = int(np.abs(values).argmax())
             if abs(values[row]) > most:
-                raise ORDERS.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
+                raise ORDER_RULE.broken(file, f"{name} is {values[row]:g} in row {row + 1}")
         return file
 
 
@@ -170,7 +172,7 @@ class Pilot(Model):
     """Rudder angle over gain and the yaw rate."""
 
     @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _one_goal(self) -> Self:
         if (self.route is None) == (self.heading_deg is None):
             raise ValueError("helm: give either a route or a heading_deg to hold")
         return self
@@ -200,7 +202,7 @@ class Helm(Model):
                 raise ValueError("controls: the times of the rows must increase")
         return self
 
-    def late(self, duration: float) -> list[str]:
+    def late_orders(self, duration: float) -> list[str]:
         """What is said of orders that come when a run of this duration [s] is over."""
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
@@ -218,13 +220,13 @@ class Crew:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
         self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
         if isinstance(controls, Track):
-            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*COLUMNS))
+            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*ORDER_COLUMNS))
             self.orders = list(zip(*orders, strict=True))
         elif isinstance(controls, list) and controls:
             self.time = [row.time for row in controls]
             self.orders = [(row.throttle, row.rudder) for row in controls]
 
-    def between(self, time: float) -> tuple[float, float]:
+    def interpolated_orders(self, time: float) -> tuple[float, float]:
         """Throttle and rudder [rad] at a time [s], on straight lines between the rows."""
         later = bisect_right(self.time, time)
         throttle, rudder = self.orders[max(later - 1, 0)]
@@ -237,7 +239,7 @@ class Crew:
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
         """Throttle and rudder [rad] that are asked for."""
         if self.course is None:
-            return self.between(time)
+            return self.interpolated_orders(time)
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder
@@ -251,7 +253,7 @@ class Helmsman:
     def __init__(self, config: Pilot) -> None:
         self.config = config
         self.route = [place for place, _ in groupby(config.route or [])]  # a place twice in a row is no leg
-        self.reach = config.look_ahead or AHEAD * config.speed  # [m]
+        self.reach = config.look_ahead or LOOK_AHEAD_TIME * config.speed  # [m]
         self.near = config.arrival or self.reach  # [m]
         self.time = 0.0
         self.leg = 0  # number of the waypoint ahead
@@ -263,32 +265,34 @@ class Helmsman:
         """Throttle and rudder [rad] that are asked for."""
         config, dt = self.config, time - self.time
         self.time = time
-        error = remainder(self.heading(body, dt) - float(body.angles[1]), 2.0 * pi)
-        if config.integral_time is not None and abs(error) < BENT:
-            self.bent = min(max(self.bent + dt * error / config.integral_time, -BENT), BENT)
+        error = remainder(self.wanted_heading(body, dt) - float(body.angles[1]), 2.0 * pi)
+        if config.integral_time is not None and abs(error) < MAX_INTEGRAL_RUDDER:
+            self.bent = min(
+                max(self.bent + dt * error / config.integral_time, -MAX_INTEGRAL_RUDDER), MAX_INTEGRAL_RUDDER
+            )
         rudder = config.gain * (error + self.bent - config.rate_time * float(body.angular_velocity[1]))
         missing = config.speed - float(body.velocity @ body.matrix[:, 2])
-        wanted = PULL * missing + self.driven
+        wanted = SPEED_GAIN * missing + self.driven
         if abs(wanted) < 1.0:
-            self.driven += dt * PULL * missing / SLOW
+            self.driven += dt * SPEED_GAIN * missing / SPEED_INTEGRAL_TIME
         return min(max(wanted, -1.0), 1.0), rudder
 
-    def heading(self, body: RigidBody, dt: float) -> float:
+    def wanted_heading(self, body: RigidBody, dt: float) -> float:
         """Where to head [rad]."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
         if self.start is None:
-            here = hypot(route[0][0] - x, route[0][1] - z) < HERE
+            here = hypot(route[0][0] - x, route[0][1] - z) < START_RADIUS
             back, course = self.reach if here else 0.0, float(body.angles[1])
             self.start = (x - back * sin(course), z - back * cos(course))
-        along, ahead, aside = self.place(x, z)
+        along, ahead, aside = self.leg_position(x, z)
         while ahead < self.near and self.leg < len(route) - 1:
             self.start, self.leg, self.drifted = route[self.leg], self.leg + 1, 0.0
-            along, ahead, aside = self.place(x, z)
+            along, ahead, aside = self.leg_position(x, z)
         off = aside + self.drifted
         if abs(aside) < 0.25 * self.reach:  # not while the ship turns onto the leg
-            self.drifted += dt * DRIFT * self.reach * aside / (self.reach**2 + off**2)
+            self.drifted += dt * DRIFT_RATE * self.reach * aside / (self.reach**2 + off**2)
         return along - atan(off / self.reach)
 
     @property
@@ -296,13 +300,13 @@ class Helmsman:
         """The waypoints that are not passed yet."""
         return self.route[self.leg :]
 
-    def arrived(self, body: RigidBody) -> bool:
+    def has_arrived(self, body: RigidBody) -> bool:
         """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
         if self.start is None or len(self.ahead) > 1:
             return False
-        return self.place(float(body.position[0]), float(body.position[2]))[1] < self.near
+        return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
-    def place(self, x: float, z: float) -> tuple[float, float, float]:
+    def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
         """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
@@ -328,7 +332,7 @@ class Person:
         return self.throttle, self.rudder
 
 
-def towards(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
+def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
     """What a machine that turns at most `rate` a second, within a limit, makes of an order."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

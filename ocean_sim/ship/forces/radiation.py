@@ -35,27 +35,33 @@ from ocean_sim.files.input_file import DATA_SET_RULE, WORD_KINDS, Checked, Rule,
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.body.rigid_body import cross
 
-FREQUENCY = "omega_rad_s"
-ADDED = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
-UNEQUAL = 0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
-ACROSS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
-DIRECTIONS = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
-PANELS = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
-LEFT = 0.25  # of the largest damping: what may be left at the highest frequency
-FEWEST, MOST = 4, 300  # frequencies
-NEGATIVE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
-FREQUENCIES = Rule(f"there are {FEWEST} to {MOST} frequencies above 0, which rise, each once")
-DAMPED = Rule("damping is above 0, or there are no waves to remember; of the other sign it is of another convention")
-FALLEN = Rule(f"damping has fallen below {LEFT:.0%} of its most at the highest frequency; let the table go on")
-CHECKS = (
-    Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DATA_SET_RULE, PANELS)),
-    Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCIES, DAMPED, FALLEN)),
+FREQUENCY_COLUMN = "omega_rad_s"
+ADDED_UNITS = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
+RECIPROCITY_TOLERANCE = (
+    0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
 )
-FINE = 20  # points of K in a period of the highest frequency, and of B between two frequencies
-TAIL = 3.0  # [highest frequencies] to which damping is carried on
-GIVEN = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
-LOST = 0.003  # of the largest K: what is forgotten
-HEADED = 0.02  # [rad] of a turn, after which forces are looked up anew
+MIRROR_SIGNS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+DOF_NAMES = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
+PANEL_RULE = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
+MAX_END_DAMPING = 0.25  # of the largest damping: what may be left at the highest frequency
+MIN_FREQUENCIES, MAX_FREQUENCIES = 4, 300  # frequencies
+NEGATIVE_TOLERANCE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
+FREQUENCY_RULE = Rule(f"there are {MIN_FREQUENCIES} to {MAX_FREQUENCIES} frequencies above 0, which rise, each once")
+DAMPING_RULE = Rule(
+    "damping is above 0, or there are no waves to remember; of the other sign it is of another convention"
+)
+END_RULE = Rule(
+    f"damping has fallen below {MAX_END_DAMPING:.0%} of its most at the highest frequency; let the table go on"
+)
+CHECKS = (
+    Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DATA_SET_RULE, PANEL_RULE)),
+    Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCY_RULE, DAMPING_RULE, END_RULE)),
+)
+POINTS_A_PERIOD = 20  # points of K in a period of the highest frequency, and of B between two frequencies
+TAIL_FREQUENCIES = 3.0  # [highest frequencies] to which damping is carried on
+ERROR_TOLERANCE = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
+FORGOTTEN_SHARE = 0.003  # of the largest K: what is forgotten
+HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
 class Scattered(NamedTuple):
@@ -80,21 +86,21 @@ class BemTable(NamedTuple):
 def columns_of(motion: str, other: str) -> tuple[str, str]:
     """What the columns of a motion, or of what two motions do to each other, are called."""
     whole = motion if motion == other else f"{motion}_{other}"
-    unit = ADDED[motion] if ADDED[motion] == ADDED[other] else "kg_m"
+    unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
-def bem_table(file: str) -> BemTable:
+def read_bem_table(file: str) -> BemTable:
     """The table in a file; raises ValueError where it gives too little."""
-    return of_capytaine(file) if Path(file).suffix == ".nc" else of_csv(file)
+    return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
-def of_csv(file: str) -> BemTable:
+def read_csv_table(file: str) -> BemTable:
     table = csv_file.Table(file)
     names = [motion for motion in Motions._fields if columns_of(motion, motion)[0] in table]
     given = [(a, b) for a, b in product(names, names) if a == b or any(column in table for column in columns_of(a, b))]
     scattering = dict(scattering_columns(table))
-    wanted = [FREQUENCY, *(column for a, b in given for column in columns_of(a, b))]
+    wanted = [FREQUENCY_COLUMN, *(column for a, b in given for column in columns_of(a, b))]
     parts = sorted({f"{column[:-2]}{part}" for column in scattering for part in ("re", "im")})
     missing = [name for name in wanted + parts if name not in table]
     unread = [name for name in table if name.split("_")[0] in Motions._fields and name not in wanted + parts]
@@ -108,7 +114,7 @@ def of_csv(file: str) -> BemTable:
         right = "a motion has heave_added_kg and the like, two of them heave_pitch_added_kg_m"
         raise ValueError(f"{display_path(file)}: nothing reads the column {', '.join(unread)}; {right}")
     table.finite(*wanted, *scattering)
-    added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY])))
+    added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY_COLUMN])))
     for (i, a), (j, b) in product(enumerate(names), repeat=2):
         pair = (a, b) if (a, b) in given else (b, a)
         if pair in given:
@@ -116,12 +122,12 @@ def of_csv(file: str) -> BemTable:
     found = None
     if scattering:
         headings = np.unique([heading for _, heading, _ in scattering.values()])
-        force = np.zeros((6, len(headings), len(table[FREQUENCY])), dtype=complex)
+        force = np.zeros((6, len(headings), len(table[FREQUENCY_COLUMN])), dtype=complex)
         for column, (number, heading, part) in scattering.items():
             force[number, np.searchsorted(headings, heading)] += part * table[column]
         found = Scattered(headings, force)
-    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
-    return BemTable(table[FREQUENCY], names, added, damping, found)
+    added, damping = (symmetric_part(file, names, whole) for whole in (added, damping))
+    return BemTable(table[FREQUENCY_COLUMN], names, added, damping, found)
 
 
 def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
@@ -133,25 +139,25 @@ def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tupl
             yield column, (Motions._fields.index(motion), float(heading), 1.0 if part == "re" else 1.0j)
 
 
-def of_capytaine(file: str) -> BemTable:
+def read_capytaine(file: str) -> BemTable:
     import h5py
 
     content = BytesIO(input_file.read_bytes(file))
     try:
         with h5py.File(content) as data:
             words, push = (
-                [word.decode().lower() for word in read_data_set(data, name, WORD_KINDS)] for name in DIRECTIONS
+                [word.decode().lower() for word in read_data_set(data, name, WORD_KINDS)] for name in DOF_NAMES
             )
             omega = read_data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
             order = np.argsort(omega, kind="stable")
-            axes = ("omega", *DIRECTIONS)
-            mass, loss = (laid(data, name, axes)[order] for name in ("added_mass", "radiation_damping"))
+            axes = ("omega", *DOF_NAMES)
+            mass, loss = (in_axis_order(data, name, axes)[order] for name in ("added_mass", "radiation_damping"))
             added, damping = (np.moveaxis(whole[:, rows][:, :, columns], 0, 2) for whole in (mass, loss))
             found = None
             if "diffraction_force" in data:
-                parts = laid(data, "diffraction_force", ("complex", DIRECTIONS[0], "wave_direction", "omega"))
+                parts = in_axis_order(data, "diffraction_force", ("complex", DOF_NAMES[0], "wave_direction", "omega"))
                 headings = np.degrees(read_data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
@@ -163,29 +169,29 @@ def of_capytaine(file: str) -> BemTable:
             axis = float(read_data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
     except Exception as error:  # HDF5 has errors of its own
         why = f"{error}" if type(error) is ValueError else "a part of it is missing or damaged"
-        raise PANELS.broken(file, why) from None
+        raise PANEL_RULE.broken(file, why) from None
     if not names or not all(np.isfinite(part).all() for part in (omega, added, damping, *(found or ()))):
         what = "a value that is not a finite number" if names else f"no motion among {', '.join(Motions._fields)}"
-        raise PANELS.broken(file, f"it has {what}")
-    added, damping = (symmetric(file, names, whole) for whole in (added, damping))
+        raise PANEL_RULE.broken(file, f"it has {what}")
+    added, damping = (symmetric_part(file, names, whole) for whole in (added, damping))
     if speed != 0.0:
-        raise PANELS.broken(file, f"it is of a hull under way at {speed:g} m/s")
+        raise PANEL_RULE.broken(file, f"it is of a hull under way at {speed:g} m/s")
     return BemTable(omega[order], names, added, damping, found, depth, axis)
 
 
-def symmetric(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
+def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
     """(m, m, n) with the mean of each pair of entries that are mirrored; raises Unreadable where they differ."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
     i, j = np.unravel_index(apart.argmax(), apart.shape)
-    if apart[i, j] > UNEQUAL:
+    if apart[i, j] > RECIPROCITY_TOLERANCE:
         both = f"what {names[i]} does to {names[j]} and {names[j]} to {names[i]} is equal by reciprocity"
         raise input_file.Unreadable(file, f"{both}, and differs by {apart[i, j]:.0%} of their own entries")
     return 0.5 * (matrix + mirrored)
 
 
-def laid(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
+def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
     """An array of an HDF5 file with its axes in this order."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
@@ -211,28 +217,32 @@ class Scattering:
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad] that moves through the
         water (3,) [m/s]."""
-        if self.known is None or abs(yaw - self.known[0]) > HEADED or not np.array_equal(waves.omega, self.known[1]):
-            self.known = yaw, waves.omega, self.given(waves.omega, np.degrees(waves.heading - yaw))
+        if (
+            self.known is None
+            or abs(yaw - self.known[0]) > HEADING_STEP
+            or not np.array_equal(waves.omega, self.known[1])
+        ):
+            self.known = yaw, waves.omega, self.given_momentum(waves.omega, np.degrees(waves.heading - yaw))
         omega = waves.encounter_frequencies(velocity)
-        given = self.known[2] * self.inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
+        given = self.known[2] * self.complex_inertia(omega) * (waves.amplitude * np.exp(1j * waves.angle))
         c, s = np.cos(yaw), np.sin(yaw)
         level = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         momentum, rate = ((part.real.sum(axis=1).reshape(2, 3)) @ level.T for part in (given, -1j * omega * given))
         rate[1] += cross(velocity, momentum[0])
         return rate
 
-    def given(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """(6, n) momentum that waves give a hull at rest, over its inertia at their frequency."""
-        return self.forces(omega, heading) / (-1j * omega * self.inertia(omega))
+        return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
-    def inertia(self, omega: np.ndarray) -> np.ndarray:
+    def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
         """(6, n) A + i B / omega [kg], [kg m2] of each motion in the table, 1 of any other."""
         found, met = np.ones((6, len(omega)), dtype=complex), np.abs(omega)
         for number, added, lost in zip(self.numbers, self.added, self.lost, strict=True):
             found[number] = np.interp(met, self.omega, added) + 1j * np.sign(omega) * np.interp(met, self.omega, lost)
         return found
 
-    def forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the
         table ends at 180 degrees, constant beyond its frequencies."""
         headings, force = self.scattered
@@ -240,15 +250,15 @@ class Scattering:
         if headings.max() <= 180.0:
             beyond = angle > 180.0
             angle = np.where(beyond, 360.0 - angle, angle)
-            turned = np.where(beyond, ACROSS[:, None], 1.0)
+            turned = np.where(beyond, MIRROR_SIGNS[:, None], 1.0)
         found = np.zeros((6, len(omega)), dtype=complex)
         for number in self.numbers:
             by_heading = [np.interp(omega, self.omega, row) for row in force[number]]
-            found[number] = interpolated(angle, headings, np.array(by_heading))
+            found[number] = at_headings(angle, headings, np.array(by_heading))
         return found * turned
 
 
-def interpolated(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
+def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
     """(n,) of (h, n) values at (h,) headings; the nearest beyond them."""
     each = np.arange(len(angle))
     if len(headings) == 1:
@@ -277,75 +287,77 @@ class Radiation:
     """
 
     def __init__(self, file: str) -> None:
-        table = bem_table(file)
+        table = read_bem_table(file)
         self.numbers = [Motions._fields.index(motion) for motion in table.motions]
         omega, back = table.omega, np.flatnonzero(np.diff(table.omega, prepend=0.0) <= 0.0)
-        if not FEWEST <= len(omega) <= MOST:
-            raise FREQUENCIES.broken(file, f"it has {len(omega)}")
+        if not MIN_FREQUENCIES <= len(omega) <= MAX_FREQUENCIES:
+            raise FREQUENCY_RULE.broken(file, f"it has {len(omega)}")
         if len(back):
-            raise FREQUENCIES.broken(file, f"{omega[back[0]]:g} rad/s is the one in row {back[0] + 1}")
+            raise FREQUENCY_RULE.broken(file, f"{omega[back[0]]:g} rad/s is the one in row {back[0] + 1}")
         self.omega, self.mass, self.damping = omega, table.added, table.damping
         self.scattering = None if table.scattered is None else Scattering(table)
         self.depth, self.axis = table.depth, table.axis
         names, own = table.motions, self.damping[np.diag_indices(len(table.motions))]
         for name, least, most, last in zip(names, own.min(axis=1), own.max(axis=1), own[:, -1]):
-            if not most > 0.0 or least < -NEGATIVE * most:
-                raise DAMPED.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
-            if not last <= LEFT * most:
+            if not most > 0.0 or least < -NEGATIVE_TOLERANCE * most:
+                raise DAMPING_RULE.broken(file, f"that of {name} lies between {least:.3g} and {most:.3g}")
+            if not last <= MAX_END_DAMPING * most:
                 still = f"that of {name} still is {last / most:.0%} of its most"
-                raise FALLEN.broken(file, f"at {omega[-1]:g} rad/s {still}")
+                raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
-    def couples(self, one: str, other: str) -> bool:
+    def has_coupling(self, one: str, other: str) -> bool:
         """True if the table has what one motion does to another."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 
     @property
-    def doubts(self) -> list[str]:
+    def unphysical_entries(self) -> list[str]:
         """Entries that no hull has: waves that would give energy, water of less than no mass."""
         own, found = np.diag_indices(len(self.numbers)), list[str]()
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
-        if lowest.min() < -GIVEN:
+        if lowest.min() < -ERROR_TOLERANCE:
             at = self.omega[lowest.argmin()]
             found.append(f"the damping of the table would give energy at {at:g} rad/s, which no hull's waves do")
-        added = self.response.added
+        added = self.impulse_response.added
         most = np.sqrt(np.maximum(np.abs(added[own]), 1e-300))
-        if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -GIVEN or (added[own] <= 0.0).any():
+        if np.linalg.eigvalsh(added / np.outer(most, most))[0] < -ERROR_TOLERANCE or (added[own] <= 0.0).any():
             values = ", ".join(f"{Motions._fields[k]} {x:.3g}" for k, x in zip(self.numbers, added[own]))
             found.append(f"the added mass of quick motions ({values}) is no water's: below zero, or tied to too much")
         return found
 
     @cached_property
-    def response(self) -> "Response":
-        """To a push, until less than LOST is left of it."""
+    def impulse_response(self) -> "Response":
+        """To a push, until less than FORGOTTEN_SHARE is left of it."""
         from scipy.integrate import cumulative_trapezoid
 
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
-        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / FINE)
+        times = np.arange(0.0, 2.0 * pi / apart, 2.0 * pi / omega[-1] / POINTS_A_PERIOD)
         m = len(self.numbers)
         kernels, added = np.zeros((m, m, len(times))), np.zeros((m, m))
         for i, j in combinations_with_replacement(range(m), 2):
             if self.damping[i, j].any():
-                kernels[i, j] = kernels[j, i] = self.kernel(times, self.damping[i, j])
+                kernels[i, j] = kernels[j, i] = self.retardation_kernel(times, self.damping[i, j])
             sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
             added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
         most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
-        kernels[np.abs(kernels).max(axis=2) <= LOST * np.outer(most, most)] = 0.0  # of a symmetric hull: noise
-        kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > LOST
+        kernels[np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)] = (
+            0.0  # of a symmetric hull: noise
+        )
+        kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > FORGOTTEN_SHARE
         last = int(np.flatnonzero(kept)[-1]) + 1
         times, kernels = times[:last], kernels[:, :, :last]
         whole = cumulative_trapezoid(kernels, times, initial=0.0)
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
-    def kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
+    def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
         """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
-        count = FINE * len(omega)
+        count = POINTS_A_PERIOD * len(omega)
         within = np.linspace(0.0, omega[-1], count)
-        beyond = np.linspace(omega[-1], TAIL * omega[-1], int((TAIL - 1.0) * count))[1:]
+        beyond = np.linspace(omega[-1], TAIL_FREQUENCIES * omega[-1], int((TAIL_FREQUENCIES - 1.0) * count))[1:]
         ends = np.maximum(np.abs(damping[-2:]), 1e-12 * np.abs(damping).max())
         power = max(2.0, -float(np.diff(np.log(ends))[0] / np.diff(np.log(omega[-2:]))[0]))
         known = PchipInterpolator(np.append(0.0, omega), np.append(0.0, damping))(within)
@@ -358,16 +370,16 @@ class Memory:
     """The radiation force on one hull: what it remembers of its motions."""
 
     def __init__(self, radiation: Radiation) -> None:
-        self.response, self.numbers = radiation.response, np.array(radiation.numbers)
-        self.pairs = np.argwhere(self.response.kernels.any(axis=2)).tolist()  # which motions act on which
-        self.often = float(self.response.times[1])  # [s] at least between what is kept
+        self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
+        self.pairs = np.argwhere(self.impulse_response.kernels.any(axis=2)).tolist()  # which motions act on which
+        self.often = float(self.impulse_response.times[1])  # [s] at least between what is kept
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
         """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
-        known, ago, rate, momentum = self.response, time - times, np.zeros(6), np.zeros(6)
+        known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)
         for i, j in self.pairs:
             kernel = np.interp(ago, known.times, known.kernels[i, j], right=0.0)
             left = np.interp(ago, known.times, known.left[i, j], right=0.0)
@@ -376,9 +388,9 @@ class Memory:
         v, omega, line, turn = motion[:3], motion[3:], momentum[:3], momentum[3:]
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
-    def keep(self, time: float, motion: np.ndarray) -> None:
+    def remember(self, time: float, motion: np.ndarray) -> None:
         """Remember this velocity (6,), if the last one was long enough ago."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
-            near = self.when >= time - self.response.times[-1] - self.often
+            near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)
             self.moved = np.concatenate([self.moved[near], motion[None, self.numbers]])

@@ -7,7 +7,7 @@ of form, axis and amplitude are of their published program (2009). Lift under wa
 rate; what of their sum grows with the amplitude becomes a moment over the square of the rate, 8 / (3 pi) omega phi of
 which is the same work in a period.
 
-Regressions hold within LIMITS; beyond them a hull is taken as one at the limit, and `outside` says so.
+Regressions hold within REGRESSION_LIMITS; beyond them a hull is taken as one at the limit, and `ratios_beyond` says so.
 """
 
 from collections.abc import Sequence
@@ -19,11 +19,11 @@ import numpy as np
 from ocean_sim.model import Model, quantity
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 
-VISCOSITY = 1.14e-6  # of sea water of 15 degrees C [m2/s]
-AMPLITUDES = tuple(float(a) for a in range(1, 21))  # [deg] over which a linear and a quadratic part are fitted
-WATERLINE = 1.75  # draughts of a hull's sides in the wetted surface
+WATER_VISCOSITY = 1.14e-6  # of sea water of 15 degrees C [m2/s]
+FIT_AMPLITUDES = tuple(float(a) for a in range(1, 21))  # [deg] over which a linear and a quadratic part are fitted
+WETTED_DRAUGHTS = 1.75  # draughts of a hull's sides in the wetted surface
 
-LIMITS = {
+REGRESSION_LIMITS = {
     "block coefficient": (0.5, 0.85),
     "midship section coefficient": (0.9, 0.99),
     "breadth / draught": (2.5, 4.5),
@@ -86,7 +86,7 @@ EDDIES_FORM = (-79.414, 215.695, -215.883, 93.894, -14.848)  # in C_B
 EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
 
 
-def polynomial(coefficients: Sequence[float], x: float) -> float:
+def polynomial_at(coefficients: Sequence[float], x: float) -> float:
     """By falling powers."""
     return float(np.polyval(coefficients, x))
 
@@ -105,7 +105,7 @@ class Ikeda(Model):
 
     bilge_keels: BilgeKeels | None = None
     """The bilge keels; null: the hull is bare."""
-    kinematic_viscosity: float = quantity("m2/s", VISCOSITY, gt=0.0)
+    kinematic_viscosity: float = quantity("m2/s", WATER_VISCOSITY, gt=0.0)
     """Of the water."""
 
 
@@ -122,8 +122,8 @@ class Form(NamedTuple):
     keels: tuple[float, float] | None  # length over that of the hull, breadth over that of the hull
 
     @property
-    def ratios(self) -> dict[str, float]:
-        """What LIMITS bound."""
+    def limited_ratios(self) -> dict[str, float]:
+        """What REGRESSION_LIMITS bound."""
         found = {
             "block coefficient": self.block,
             "midship section coefficient": self.midship,
@@ -151,47 +151,50 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
-    volume = min(hull.wanted, hull.voxels.volume)
+    volume = min(hull.needed_volume, hull.voxels.volume)
     return Form(
         length,
         broad,
         deep,
         volume / (length * broad * deep),
-        float(hull.sections.max()) / (broad * deep),
+        float(hull.section_areas.max()) / (broad * deep),
         (hull.keel + deep - float(hull.matter.centre[1])) / deep,
         omega * sqrt(broad / (2.0 * hull.gravity)),
         None if keels is None else (keels.length / length, keels.breadth / broad),
     )
 
 
-def outside(form: Form) -> list[str]:
+def ratios_beyond(form: Form) -> list[str]:
     """Which ratios of a hull lie beyond the regressions, in words."""
     return [
-        f"{name} {value:.3g} ({LIMITS[name][0]:g} to {LIMITS[name][1]:g})"
-        for name, value in form.ratios.items()
-        if not LIMITS[name][0] - 1e-6 <= value <= LIMITS[name][1] + 1e-6
+        f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
+        for name, value in form.limited_ratios.items()
+        if not REGRESSION_LIMITS[name][0] - 1e-6 <= value <= REGRESSION_LIMITS[name][1] + 1e-6
     ]
 
 
-def components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """At an amplitude [deg]; ratios beyond LIMITS count as those at the limit."""
-    held = {name: min(max(value, LIMITS[name][0]), LIMITS[name][1]) for name, value in form.ratios.items()}
+def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
+    """At an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
+    held = {
+        name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
+        for name, value in form.limited_ratios.items()
+    }
     cb, cm, bd, og, frequency, *keels = held.values()
     return Components(
-        friction(form, amplitude, viscosity, gravity),
+        skin_friction(form, amplitude, viscosity, gravity),
         waves_made(cb, cm, bd, og, frequency),
-        eddies(cb, cm, bd, og, amplitude) * frequency,
-        bilge_keels(cb, cm, bd, og, amplitude, keels[1], keels[0]) * frequency if keels else 0.0,
+        eddy_damping(cb, cm, bd, og, amplitude) * frequency,
+        keel_damping(cb, cm, bd, og, amplitude, keels[1], keels[0]) * frequency if keels else 0.0,
     )
 
 
-def friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
+def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
     """Of the skin (Kato 1958): Blasius's layer on a cylinder of the hull's mean radius."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
     reynolds = 3.22 * (radius * phi) ** 2 * omega / (2.0 * pi * viscosity)
-    wetted = WATERLINE * deep + cb * broad  # a metre of length
+    wetted = WETTED_DRAUGHTS * deep + cb * broad  # a metre of length
     moment = 4.0 / (3.0 * pi) * wetted * radius**3 * phi * omega * 1.328 / sqrt(reynolds)
     return moment / (cb * deep * broad**3) * sqrt(broad / (2.0 * gravity))
 
@@ -201,29 +204,29 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og
-    a1 = polynomial([polynomial([polynomial(row, bd) for row in rows], cb) for rows in WAVE_A1], over)
-    shape = polynomial([polynomial([polynomial(row, bd) for row in rows], cb) for rows in WAVE_A1_SHAPE], cm)
-    a3 = polynomial([polynomial(row, cb) for row in WAVE_A3], over)
-    bent = polynomial(WAVE_A3_BREADTH, bd) * polynomial([polynomial(row, cb) for row in WAVE_A3_SHAPE], over)
-    last = polynomial(WAVE_A3_LAST, bd)
-    a3 += bent * polynomial([*WAVE_A3_AXIS, last], over - polynomial(WAVE_A3_SHIFT, bd))
+    a1 = polynomial_at([polynomial_at([polynomial_at(row, bd) for row in rows], cb) for rows in WAVE_A1], over)
+    shape = polynomial_at([polynomial_at([polynomial_at(row, bd) for row in rows], cb) for rows in WAVE_A1_SHAPE], cm)
+    a3 = polynomial_at([polynomial_at(row, cb) for row in WAVE_A3], over)
+    bent = polynomial_at(WAVE_A3_BREADTH, bd) * polynomial_at([polynomial_at(row, cb) for row in WAVE_A3_SHAPE], over)
+    last = polynomial_at(WAVE_A3_LAST, bd)
+    a3 += bent * polynomial_at([*WAVE_A3_AXIS, last], over - polynomial_at(WAVE_A3_SHIFT, bd))
     a1 *= shape * (1.0 - over) + 1.0
-    return a1 / frequency * exp(-polynomial(WAVE_A2, over) * (log(frequency) - a3) ** 2 / 1.44)
+    return a1 / frequency * exp(-polynomial_at(WAVE_A2, over) * (log(frequency) - a3) ** 2 / 1.44)
 
 
-def eddies(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
+def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
     """Of vortices at the naked hull, over the frequency; none where the regression, beyond a block coefficient of 0.84,
     falls below zero: a drag takes energy."""
-    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial(EDDIES_FORM, cb), 0.0)
+    form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
-    section = (0.25 * og + 0.95) * og + polynomial(EDDIES_SECTION, cb)
+    section = (0.25 * og + 0.95) * og + polynomial_at(EDDIES_SECTION, cb)
     power = -15.0 * cb * bd + 46.5 * cb + 11.2 * bd - 28.6
     drag = form * exp(axis + section * cm**power)
     return 4.0 * radians(amplitude) / (3.0 * pi * cb * bd**3) * drag
 
 
-def bilge_keels(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
+def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
     """Of bilge keels, `long` and `broad` over the hull's length and breadth, over the frequency."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
@@ -234,7 +237,7 @@ def bilge_keels(cb: float, cm: float, bd: float, og: float, amplitude: float, lo
     return form * swing * size * exp(axis + section * cm ** (2.5 * og + 15.75))
 
 
-def lift(form: Form, density: float) -> float:
+def lift_damping(form: Form, density: float) -> float:
     """Moment over the rate of roll and the speed ahead [N s2 rad-1]: of the hull's lift."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
@@ -254,23 +257,23 @@ class RollDamping:
         omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
         self.keels = config.bilge_keels
         self.form = form = form_of(hull, omega, config.bilge_keels)
-        volume = min(hull.wanted, hull.voxels.volume)
+        volume = min(hull.needed_volume, hull.voxels.volume)
         self.scale = hull.density * volume * form.breadth**2 / sqrt(form.breadth / (2.0 * hull.gravity))  # [N m s]
         self.omega, self.critical = omega, 2.0 * sqrt(max(stiffness, 0.0) * (hull.inertia["roll"] + added))
         self.parts: dict[float, Components] = {}
-        self.linear, self.quadratic, self.ahead = 0.0, 0.0, lift(form, hull.density)
+        self.linear, self.quadratic, self.ahead = 0.0, 0.0, lift_damping(form, hull.density)
         if omega > 0.0:
-            found = [components(form, a, config.kinematic_viscosity, hull.gravity) for a in AMPLITUDES]
-            self.parts = {a: each if waves else each._replace(wave=0.0) for a, each in zip(AMPLITUDES, found)}
+            found = [damping_components(form, a, config.kinematic_viscosity, hull.gravity) for a in FIT_AMPLITUDES]
+            self.parts = {a: each if waves else each._replace(wave=0.0) for a, each in zip(FIT_AMPLITUDES, found)}
             whole = self.scale * np.array([sum(each) for each in self.parts.values()])
-            rate = 8.0 / (3.0 * pi) * omega * np.radians(AMPLITUDES)
+            rate = 8.0 / (3.0 * pi) * omega * np.radians(FIT_AMPLITUDES)
             rows = np.stack([np.ones_like(rate), rate], axis=1)
             self.linear, self.quadratic = (max(float(x), 0.0) for x in np.linalg.lstsq(rows, whole, rcond=None)[0])
 
     @property
     def warnings(self) -> list[str]:
         """What a reader of the results should know."""
-        beyond = outside(self.form)
+        beyond = ratios_beyond(self.form)
         said = (
             [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
         )
@@ -278,10 +281,10 @@ class RollDamping:
             said.append("roll damping: for so full a hull Ikeda's regression gives negative eddy damping, counted as 0")
         return said
 
-    def share(self, amplitude: float) -> float:
-        """Of critical damping, by all components at one of AMPLITUDES [deg]; 0 of a hull that nothing rights."""
+    def critical_share(self, amplitude: float) -> float:
+        """Of critical damping, by all components at one of FIT_AMPLITUDES [deg]; 0 of a hull that nothing rights."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
-    def moment(self, rate: float, ahead: float) -> float:
+    def roll_moment(self, rate: float, ahead: float) -> float:
         """[N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
         return -(self.linear + self.quadratic * abs(rate) + self.ahead * max(ahead, 0.0)) * rate

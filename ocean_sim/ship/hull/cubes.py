@@ -11,20 +11,20 @@ from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels, run
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.ship.water.water_samples import (
-    HANDED,
-    TOP,
+    HIGHEST_LEVEL,
+    ROW_COLUMNS,
     SurroundingSea,
     SurroundingWater,
     pose,
-    turned,
-    vector,
+    row_matrix,
+    row_vector,
     write_pose,
 )
 from ocean_sim.surface import Surface
 from ocean_sim.wind import Wind
 
-BLOCK = 128  # cubes that are summed one after the other
-SUMS = Columns(
+BLOCK_CUBES = 128  # cubes that are summed one after the other
+SUM_COLUMNS = Columns(
     buoyancy=6,  # forces and torques [N], [N m]
     wave=6,
     wind_drag=6,
@@ -32,12 +32,12 @@ SUMS = Columns(
     volume=1,  # under water [m3]
     velocity=6,  # of the water, times the area that it meets, and times how far that lies ahead and to port
     acceleration=6,  # over gravity, likewise
-    face=10,  # `FACES` of the areas that the water meets
+    face=10,  # `FACE_COLUMNS` of the areas that the water meets
     cut=1,  # volume of the cubes that the surface cuts [m3]
 )
 
 
-FACES = Columns(
+FACE_COLUMNS = Columns(
     area=3,  # across sway, heave and surge [m2]
     arm=3,  # that across heave times z (pitch), across sway times z (yaw), across heave times x (roll) [m3]
     spread=3,  # likewise, times the squares [m4]
@@ -64,10 +64,10 @@ class Cubes:
     def __init__(self, hull: Hydrostatics) -> None:
         cubes, matter = hull.voxels, hull.matter
         self.n, self.cubes = len(cubes.share), cubes
-        self.blocks = -(-self.n // BLOCK)
+        self.blocks = -(-self.n // BLOCK_CUBES)
         upwards = np.argsort(cubes.centre[:, 1], kind="stable")  # so that whole blocks stay dry
         arm = (cubes.centre - matter.centre)[upwards]
-        edges = range(0, self.n, BLOCK)
+        edges = range(0, self.n, BLOCK_CUBES)
         lower, upper = np.minimum.reduceat(arm, edges), np.maximum.reduceat(arm, edges)
         self.weight = hull.density * hull.gravity  # [N/m3]
         self.gravity = hull.gravity
@@ -78,17 +78,19 @@ class Cubes:
         self.box = ti.Vector.field(3, float, shape=(self.blocks, 2))  # around a block: middle and half its sides [m]
         self.mass_density = matter.mass / cubes.volume  # [kg/m3]
         self.size: list[float] = cubes.size.tolist()  # [m]
-        self.square = tm.vec3(cubes.square)  # of their sides [m2]
+        self.size_squared = tm.vec3(cubes.size_squared)  # of their sides [m2]
         real = to_numpy_type(self.volume.dtype)
         volume = (cubes.share * cubes.size.prod())[upwards]
         box = np.stack([0.5 * (lower + upper), 0.5 * (upper - lower)], axis=1).reshape(-1, 3)
         numbers = (np.ascontiguousarray(array, dtype=real) for array in (arm, cubes.area[upwards], volume, box))
-        self.hold(*numbers, upwards.astype(np.int32))
+        self.upload_cubes(*numbers, upwards.astype(np.int32))
         self.found = np.zeros((self.n, 3))
-        self.table = np.zeros((1 + self.blocks, max(HANDED.size, SUMS.size)))  # the pose, and the sums of each block
+        self.table = np.zeros(
+            (1 + self.blocks, max(ROW_COLUMNS.size, SUM_COLUMNS.size))
+        )  # the pose, and the sums of each block
 
     @ti.kernel
-    def hold(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
+    def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
         ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
@@ -101,79 +103,85 @@ class Cubes:
     @staticmethod
     def bytes(n: int, word: int) -> int:
         """Memory that n cubes take."""
-        return n * (7 * word + 4) + (n // BLOCK + 1) * (SUMS.size * 8 + 6 * word)
+        return n * (7 * word + 4) + (n // BLOCK_CUBES + 1) * (SUM_COLUMNS.size * 8 + 6 * word)
 
-    def wetted(
+    def sum_forces(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
     ) -> Wetted:
         """What water and wind do to the hull where it is."""
         table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
-        table[0, HANDED.since], table[0, HANDED.step] = wind.since, wind.step
-        self.sum_up(around, water, wind, table)
+        table[0, ROW_COLUMNS.since], table[0, ROW_COLUMNS.step] = wind.since, wind.step
+        self.sum_blocks(around, water, wind, table)
         total = table[1:].sum(axis=0)
-        dx, dz = self.cubes.aside(body.rows, self.weight * float(total[SUMS.cut]))
-        total[SUMS.buoyancy + 3] -= dz
-        total[SUMS.buoyancy + 5] += dx
+        dx, dz = self.cubes.cut_offset(body.rows, self.weight * float(total[SUM_COLUMNS.cut]))
+        total[SUM_COLUMNS.buoyancy + 3] -= dz
+        total[SUM_COLUMNS.buoyancy + 5] += dx
         velocity = acceleration = np.zeros(6)
         if isinstance(around, SurroundingSea):
-            faces = total[SUMS.face : SUMS.cut].tolist()
-            velocity = as_one_body(total[SUMS.velocity : SUMS.acceleration].tolist(), faces, self.size)
-            acceleration = self.gravity * as_one_body(total[SUMS.acceleration : SUMS.face].tolist(), faces, self.size)
-        parts = total[: SUMS.volume].reshape(4, 2, 3)
-        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUMS.volume]), velocity, acceleration)
+            faces = total[SUM_COLUMNS.face : SUM_COLUMNS.cut].tolist()
+            velocity = as_one_body(total[SUM_COLUMNS.velocity : SUM_COLUMNS.acceleration].tolist(), faces, self.size)
+            acceleration = self.gravity * as_one_body(
+                total[SUM_COLUMNS.acceleration : SUM_COLUMNS.face].tolist(), faces, self.size
+            )
+        parts = total[: SUM_COLUMNS.volume].reshape(4, 2, 3)
+        return Wetted(parts[0], parts[1], parts[2], parts[3], float(total[SUM_COLUMNS.volume]), velocity, acceleration)
 
-    def displaced(self, body: RigidBody, around: SurroundingWater | SurroundingSea) -> tuple[np.ndarray, np.ndarray]:
+    def displaced_water(
+        self, body: RigidBody, around: SurroundingWater | SurroundingSea
+    ) -> tuple[np.ndarray, np.ndarray]:
         """x and z (m, 2) [m] of the cubes under water where the body is, and how much water each displaces [m3]; the
         water stands as it was last asked, where its current has carried it since."""
         write_pose(self.table[0], body)
-        middle = around.carried()
+        middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
-        self.immersed(around, self.table, self.found)
+        self.find_immersed(around, self.table, self.found)
         wet = self.found[self.found[:, 2] > 0.0]
         return wet[:, :2] + middle, wet[:, 2]
 
     @ti.kernel
-    def immersed(self, around: Template, table: Array2, found: Array2):
+    def find_immersed(self, around: Template, table: Array2, found: Array2):
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
-            position, turn = vector(table, pose.position), turned(table)
+            position, turn = row_vector(table, pose.position), row_matrix(table)
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
-            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
-            for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
+            tall = ti.sqrt((self.size_squared * up).dot(up))  # as far as each reaches upwards [m]
+            for k in range(block * BLOCK_CUBES, ti.min((block + 1) * BLOCK_CUBES, self.n)):
                 x = position + turn @ self.arm[k]
                 share = tm.clamp((around.elevation(x.x, x.z) - x.y) / tall + 0.5, 0.0, 1.0)
                 found[k, 0], found[k, 1], found[k, 2] = x.x, x.z, share * self.volume[k]
 
     @ti.kernel
-    def sum_up(
+    def sum_blocks(
         self,
         around: Template,
         water: Template,
         wind: Template,
         table: Array2,
     ):
-        around.look(water, table)
-        wind.set_clock(ti.cast(table[0, HANDED.since], float), ti.cast(table[0, HANDED.step], float))
+        around.read_water(water, table)
+        wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
         ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
-            position, turn = vector(table, pose.position), turned(table)
-            velocity, omega = vector(table, pose.velocity), vector(table, pose.spin)
-            middle = tm.vec3(ti.cast(table[0, HANDED.middle], float), 0.0, ti.cast(table[0, HANDED.middle + 1], float))
+            position, turn = row_vector(table, pose.position), row_matrix(table)
+            velocity, omega = row_vector(table, pose.velocity), row_vector(table, pose.spin)
+            middle = tm.vec3(
+                ti.cast(table[0, ROW_COLUMNS.middle], float), 0.0, ti.cast(table[0, ROW_COLUMNS.middle + 1], float)
+            )
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
-            tall = ti.sqrt((self.square * up).dot(up))  # as far as each reaches upwards [m]
-            total = ti.Vector.zero(ti.f64, SUMS.size)
+            tall = ti.sqrt((self.size_squared * up).dot(up))  # as far as each reaches upwards [m]
+            total = ti.Vector.zero(ti.f64, SUM_COLUMNS.size)
             lowest = position.y + up.dot(self.box[block, 0]) - abs(up).dot(self.box[block, 1]) - 0.5 * tall
-            if ti.static(wind.blows) or lowest < around.frame[TOP]:
-                for k in range(block * BLOCK, ti.min((block + 1) * BLOCK, self.n)):
-                    self.add(total, k, around, wind, tall, position, middle, turn, velocity, omega)
-            for c in ti.static(range(SUMS.size // 2)):
+            if ti.static(wind.blows) or lowest < around.frame[HIGHEST_LEVEL]:
+                for k in range(block * BLOCK_CUBES, ti.min((block + 1) * BLOCK_CUBES, self.n)):
+                    self.add_cube(total, k, around, wind, tall, position, middle, turn, velocity, omega)
+            for c in ti.static(range(SUM_COLUMNS.size // 2)):
                 table[1 + block, c] = total[c]
-                table[1 + block, SUMS.size // 2 + c] = total[SUMS.size // 2 + c]
+                table[1 + block, SUM_COLUMNS.size // 2 + c] = total[SUM_COLUMNS.size // 2 + c]
 
     @ti.func
-    def add(
+    def add_cube(
         self,
         total: Template,
         k,
@@ -188,71 +196,71 @@ class Cubes:
     ):
         arm = turn @ self.arm[k]
         x, wet = position + arm, 0.0
-        if x.y - 0.5 * tall < water.frame[TOP]:
-            wet = self.immerse(total, k, water, tall, arm, x, turn)
+        if x.y - 0.5 * tall < water.frame[HIGHEST_LEVEL]:
+            wet = self.add_water(total, k, water, tall, arm, x, turn)
         if ti.static(wind.blows):
             bare = (1.0 - wet) * (turn @ self.area[k])
             mass = self.mass_density * self.volume[k]
             blown = wind.force(self.key[k], x + middle, velocity + omega.cross(arm), bare, tm.vec3(0.0), mass)
             if (blown != 0.0).any():  # most cubes lie outside most gusts
-                self.put(total, SUMS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
-                self.put(total, SUMS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
+                self.add_force(total, SUM_COLUMNS.wind_drag, arm, tm.vec3(blown.x, 0.0, blown.z))
+                self.add_force(total, SUM_COLUMNS.wind_lift, arm, tm.vec3(0.0, blown.y, 0.0))
 
     @ti.func
-    def immerse(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
+    def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
         """Add what the water does to a cube that it may reach; the share that is under water."""
-        corner = water.corner(x.x, x.z)
-        eta, slope = water.sheet(corner)
+        corner = water.cell_at(x.x, x.z)
+        eta, slope = water.surface_at(corner)
         depth = eta - x.y
         share = depth / tall + 0.5
         wet = tm.clamp(share, 0.0, 1.0)
         if wet > 0.0:
             volume, pull = wet * self.volume[k], slope
-            self.put(total, SUMS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
+            self.add_force(total, SUM_COLUMNS.buoyancy, arm, tm.vec3(0.0, self.weight * volume, 0.0))
             if ti.static(water.samples_depth):
-                pull = half(water.moving(corner, eta, depth), 3)
-            self.put(total, SUMS.wave, arm, self.weight * volume * pull)
-            self.count(total, SUMS.volume, volume)
+                pull = three_of(water.motion_at(corner, eta, depth), 3)
+            self.add_force(total, SUM_COLUMNS.wave, arm, self.weight * volume * pull)
+            self.add_number(total, SUM_COLUMNS.volume, volume)
             if share < 1.0:
-                self.count(total, SUMS.cut, self.volume[k])
+                self.add_number(total, SUM_COLUMNS.cut, self.volume[k])
             if ti.static(water.samples_depth):
                 own, face = self.arm[k], wet * abs(self.area[k])
                 under = depth + 0.5 * tall  # where its lower face is
-                moved = water.moving(corner, eta, under)
-                self.put_motion(total, SUMS.velocity, own, face, turn.transpose() @ half(moved, 0))
-                self.put_motion(total, SUMS.acceleration, own, face, turn.transpose() @ half(moved, 3))
+                moved = water.motion_at(corner, eta, under)
+                self.add_motion(total, SUM_COLUMNS.velocity, own, face, turn.transpose() @ three_of(moved, 0))
+                self.add_motion(total, SUM_COLUMNS.acceleration, own, face, turn.transpose() @ three_of(moved, 3))
                 met, along = tm.vec3(face.y, face.x, face.y), tm.vec3(own.z, own.z, own.x)
                 for c in ti.static(range(3)):
-                    self.count(total, SUMS.face + FACES.area + c, face[c])
-                    self.count(total, SUMS.face + FACES.arm + c, met[c] * along[c])
-                    self.count(total, SUMS.face + FACES.spread + c, met[c] * along[c] * along[c])
-                self.count(total, SUMS.face + FACES.skew, face.y * own.x * own.z)
+                    self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.area + c, face[c])
+                    self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.arm + c, met[c] * along[c])
+                    self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.spread + c, met[c] * along[c] * along[c])
+                self.add_number(total, SUM_COLUMNS.face + FACE_COLUMNS.skew, face.y * own.x * own.z)
         return wet
 
     @ti.func
-    def count(self, total: Template, column: Template, number):
+    def add_number(self, total: Template, column: Template, number):
         total[column] += ti.cast(number, ti.f64)
 
     @ti.func
-    def put(self, total: Template, column: Template, arm, force):
+    def add_force(self, total: Template, column: Template, arm, force):
         torque = arm.cross(force)
         for c in ti.static(range(3)):
-            self.count(total, column + c, force[c])
-            self.count(total, column + 3 + c, torque[c])
+            self.add_number(total, column + c, force[c])
+            self.add_number(total, column + 3 + c, torque[c])
 
     @ti.func
-    def put_motion(self, total: Template, column: Template, own, face, moved):
+    def add_motion(self, total: Template, column: Template, own, face, moved):
         """Of water at a cube: its motion by the area that it meets, and that times the arms of pitch, yaw and roll."""
         for c in ti.static(range(3)):
-            self.count(total, column + c, face[c] * moved[c])
-        self.count(total, column + 3, -face.y * own.z * moved.y)
-        self.count(total, column + 4, face.x * own.z * moved.x)
-        self.count(total, column + 5, face.y * own.x * moved.y)
+            self.add_number(total, column + c, face[c] * moved[c])
+        self.add_number(total, column + 3, -face.y * own.z * moved.y)
+        self.add_number(total, column + 4, face.x * own.z * moved.x)
+        self.add_number(total, column + 5, face.y * own.x * moved.y)
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) how water that moves at cubes of a size (3,) as `put_motion` sums it (6,) moves and turns about the centre
-    of mass: least squares over `FACES`, so water that streams alike everywhere turns nothing."""
+    """(6,) how water that moves at cubes of a size (3,) as `add_motion` sums it (6,) moves and turns about the centre
+    of mass: least squares over `FACE_COLUMNS`, so water that streams alike everywhere turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y
@@ -271,6 +279,6 @@ def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np
 
 
 @ti.func
-def half(six: Template, first: Template):
+def three_of(six: Template, first: Template):
     """Three of six numbers."""
     return tm.vec3(six[first], six[first + 1], six[first + 2])

@@ -9,42 +9,44 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import voxels
 
-MOST = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
-MANY = 1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
-SMOOTH = 0.5  # [cubes] over which steps of cubes are smoothed
+USUAL_CUBES = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
+MAX_LATTICE_NODES = (
+    1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
+)
+SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def coarsest(shape: HullShape, side: float, reach: float) -> float:
-    """The side asked for [m], or that of MOST cubes."""
+def lattice_side(shape: HullShape, side: float, reach: float) -> float:
+    """The side asked for [m], or that of USUAL_CUBES cubes."""
     lower, upper = shape.bounds()
-    return max(side, float((upper - lower + 2.0 * reach).prod() / MOST) ** (1.0 / 3.0))
+    return max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
 
 
-def nodes(shape: HullShape, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """(3,) sides of a cube [m], and (3,) cubes that are added on each side of a hull."""
     lower, upper = shape.bounds()
-    side = coarsest(shape, side, reach)
+    side = lattice_side(shape, side, reach)
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
     return size, np.ceil(reach / size).astype(int) + 1
 
 
-def memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
+def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
     """Nodes of a lattice, and the bytes that they take."""
-    size, margin = nodes(shape, side, reach)
+    size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
     return n, 2 * word * n
 
 
-def around(
+def distance_lattice(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
     the position of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
-    size, margin = nodes(shape, side, reach)
-    cubes = voxels(shape, coarsest(shape, side, reach), 1.0)
+    size, margin = lattice_shape(shape, side, reach)
+    cubes = voxels(shape, lattice_side(shape, side, reach), 1.0)
 
     def made() -> dict[str, np.ndarray]:
         from scipy.ndimage import distance_transform_edt, gaussian_filter
@@ -58,7 +60,7 @@ def around(
         half = 0.5 * size.mean()
         outside = distance_transform_edt(~full, sampling=size) - half
         inside = distance_transform_edt(full, sampling=size) - half
-        distance = gaussian_filter(np.where(full, -inside, outside), SMOOTH, mode="nearest")
+        distance = gaussian_filter(np.where(full, -inside, outside), SMOOTHING_CUBES, mode="nearest")
         solid = np.zeros(full.shape)
         solid[tuple((cubes.cells + margin).T)] = cubes.share
         along = (np.arange(-margin[k], margin[k] + 1) * size[k] for k in range(3))
@@ -67,7 +69,7 @@ def around(
         share = fftconvolve(solid, kernel / kernel.sum(), mode="same")
         return {"distance": distance, "share": share}
 
-    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTH} {support}".encode()
+    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTHING_CUBES} {support}".encode()
     return cached_arrays("distances", content, made), lower + (0.5 - margin) * size, size
 
 
@@ -77,7 +79,7 @@ class Distance:
 
     def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
         """`side` of the cubes, `support` of the water, `reach` over the hull [m]."""
-        values, first, step = around(shape, side, support, reach)
+        values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]
         self.upper = self.lower + (np.array(size) - 1) * step

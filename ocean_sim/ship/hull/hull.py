@@ -11,17 +11,17 @@ from ocean_sim.conventions import AxisName
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.parts import named, preset
 from ocean_sim.ship.hull.shapes import MeshFile, Shape
-from ocean_sim.ship.hull.voxels import FLAT, Voxels, voxels
+from ocean_sim.ship.hull.voxels import MAX_FLATNESS, Voxels, voxels
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
-OF_MOTIONS = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
+FLAT_CUBES_LIMIT = 8.0  # cubes over a draught, up to which they may be flat; more are for curves of stability
 CUBES_ACROSS = 8.0  # across a hull that is narrower than its draught, at least
-COARSE = 16  # cubes over the height of a hull whose draught is not known yet
-ENOUGH = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
-MESHES = (".stl", ".obj", ".ply")
+FIRST_GUESS_CUBES = 16  # cubes over the height of a hull whose draught is not known yet
+CUBE_BUDGET = 4e5  # cubes of a hull: one that draws little of its height has fewer over its draught than asked for
+MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
-def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
+def check_inertia(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
     """Principal moments that some distribution of mass has."""
     if not min(inertia) > 0.0:
         raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
@@ -30,7 +30,7 @@ def of_a_body(inertia: tuple[float, float, float]) -> tuple[float, float, float]
     return inertia
 
 
-Inertia = Annotated[Vector3, AfterValidator(of_a_body)]
+Inertia = Annotated[Vector3, AfterValidator(check_inertia)]
 
 
 class Hull(Model):
@@ -45,7 +45,7 @@ class Hull(Model):
     """Moments of inertia of pitch, yaw and roll (about x, y, z) about the centre of mass; null: those of uniform
     density."""
 
-    def matter(self, cubes: Voxels) -> Matter:
+    def matter_of(self, cubes: Voxels) -> Matter:
         """Mass, centre and inertia, given or of uniform density; raises ValueError where there is no mass."""
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")
@@ -53,32 +53,32 @@ class Hull(Model):
         own = cubes.inertia(self.mass, centre) if self.inertia is None else np.diag(self.inertia)
         return Matter(self.mass, centre, own)
 
-    def afloat(self, cells: float, density: float, gravity: float) -> Hydrostatics:
+    def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
         """The hull in still water, with so many cubes over its draught; raises ValueError."""
         lower, upper = self.shape.bounds()
         breadth, height, length = (upper - lower).tolist()
-        least, flat = self.finest, FLAT if cells <= OF_MOTIONS else 1.0
-        mesh = self.shape.closed()
-        draught = min(self.floating(height / COARSE, density, gravity).draught, height)
+        least, flat = self.smallest_side, MAX_FLATNESS if cells <= FLAT_CUBES_LIMIT else 1.0
+        mesh = self.shape.closed_mesh()
+        draught = min(self.in_cubes(height / FIRST_GUESS_CUBES, density, gravity).draught, height)
         if draught > min(breadth, length):  # slender and upright
             cells = max(cells, draught / min(breadth, length) * CUBES_ACROSS)
-        if mesh is not None and mesh.thickness < draught / cells:
-            return self.floating(least, density, gravity, 1.0)
-        fine = self.floating(max(draught / cells, least), density, gravity, flat)
+        if mesh is not None and mesh.mean_thickness < draught / cells:
+            return self.in_cubes(least, density, gravity, 1.0)
+        fine = self.in_cubes(max(draught / cells, least), density, gravity, flat)
         if isinf(fine.draught) or abs(fine.draught / draught - 1.0) < 0.02:
             return fine
-        return self.floating(max(fine.draught / cells, least), density, gravity, flat)
+        return self.in_cubes(max(fine.draught / cells, least), density, gravity, flat)
 
     @property
-    def finest(self) -> float:
+    def smallest_side(self) -> float:
         """Side of the smallest cubes that the hull is cut in, to find where it floats [m]."""
         lower, upper = self.shape.bounds()
-        return float((upper - lower).prod() / ENOUGH) ** (1.0 / 3.0)
+        return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 
-    def floating(self, side: float, density: float, gravity: float, flat: float = FLAT) -> Hydrostatics:
+    def in_cubes(self, side: float, density: float, gravity: float, flat: float = MAX_FLATNESS) -> Hydrostatics:
         """The hull in cubes of a given height [m], up to `flat` times as long."""
         cubes = voxels(self.shape, side, flat)
-        return Hydrostatics(cubes, self.matter(cubes), density, gravity)
+        return Hydrostatics(cubes, self.matter_of(cubes), density, gravity)
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
@@ -86,14 +86,15 @@ def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, 
     given; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
-    if Path(name).suffix.lower() in MESHES:
+    if Path(name).suffix.lower() in MESH_ENDINGS:
         return Hull(shape=MeshFile(kind="mesh", file=name, up=up, bow=bow, scale=scale))
     raise ValueError(
-        f"there is no hull {name!r}, and it is not a {', '.join(MESHES)} file; there are {', '.join(named('hull'))}"
+        f"there is no hull {name!r}, and it is not a {', '.join(MESH_ENDINGS)} file; "
+        f"there are {', '.join(named('hull'))}"
     )
 
 
-def explained(error: ValidationError | ValueError) -> str:
+def error_sentence(error: ValidationError | ValueError) -> str:
     """An error as one sentence."""
     if isinstance(error, ValidationError):
         return "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors(include_url=False))

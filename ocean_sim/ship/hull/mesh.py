@@ -16,20 +16,22 @@ import numpy as np
 
 from ocean_sim.files.input_file import BYTE_ORDER_MARK, Checked, Rule, Unreadable, marked_codec
 
-MILLIMETRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
+MAX_METRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 MAX_UNITS = 1.0e30  # of a coordinate, whose powers stay finite
-ROUNDING = 1.0e-9  # of a mesh's size, volume or area
-PANELS, GAUSS_POINTS = 64, 2  # across and along a hull, where its volume is summed over columns
-LEVELS = 32  # at which the room that is open at the top is looked for
+ROUNDING_SHARE = 1.0e-9  # of a mesh's size, volume or area
+MIN_PANELS, GAUSS_POINTS = 64, 2  # across and along a hull, where its volume is summed over columns
+ROOM_LEVELS = 32  # at which the room that is open at the top is looked for
 OPEN_SHARE = 0.1  # of the volume: room that is open at the top, from which on it is told
 SHIP_LENGTH_OVER_BREADTH, SHIP_BREADTH_OVER_DRAUGHT, SHIP_DRAUGHT_OVER_HEIGHT = (1.2, 30.0), (0.7, 30.0), (0.04, 0.96)
 UPRIGHT_BUOYANCY = 0.49  # of the draught: least height of the centre of buoyancy of sections that do not narrow upwards
 MAX_PROBES = 64  # corners of a skin of which is asked whether others enclose them
 
-TRIANGLES = Rule(f"a hull is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
-CLOSED = Rule("faces close around a volume: at every edge as many turn one way as the other way")
-AXES = Rule("`up` and `bow` are two axes of the file")
-CHECKS = (Checked("A hull's mesh, `hull.shape.file` and `ocean-sim hull FILE`", (TRIANGLES, CLOSED, AXES)),)
+TRIANGLE_RULE = Rule(f"a hull is an STL, OBJ or PLY file of triangles, with finite corners within {MAX_UNITS:g} units")
+CLOSED_RULE = Rule("faces close around a volume: at every edge as many turn one way as the other way")
+AXES_RULE = Rule("`up` and `bow` are two axes of the file")
+CHECKS = (
+    Checked("A hull's mesh, `hull.shape.file` and `ocean-sim hull FILE`", (TRIANGLE_RULE, CLOSED_RULE, AXES_RULE)),
+)
 
 
 class BadMesh(ValueError):
@@ -67,42 +69,42 @@ class ClosedMesh:
         return self.bounds[1] - self.bounds[0]
 
     @cached_property
-    def _plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _column_plan(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions of columns along x and z [m], and (len(x), len(z)) the area of each [m2]."""
         (x, across), (z, along) = (gauss_points(self.vertices[:, axis]) for axis in (0, 2))
         return x, z, across[:, None] * along
 
     @cached_property
-    def overlaps(self) -> bool:
+    def has_overlaps(self) -> bool:
         """True where faces pass through each other: skins wind around a point more than once or less than never."""
-        line, height, winding = crossings(self.triangles, *self._plan[:2])
-        thick = (np.diff(height) > ROUNDING * self.size[1]) & (np.diff(line) == 0)
+        line, height, winding = line_crossings(self.triangles, *self._column_plan[:2])
+        thick = (np.diff(height) > ROUNDING_SHARE * self.size[1]) & (np.diff(line) == 0)
         return bool((thick & ((winding[:-1] > 1) | (winding[:-1] < 0))).any())
 
     @cached_property
-    def columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Stretches of vertical lines inside: number of the line, lower and upper end [m]."""
-        return stretches(self.triangles, *self._plan[:2])
+        return inside_stretches(self.triangles, *self._column_plan[:2])
 
-    def integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
+    def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
         """Sum over the inside, by columns, of what a function of height gains from their lower to their upper end."""
-        line, low, high = self.columns
-        return float(self._plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
+        line, low, high = self.inside_columns
+        return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
     @cached_property
     def volume(self) -> float:
         """Volume of the inside [m3]: by its faces, by columns where they pass through each other."""
-        if self.overlaps:
-            return self.integral(np.positive)
+        if self.has_overlaps:
+            return self.column_integral(np.positive)
         return float(signed_volumes(self.triangles).sum())
 
     @cached_property
-    def thickness(self) -> float:
+    def mean_thickness(self) -> float:
         """Mean thickness of a shell of this volume and of these faces [m]."""
         a, b, c = np.moveaxis(self.triangles, 1, 0)
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
-    def sentence(self) -> str:
+    def size_sentence(self) -> str:
         """Size and axes."""
         broad, tall, long = self.size
         size = f"{long:.4g} m long, {broad:.4g} m broad and {tall:.4g} m high"
@@ -135,13 +137,13 @@ class ClosedMesh:
         counts beside its volume."""
         from scipy.ndimage import binary_propagation
 
-        area, room = self._plan[2], 0.0
-        line, _, high = self.columns
+        area, room = self._column_plan[2], 0.0
+        line, _, high = self.inside_columns
         top = np.full(area.shape, -np.inf)
         top.ravel()[line] = high  # of the last stretch of each line
-        for level in self.size[1] * (np.arange(LEVELS) + 0.5) / LEVELS:
+        for level in self.size[1] * (np.arange(ROOM_LEVELS) + 0.5) / ROOM_LEVELS:
             drained = binary_propagation(np.isinf(top), mask=top < level, border_value=1)
-            room += self.size[1] / LEVELS * area[(top < level) & ~drained].sum()
+            room += self.size[1] / ROOM_LEVELS * area[(top < level) & ~drained].sum()
         if room <= OPEN_SHARE * self.volume:
             return self.skins
         share = self.volume / float(np.prod(self.size))
@@ -162,14 +164,14 @@ def axis_vector(name: str) -> np.ndarray:
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
     """The hull in the content of a mesh file, with metres per unit and the file's axes up and to the bow, guessed where
     they are None; raises BadMesh."""
-    vertices, faces = read(file, data)
-    problems = flaws(vertices, faces)
+    vertices, faces = read_mesh(file, data)
+    problems = mesh_flaws(vertices, faces)
     if problems:
-        raise BadMesh(*(CLOSED.broken(file, problem) for problem in problems))
+        raise BadMesh(*(CLOSED_RULE.broken(file, problem) for problem in problems))
     faces, skins = turned_outwards(vertices, faces)
-    scale, up, bow = guessed(vertices[faces], scale, up, bow)
+    scale, up, bow = guess_axes(vertices[faces], scale, up, bow)
     if up[-1] == bow[-1]:
-        raise BadMesh(AXES.broken(file, f"up and bow are the same axis, {up[-1]}"))
+        raise BadMesh(AXES_RULE.broken(file, f"up and bow are the same axis, {up[-1]}"))
     upwards, ahead = axis_vector(up), axis_vector(bow)
     turn = np.stack([np.cross(upwards, ahead), upwards, ahead])  # rows: port, up, bow in the file's axes
     vertices = scale * vertices @ turn.T
@@ -178,13 +180,13 @@ def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow
     return ClosedMesh(vertices, faces, scale, up, bow, skins)
 
 
-def read(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
+def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) corners [units of the file] and (m, 3) faces that have three of them; raises BadMesh."""
     import trimesh
 
     kind = file.lower().rpartition(".")[2]
     if kind not in ("stl", "obj", "ply"):
-        raise BadMesh(TRIANGLES.broken(file, "its name has another ending"))
+        raise BadMesh(TRIANGLE_RULE.broken(file, "its name has another ending"))
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # what is wrong is told here
     try:  # from its bytes: materials that an OBJ names are not looked for
         if kind != "stl" and (codec := marked_codec(data)):  # an STL may be binary under any first bytes
@@ -197,19 +199,19 @@ def read(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
                 mesh.merge_vertices(merge_tex=True, merge_norm=True)
     except Exception as error:
         line = next(iter(str(error).strip().splitlines()), "") or type(error).__name__
-        raise BadMesh(TRIANGLES.broken(file, f"cannot be read as a mesh ({line:.100})")) from None
+        raise BadMesh(TRIANGLE_RULE.broken(file, f"cannot be read as a mesh ({line:.100})")) from None
     faces = np.array(getattr(mesh, "faces", ()), dtype=int).reshape(-1, 3)
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     if len(faces) == 0:
-        raise BadMesh(TRIANGLES.broken(file, "holds no triangles"))
+        raise BadMesh(TRIANGLE_RULE.broken(file, "holds no triangles"))
     vertices = np.array(mesh.vertices, dtype=float)
     farthest = np.abs(vertices[np.unique(faces)]).max()
     if not farthest <= MAX_UNITS:
-        raise BadMesh(TRIANGLES.broken(file, f"some vertices lie {farthest:.2g} units away"))
+        raise BadMesh(TRIANGLE_RULE.broken(file, f"some vertices lie {farthest:.2g} units away"))
     return vertices, faces
 
 
-def flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
+def mesh_flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
     """Sentences on why a mesh bounds no volume, with positions in the file's own units."""
     used, found = vertices[np.unique(faces)], []
     edges, count, balance = edge_uses(faces)
@@ -217,11 +219,11 @@ def flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
     for which, what in ((count == 1, "a hole"), (count > 2, "a seam of more than two faces")):
         torn = vertices[edges[wrong & which]]
         if len(torn):
-            found.append(f"not watertight: {len(torn)} edges bound {what}, around {spot(torn.mean(axis=(0, 1)))}")
+            found.append(f"not watertight: {len(torn)} edges bound {what}, around {point_text(torn.mean(axis=(0, 1)))}")
     if wrong.any():
         return found or ["its faces do not all turn the same way, so inside and outside cannot be distinguished"]
     volumes = np.bincount(closed_skins(faces), signed_volumes(vertices[faces]))
-    return ["it holds no volume"] if np.abs(volumes).max() <= ROUNDING * np.prod(np.ptp(used, axis=0)) else []
+    return ["it holds no volume"] if np.abs(volumes).max() <= ROUNDING_SHARE * np.prod(np.ptp(used, axis=0)) else []
 
 
 def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -262,7 +264,7 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
     for k in np.flatnonzero(inverted != inverted[np.argmax(np.abs(volumes))]):
         own = vertices[np.unique(faces[labels == k])]
         others = vertices[turned[labels != k]]
-        skin = f"a closed skin around {spot(0.5 * (own.min(axis=0) + own.max(axis=0)))}"
+        skin = f"a closed skin around {point_text(0.5 * (own.min(axis=0) + own.max(axis=0)))}"
         if all(is_inside(others, point) for point in own[:: -(-len(own) // MAX_PROBES)]):
             share = abs(volumes[k]) / np.abs(volumes).max()
             found.append(
@@ -276,22 +278,22 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
 
 def is_inside(triangles: np.ndarray, point: np.ndarray) -> bool:
     """True where faces (m, 3, 3) wind around a point (3,)."""
-    _, height, winding = crossings(triangles, point[:1], point[2:])
+    _, height, winding = line_crossings(triangles, point[:1], point[2:])
     below = np.count_nonzero(height < point[1])
     return bool(below and winding[below - 1] > 0)
 
 
-def spot(position: np.ndarray) -> str:
+def point_text(position: np.ndarray) -> str:
     """A position as a message shows it."""
     return "(" + ", ".join(f"{x:.4g}" for x in position) + ")"
 
 
-def guessed(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
+def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
     """Unit, up and bow where they are not given: the longest axis is the ship's, and of the other two the one that the
     mesh mirrors itself in is athwart."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
-    scale = scale or (1.0 / MILLIMETRES if extents.max() > MILLIMETRES else 1.0)
+    scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
     bow = bow or next("xyz"[a] for a in np.argsort(-extents) if not up or "xyz"[a] != up[-1])
     if up:
         return scale, up, bow
@@ -304,18 +306,18 @@ def guessed(triangles: np.ndarray, scale: float | None, up: str | None, bow: str
 
 
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and weights that sum over an axis, between the corners of a mesh (at most PANELS of them) [m]."""
+    """Positions and weights that sum over an axis, between the corners of a mesh (at most MIN_PANELS of them) [m]."""
     breaks = np.unique(corners)
-    even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], PANELS + 1))
-    breaks = breaks if len(breaks) <= PANELS else breaks[np.unique(even)]
-    parts = -(-PANELS // (len(breaks) - 1))
+    even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], MIN_PANELS + 1))
+    breaks = breaks if len(breaks) <= MIN_PANELS else breaks[np.unique(even)]
+    parts = -(-MIN_PANELS // (len(breaks) - 1))
     breaks = np.interp(np.arange(parts * (len(breaks) - 1) + 1) / parts, np.arange(len(breaks)), breaks)
     points, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     half = 0.5 * np.diff(breaks)[:, None]
     return (breaks[:-1, None] + half * (1.0 + points)).ravel(), (half * weights).ravel()
 
 
-def crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Faces (m, 3, 3) that lines along y at ascending x and z cross, line by line and upwards: number of the line (that
     of its x times len(z), plus that of its z), height, and winding number above.
 
@@ -356,9 +358,9 @@ def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))
 
 
-def stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Parts inside of lines along y at x and z: number of the line, lower and upper end."""
-    line, height, winding = crossings(triangles, x, z)
+    line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]
     begins = inside & ~before
@@ -368,7 +370,7 @@ def stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.n
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """(len(x), len(edges) - 1, len(z)): the share of each interval between `edges` along y that lies inside, on
     columns at x and z [m]."""
-    line, low, high = stretches(triangles, x, z)
+    line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))
     lines, first = np.unique(line, return_index=True)

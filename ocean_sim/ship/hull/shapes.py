@@ -13,7 +13,7 @@ from ocean_sim.files.input_file import FileName, Unreadable, read_bytes
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.hull.mesh import BadMesh, ClosedMesh, closed_mesh
 
-STATIONS, WATERLINES, HALVINGS = 41, 25, 24  # of a shape that is drawn by its sections
+DRAWN_STATIONS, DRAWN_WATERLINES, SIDE_HALVINGS = 41, 25, 24  # of a shape that is drawn by its sections
 Box3 = tuple[np.ndarray, np.ndarray]
 
 
@@ -38,16 +38,16 @@ class HullShape(Model):
         """(n, 3) points [m] whose convex hull it is; None where sections of it must be found."""
         return None
 
-    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """(len(x), len(y), len(z)) which points of a lattice [m] lie inside."""
         return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
 
-    def closed(self) -> ClosedMesh | None:
+    def closed_mesh(self) -> ClosedMesh | None:
         """The mesh in the hull's axes; raises BadMesh. None where it is none."""
         return None
 
 
-def upright(breadth: float, height: float, length: float) -> Box3:
+def box_on_keel(breadth: float, height: float, length: float) -> Box3:
     """Corners of a box on its keel, in the middle of x and z [m]."""
     half = np.array([breadth / 2, 0.0, length / 2])
     return -half, half + [0.0, height, 0.0]
@@ -65,7 +65,7 @@ class Box(HullShape):
     """From keel to deck."""
 
     def bounds(self) -> Box3:
-        return upright(self.breadth, self.height, self.length)
+        return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         lower, upper = self.bounds()
@@ -87,7 +87,7 @@ class Wigley(HullShape):
     """From keel to deck."""
 
     def bounds(self) -> Box3:
-        return upright(self.breadth, self.height, self.length)
+        return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         below = np.clip(1.0 - x[..., 1] / self.draught, 0.0, 1.0)
@@ -106,7 +106,7 @@ class Cylinder(HullShape):
     """Radius of the circle."""
 
     def bounds(self) -> Box3:
-        return upright(2.0 * self.radius, 2.0 * self.radius, self.length)
+        return box_on_keel(2.0 * self.radius, 2.0 * self.radius, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
@@ -121,7 +121,7 @@ class Sphere(HullShape):
     """Radius of the ball."""
 
     def bounds(self) -> Box3:
-        return upright(*[2.0 * self.radius] * 3)
+        return box_on_keel(*[2.0 * self.radius] * 3)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
@@ -143,7 +143,7 @@ class Outline(HullShape):
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
-    def filled(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Points by the part of each column along y between the planes."""
         from scipy.spatial import ConvexHull
 
@@ -176,57 +176,57 @@ class MeshFile(HullShape):
     def content(self) -> bytes:
         return super().content() + read_bytes(self.file)
 
-    def closed(self) -> ClosedMesh:
+    def closed_mesh(self) -> ClosedMesh:
         try:
             return closed_mesh(self.file, read_bytes(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
             raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
-        return self.closed().bounds
+        return self.closed_mesh().bounds
 
 
 Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(discriminator="kind")]
 
 
-def drawn(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
+def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
     shape the convex hull of its sections."""
-    mesh = shape.closed()
+    mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
-    found = cached_arrays("drawn", drawn_content(shape), lambda: spanned(shape))
+    found = cached_arrays("drawn", drawn_content(shape), lambda: convex_triangles(shape))
     return found["vertices"], found["triangles"]
 
 
 def drawn_content(shape: HullShape) -> bytes:
     """Bytes on which the form of a drawn shape depends."""
-    return shape.content() + f" {STATIONS} {WATERLINES} {HALVINGS}".encode()
+    return shape.content() + f" {DRAWN_STATIONS} {DRAWN_WATERLINES} {SIDE_HALVINGS}".encode()
 
 
-def spanned(shape: HullShape) -> dict[str, np.ndarray]:
+def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
     """The convex hull of the sections of a shape: all their points, and the triangles."""
     from scipy.spatial import ConvexHull
 
     vertices = shape.vertices()
-    points = sections(shape) if vertices is None else vertices
+    points = section_points(shape) if vertices is None else vertices
     hull = ConvexHull(points)
     a, b, c = (points[hull.simplices[:, k]] for k in range(3))
     inwards = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) < 0.0
     return {"vertices": points, "triangles": np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)}
 
 
-def sections(shape: HullShape) -> np.ndarray:
+def section_points(shape: HullShape) -> np.ndarray:
     """(n, 3) points of the sides [m], where halving finds them."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)
     y, z = (
         0.5 * (lower[k] + upper[k]) - (0.5 * (upper[k] - lower[k]) - tiny[k]) * np.cos(np.linspace(0.0, np.pi, count))
-        for k, count in ((1, WATERLINES), (2, STATIONS))
+        for k, count in ((1, DRAWN_WATERLINES), (2, DRAWN_STATIONS))
     )  # close together at the ends, where a hull is round
     y, z = (grid.ravel() for grid in np.meshgrid(y, z, indexing="ij"))
     least, most = np.zeros(len(y)), np.full(len(y), upper[0])
-    for _ in range(HALVINGS):
+    for _ in range(SIDE_HALVINGS):
         middle = 0.5 * (least + most)
         within = shape.inside(np.stack([middle, y, z], axis=1))
         least, most = np.where(within, middle, least), np.where(within, most, middle)
@@ -235,13 +235,13 @@ def sections(shape: HullShape) -> np.ndarray:
     return np.concatenate([port, port * [-1.0, 1.0, 1.0]])
 
 
-def outermost(shape: HullShape) -> np.ndarray:
+def convex_corners(shape: HullShape) -> np.ndarray:
     """(n, 3) corners of a hull's convex outline [m], in its axes."""
 
     def made() -> dict[str, np.ndarray]:
         from scipy.spatial import ConvexHull
 
-        vertices = drawn(shape)[0]
+        vertices = drawn_mesh(shape)[0]
         return {"corners": vertices[ConvexHull(vertices).vertices]}
 
     return cached_arrays("outlines", drawn_content(shape), made)["corners"]

@@ -17,15 +17,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.ship.body.rigid_body import about
-from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, lone_corner_first, stretches
-from ocean_sim.ship.hull.shapes import HullShape, drawn
+from ocean_sim.ship.body.rigid_body import axis_rotation
+from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
+from ocean_sim.ship.hull.shapes import HullShape, drawn_mesh
 from ocean_sim.ship.hull.voxels import Voxels
 
-UP = np.array([0.0, 1.0, 0.0])
-SMALL = 0.5  # [deg] heel and trim at which metacentric heights are taken
-HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
-ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
+UPRIGHT = np.array([0.0, 1.0, 0.0])
+SMALL_TURN = 0.5  # [deg] heel and trim at which metacentric heights are taken
+LEVER_HEELS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)  # [deg]
+VOLUME_ROUNDING = 1.0e-11  # of a hull's volume: many times what the order of a sum over its cubes changes
 LEVEL_ROUNDING = 1e-13  # of a hull's height
 BLUNT_AREA = 0.1  # of the greatest area, of a slice at an end
 BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
@@ -51,36 +51,42 @@ class Hydrostatics:
     lost: tuple[float, float] = (0.0, 0.0)  # of the metacentric heights across and along by liquids on board [m]
 
     @property
-    def wanted(self) -> float:
+    def needed_volume(self) -> float:
         """Volume that carries the mass [m3]."""
         return self.matter.mass / self.density
 
-    def wet(self, up: np.ndarray, level: float) -> np.ndarray:
+    def wet_volumes(self, up: np.ndarray, level: float) -> np.ndarray:
         """Volume of each cube under a level [m3] along a unit vector of the hull's axes."""
-        return self.whole * np.clip(self.shares(up, level), 0.0, 1.0)
+        return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
-    def shares(self, up: np.ndarray, level: float) -> np.ndarray:
+    def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
         """How far each cube is wet: 0 where it touches the water, 1 where it is under it."""
-        return (level - self.voxels.heights(up)) / self.voxels.spread(up) + 0.5
+        return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
-    def whole(self) -> np.ndarray:
+    def cube_volumes(self) -> np.ndarray:
         """Volume of each cube inside the hull [m3]."""
         return self.voxels.size.prod() * self.voxels.share
 
-    def level(self, up: np.ndarray) -> float:
+    def water_level(self, up: np.ndarray) -> float:
         """How high along a unit vector the water stands where it carries the mass [m]; infinite where it cannot."""
-        if self.wanted >= self.voxels.volume:
+        if self.needed_volume >= self.voxels.volume:
             return inf
-        height, spread = self.voxels.heights(up), self.voxels.spread(up)
+        height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
         low, high = float(height.min()) - spread, float(height.max()) + spread
-        near, whole, sunk = height, self.whole, 0.0  # cubes that the surface may cut, and the volume of those under it
+        near, whole, sunk = (
+            height,
+            self.cube_volumes,
+            0.0,
+        )  # cubes that the surface may cut, and the volume of those under it
         for _ in range(40):
             middle = 0.5 * (low + high)
-            volume = sunk + _under(middle, near, spread, whole)
-            if abs(volume - self.wanted) < ROUNDING * self.voxels.volume:  # where the order of a sum may decide
-                volume = _under(middle, height, spread, self.whole)
-            low, high = (middle, high) if volume < self.wanted else (low, middle)
+            volume = sunk + volume_under(middle, near, spread, whole)
+            if (
+                abs(volume - self.needed_volume) < VOLUME_ROUNDING * self.voxels.volume
+            ):  # where the order of a sum may decide
+                volume = volume_under(middle, height, spread, self.cube_volumes)
+            low, high = (middle, high) if volume < self.needed_volume else (low, middle)
             if high - low > 0.25 * spread:
                 under = near <= low - 0.5 * spread
                 cut = (near < high + 0.5 * spread) & ~under
@@ -90,7 +96,7 @@ class Hydrostatics:
     @cached_property
     def draught(self) -> float:
         """Upright [m]."""
-        return self.level(UP) - self.keel
+        return self.water_level(UPRIGHT) - self.keel
 
     @cached_property
     def keel(self) -> float:
@@ -100,25 +106,25 @@ class Hydrostatics:
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
         """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
         turn = np.eye(3) if turn is None else turn
-        share = self.shares(turn[1], self.level(turn[1]))
-        volume = self.whole * np.clip(share, 0.0, 1.0)
-        dx, dz = self.voxels.aside(turn.tolist(), float(self.whole[(share > 0.0) & (share < 1.0)].sum()))
+        share = self.wet_shares(turn[1], self.water_level(turn[1]))
+        volume = self.cube_volumes * np.clip(share, 0.0, 1.0)
+        dx, dz = self.voxels.cut_offset(turn.tolist(), float(self.cube_volumes[(share > 0.0) & (share < 1.0)].sum()))
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
-    def apart(self, turn: np.ndarray) -> np.ndarray:
+    def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
         """(2,) from the centre of mass to that of buoyancy of a turned hull, to port and ahead [m]; free surfaces move
         the former to the lower side."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.lost * turn[1, [0, 2]]
 
-    def lever(self, axis: int, degrees: float) -> float:
+    def righting_lever(self, axis: int, degrees: float) -> float:
         """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
-        to_port, ahead = self.apart(about(axis, radians(degrees))).tolist()
+        to_port, ahead = self.buoyancy_offset(axis_rotation(axis, radians(degrees))).tolist()
         return -to_port if axis == 2 else ahead
 
     def gz(self, degrees: float) -> float:
         """Righting lever [m] at a heel, starboard down where positive."""
-        return self.lever(2, degrees)
+        return self.righting_lever(2, degrees)
 
     @cached_property
     def kb(self) -> float:
@@ -127,13 +133,17 @@ class Hydrostatics:
 
     def metacentric_height(self, axis: int = 2) -> float:
         """GM [m], by a small turn both ways."""
-        return (self.lever(axis, SMALL) - self.lever(axis, -SMALL)) / (2.0 * sin(radians(SMALL)))
+        return (self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)) / (
+            2.0 * sin(radians(SMALL_TURN))
+        )
 
     @cached_property
     def waterplane(self) -> float:
         """Area of the hull at the still water [m2]."""
         level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
-        return float(self.wet(UP, level + step).sum() - self.wet(UP, level - step).sum()) / (2.0 * step)
+        return float(self.wet_volumes(UPRIGHT, level + step).sum() - self.wet_volumes(UPRIGHT, level - step).sum()) / (
+            2.0 * step
+        )
 
     @cached_property
     def stiffness(self) -> dict[str, float]:
@@ -160,25 +170,25 @@ class Hydrostatics:
     def at_the_water(self) -> np.ndarray:
         """Volume of each cube within a quarter of a cube's height of the still water [m3]."""
         step = 0.25 * self.voxels.size[1]
-        return self.wet(UP, self.waterline + step) - self.wet(UP, self.waterline - step)
+        return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
         v, level = self.voxels, self.waterline
         _, tall, long = v.size
-        number, n = self.slices
+        number, n = self.cube_slices
         lowest = np.full(n, level)
         np.minimum.at(lowest, number, self.keel + tall * v.cells[:, 1])
         along = v.lower[2] + long * (np.arange(n) + 0.5)
         return along, np.bincount(number, self.at_the_water, n) / (0.5 * tall * long), level - lowest
 
     @cached_property
-    def ends(self) -> tuple[float, float]:
+    def waterline_ends(self) -> tuple[float, float]:
         """Position along z of the stern and of the bow at the still water [m], in the slices at the ends: a transom
         reaches twice as far into one as the middle of what is wet there, a wedge three times."""
         along, breadth, _ = self.stations
-        number, _ = self.slices
+        number, _ = self.cube_slices
         long = float(self.voxels.size[2])
 
         def end(k: int, way: int) -> float:
@@ -194,14 +204,14 @@ class Hydrostatics:
     @property
     def length(self) -> float:
         """Of the waterline [m]."""
-        stern, bow = self.ends
+        stern, bow = self.waterline_ends
         return bow - stern
 
     @cached_property
-    def sections(self) -> np.ndarray:
+    def section_areas(self) -> np.ndarray:
         """(n,) area under the still water of every slice of cubes [m2]."""
-        number, n = self.slices
-        return np.bincount(number, self.wet(UP, self.waterline), n) / self.voxels.size[2]
+        number, n = self.cube_slices
+        return np.bincount(number, self.wet_volumes(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
     @property
     def waterline(self) -> float:
@@ -209,13 +219,13 @@ class Hydrostatics:
         return min(self.draught + self.keel, float(self.voxels.centre[:, 1].max()))
 
     @cached_property
-    def slices(self) -> tuple[np.ndarray, int]:
+    def cube_slices(self) -> tuple[np.ndarray, int]:
         """In which slice along z each cube lies, and how many there are."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
 
-def _under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
+def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
     """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
@@ -236,13 +246,13 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
 
     if shape.rounded:
         return None
-    vertices, triangles = drawn(shape)
-    faces, mesh = vertices[triangles], shape.closed()
-    wet_under = partial(under, faces) if mesh is None or not mesh.overlaps else partial(columns_under, mesh)
+    vertices, triangles = drawn_mesh(shape)
+    faces, mesh = vertices[triangles], shape.closed_mesh()
+    wet_under = partial(wet_part, faces) if mesh is None or not mesh.has_overlaps else partial(columns_under, mesh)
     low, high = float(faces[..., 1].min()), float(faces[..., 1].max())
-    if still.wanted >= wet_under(high).volume:
+    if still.needed_volume >= wet_under(high).volume:
         return None
-    level = brentq(lambda y: wet_under(y).volume - still.wanted, low, high, xtol=LEVEL_ROUNDING * (high - low))
+    level = brentq(lambda y: wet_under(y).volume - still.needed_volume, low, high, xtol=LEVEL_ROUNDING * (high - low))
     wet = wet_under(level)
     about_middle = wet.second - wet.first**2 / wet.area
     km = level + (wet.below + about_middle) / wet.volume
@@ -250,9 +260,9 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
     return float(across), float(along)
 
 
-def under(faces: np.ndarray, level: float) -> Wet:
+def wet_part(faces: np.ndarray, level: float) -> Wet:
     """Of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
-    cut = parts(faces - [0.0, level, 0.0])
+    cut = faces_below(faces - [0.0, level, 0.0])
     upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
     x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
 
@@ -266,16 +276,16 @@ def under(faces: np.ndarray, level: float) -> Wet:
 
 def columns_under(mesh: ClosedMesh, level: float) -> Wet:
     """Wet part of a mesh whose faces pass through each other, by its columns and the lines across its waterplane."""
-    volume, below = (mesh.integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
+    volume, below = (mesh.column_integral(lambda y: np.minimum(y - level, 0.0) ** n / n) for n in (1, 2))
     positions, along = gauss_points(mesh.vertices[:, 2])
-    line, port, starboard = stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
+    line, port, starboard = inside_stretches(mesh.triangles[..., [2, 0, 1]], positions, np.array([level]))
     z, dz = positions[line], along[line]
     area, first, second = (dz * (starboard**n - port**n) / n for n in (1, 2, 3))
     moments = np.array([first.sum(), z @ area]), np.array([second.sum(), z**2 @ area])
     return Wet(volume, below, float(area.sum()), *moments)
 
 
-def parts(faces: np.ndarray) -> np.ndarray:
+def faces_below(faces: np.ndarray) -> np.ndarray:
     """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
     tips that are cut off, turned round where they are to be taken away."""
     over = faces[..., 1] > 0.0
@@ -287,14 +297,14 @@ def parts(faces: np.ndarray) -> np.ndarray:
     return np.concatenate([faces[number <= 1], tips])
 
 
-def squat(volume: float, length: float, speed: float, depth: float) -> float:
+def bow_squat(volume: float, length: float, speed: float, depth: float) -> float:
     """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
     depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
     1980 has it); infinite from F = 1 on, where the law ends."""
-    return BOW_SINKAGE * volume / length**2 * of_speed(speed, depth)
+    return BOW_SINKAGE * volume / length**2 * squat_factor(speed, depth)
 
 
-def of_speed(speed: float, depth: float) -> float:
+def squat_factor(speed: float, depth: float) -> float:
     """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
     froude_2 = speed**2 / (GRAVITY * depth)
     return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
@@ -309,17 +319,17 @@ class Slender(NamedTuple):
     blunt: bool = False  # whether she ends in more than a tenth of her greatest area, which the theory does not allow
 
     @property
-    def deepest(self) -> float:
+    def end_sinkage(self) -> float:
         """How much deeper the lower of her ends lies [m]."""
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
-    def at(self, speed: float, depth: float) -> "Slender":
+    def at_speed(self, speed: float, depth: float) -> "Slender":
         """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
-        factor = of_speed(speed, depth)
+        factor = squat_factor(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 
 
-def slender(hull: Hydrostatics) -> Slender:
+def slender_squat(hull: Hydrostatics) -> Slender:
     """Of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S pulls at
     the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and turns it
     by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
@@ -328,7 +338,7 @@ def slender(hull: Hydrostatics) -> Slender:
     wet = np.flatnonzero(breadth > 0.0)
     inside = slice(wet[0], wet[-1] + 1)
     x = np.concatenate([[along[inside][0] - half], along[inside], [along[inside][-1] + half]])
-    b, s = (np.pad(values[inside], 1) for values in (breadth, hull.sections))
+    b, s = (np.pad(values[inside], 1) for values in (breadth, hull.section_areas))
     centre = float((along * breadth).sum() / breadth.sum())
     apart = np.abs(x[:, None] - x)
     kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice

@@ -16,17 +16,17 @@ import numpy as np
 from pydantic import model_validator
 
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.ship.body.rigid_body import about
+from ocean_sim.ship.body.rigid_body import axis_rotation
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics, Matter
 
-STEP = 5.0  # [deg] between levers; a cubic goes through them
-LAST = 90.0  # [deg]
-FINE = 901  # points of a curve
-HALVED = 12  # times that a step is halved to find a heel at rest
-BEYOND = ("abeam of the hull", "under the keel", "ahead or astern of the hull")  # along x, y and z
-CROSS = tuple(float(heel) for heel in range(10, 90, 10))  # [deg] of cross curves
-LIST = 1e-3  # of the metacentric height: a lever upright, from which on a ship heels to one side
-SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves over the ship's own
+HEEL_STEP = 5.0  # [deg] between levers; a cubic goes through them
+LAST_HEEL = 90.0  # [deg]
+CURVE_POINTS = 901  # points of a curve
+REST_HALVINGS = 12  # times that a step is halved to find a heel at rest
+BEYOND_SIDES = ("abeam of the hull", "under the keel", "ahead or astern of the hull")  # along x, y and z
+CROSS_HEELS = tuple(float(heel) for heel in range(10, 90, 10))  # [deg] of cross curves
+LIST_TOLERANCE = 1e-3  # of the metacentric height: a lever upright, from which on a ship heels to one side
+CROSS_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves over the ship's own
 
 
 class Weight(Model):
@@ -48,13 +48,13 @@ class Liquid(Weight):
     """Of the liquid."""
 
     @model_validator(mode="after")
-    def _whole(self) -> "Liquid":
+    def _both_or_neither(self) -> "Liquid":
         if (self.length is None) != (self.breadth is None):
             raise ValueError("a free surface has a length and a breadth; a tank that is full or empty has neither")
         return self
 
     @property
-    def moments(self) -> np.ndarray:
+    def free_surface_moments(self) -> np.ndarray:
         """(2,) rho i of its free surface across and along the ship [kg m]."""
         long, broad = self.length or 0.0, self.breadth or 0.0
         return self.density * np.array([long * broad**3, broad * long**3]) / 12.0
@@ -82,18 +82,20 @@ class Loading(Model):
     @property
     def lost(self) -> tuple[float, float]:
         """Of the metacentric heights across and along, by all free surfaces [m]."""
-        across, along = sum((self.tanks[name].moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
+        across, along = (
+            sum((self.tanks[name].free_surface_moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
+        )
         return float(across), float(along)
 
-    def beyond(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
+    def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
         """What lies outside the box of the hull, by its lower and upper corner (3,) [m], in words: masses over the deck
         and openings there are where they may be."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         found = []
-        for what, point in self.points.items():
+        for what, point in self.named_points.items():
             out = np.maximum(low - point, point - high)
             if out.max() > 1e-9:
-                found.append(f"{what} lies {out.max():.3g} m {BEYOND[int(np.argmax(out))]}")
+                found.append(f"{what} lies {out.max():.3g} m {BEYOND_SIDES[int(np.argmax(out))]}")
         for name, tank in self.tanks.items():
             for side, size in (("length", tank.length or 0.0), ("breadth", tank.breadth or 0.0)):
                 whole = float(upper[2] - lower[2] if side == "length" else upper[0] - lower[0])
@@ -102,7 +104,7 @@ class Loading(Model):
         return found
 
     @property
-    def points(self) -> dict[str, np.ndarray]:
+    def named_points(self) -> dict[str, np.ndarray]:
         """Where everything is, from the hull's origin [m], by its key."""
         parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
         parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
@@ -136,26 +138,26 @@ class Stability:
         return self.still.metacentric_height()
 
     @cached_property
-    def side(self) -> float:
+    def heeling_side(self) -> float:
         """To which she heels by herself: -1 to port, else 1, starboard."""
-        return -1.0 if self.still.gz(0.0) > LIST * abs(self.gm) else 1.0
+        return -1.0 if self.still.gz(0.0) > LIST_TOLERANCE * abs(self.gm) else 1.0
 
     @cached_property
     def heels(self) -> np.ndarray:
         """(n,) [deg], that side down."""
-        return np.arange(0.0, LAST + STEP, STEP)
+        return np.arange(0.0, LAST_HEEL + HEEL_STEP, HEEL_STEP)
 
     @cached_property
     def levers(self) -> np.ndarray:
         """(n,) GZ at the heels, free surfaces taken off [m]."""
-        return np.array([self.lever(heel) for heel in self.heels.tolist()])
+        return np.array([self.lever_at(heel) for heel in self.heels.tolist()])
 
-    def lever(self, heel: float) -> float:
+    def lever_at(self, heel: float) -> float:
         """GZ [m] at a heel [deg], that side down."""
-        return self.side * self.still.gz(self.side * heel)
+        return self.heeling_side * self.still.gz(self.heeling_side * heel)
 
     @cached_property
-    def flooding(self) -> tuple[float, str]:
+    def flooding_heel(self) -> tuple[float, str]:
         """The least heel [deg] to either side at which an opening comes to the water, up to 90, and which it is;
         infinite where none does."""
         found = (inf, "")
@@ -165,19 +167,19 @@ class Stability:
                 under = next((k for k, height in enumerate(clear) if height <= 0.0), None)
                 if under is not None:
                     part = 0.0 if under == 0 else clear[under - 1] / (clear[under - 1] - clear[under])
-                    found = min(found, (max(0.0, under - 1 + part) * STEP, name))
+                    found = min(found, (max(0.0, under - 1 + part) * HEEL_STEP, name))
         return found
 
     @cached_property
-    def waters(self) -> dict[float, tuple[np.ndarray, float]]:
+    def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
         """By heel to both sides [deg]: what is up (3,), and how high along it the water stands [m]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
-        ups = {heel: about(2, radians(heel))[1] for heel in heels}
-        return {heel: (up, self.still.level(up)) for heel, up in ups.items()}
+        ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
+        return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
 
     def clearance(self, point: Sequence[float], heel: float) -> float:
         """Height of a point of the ship over the water [m] at one of these heels."""
-        up, level = self.waters[heel]
+        up, level = self.water_levels[heel]
         return float(up @ np.array(point)) - level
 
     @cached_property
@@ -185,62 +187,64 @@ class Stability:
         """(m,) heels [deg] and (m,) levers [m] on a cubic through the levers."""
         from scipy.interpolate import CubicSpline
 
-        fine = np.linspace(0.0, LAST, FINE)
+        fine = np.linspace(0.0, LAST_HEEL, CURVE_POINTS)
         return fine, CubicSpline(self.heels, self.levers)(fine)
 
-    def area(self, first: float, last: float) -> float:
+    def lever_area(self, first: float, last: float) -> float:
         """Under the levers between two heels [deg], [m rad]."""
-        heels = np.linspace(first, last, FINE)
+        heels = np.linspace(first, last, CURVE_POINTS)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 
     @cached_property
-    def rest(self) -> float | None:
+    def rest_heel(self) -> float | None:
         """Heel [deg] at which she stays, 0 where upright: of a list, or of a loll where she is unstable upright; None
         where no lever rights her."""
         righted = np.flatnonzero(self.levers[1:] > 0.0)
         if not len(righted):
             return None
         low, high = self.heels[righted[0] : righted[0] + 2].tolist()
-        if low == 0.0 and self.lever(high / 2**HALVED) > 0.0:  # the last heel that halving would ask for
+        if low == 0.0 and self.lever_at(high / 2**REST_HALVINGS) > 0.0:  # the last heel that halving would ask for
             return low
-        for _ in range(HALVED):
+        for _ in range(REST_HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.lever(middle) > 0.0 else (middle, high)
+            low, high = (low, middle) if self.lever_at(middle) > 0.0 else (middle, high)
         return low
 
     @property
-    def vanishing(self) -> float:
+    def vanishing_heel(self) -> float:
         """Heel [deg] at which the lever comes back to 0; 90 where it does not, 0 where there is none."""
         heels, levers = self.curve
-        if self.rest is None:
+        if self.rest_heel is None:
             return 0.0
-        first = int(np.argmax((levers > 0.0) & (heels > self.rest)))
+        first = int(np.argmax((levers > 0.0) & (heels > self.rest_heel)))
         gone = np.flatnonzero(levers[first:] <= 0.0)
-        return float(heels[first + gone[0] - 1]) if len(gone) else LAST
+        return float(heels[first + gone[0] - 1]) if len(gone) else LAST_HEEL
 
     @property
     def criteria(self) -> list[Criterion]:
         """A.749(18), 3.1.2.1 to 3.1.2.4; the levers end at the angle of flooding."""
-        end = min(self.flooding[0], 40.0)
-        heels, levers = (part[self.curve[0] <= self.flooding[0]] for part in self.curve)
+        end = min(self.flooding_heel[0], 40.0)
+        heels, levers = (part[self.curve[0] <= self.flooding_heel[0]] for part in self.curve)
         beyond = float(levers[heels >= 30.0].max()) if heels[-1] >= 30.0 else 0.0
         to_thirty = min(30.0, end)
         return [
-            Criterion("area to 30 deg", self.area(0.0, to_thirty), 0.055, "m rad"),
-            Criterion(f"area to {end:.3g} deg", self.area(0.0, end), 0.090, "m rad"),
-            Criterion(f"area from 30 to {end:.3g} deg", self.area(30.0, end) if end > 30.0 else 0.0, 0.030, "m rad"),
+            Criterion("area to 30 deg", self.lever_area(0.0, to_thirty), 0.055, "m rad"),
+            Criterion(f"area to {end:.3g} deg", self.lever_area(0.0, end), 0.090, "m rad"),
+            Criterion(
+                f"area from 30 to {end:.3g} deg", self.lever_area(30.0, end) if end > 30.0 else 0.0, 0.030, "m rad"
+            ),
             Criterion("largest lever at 30 deg or more", beyond, 0.20, "m"),
             Criterion("heel of the largest lever", float(heels[np.argmax(levers)]), 25.0, "deg"),
             Criterion("initial metacentric height", self.gm, 0.15, "m"),
         ]
 
     def cross_curves(self) -> dict[float, list[float]]:
-        """KN = GZ + KG sin(heel) [m] at the heels of CROSS, of displacements [kg] that the hull can carry."""
+        """KN = GZ + KG sin(heel) [m] at the heels of CROSS_HEELS, of displacements [kg] that the hull can carry."""
         own, found = self.still.matter, {}
-        for share in SHARES:
+        for share in CROSS_SHARES:
             mass = share * own.mass
             keel = np.array([0.0, self.still.keel, own.centre[2]])
             other = replace(self.still, matter=Matter(mass, keel, own.inertia), lost=(0.0, 0.0))
             if not isinf(other.draught):
-                found[mass] = [other.gz(heel) for heel in CROSS]
+                found[mass] = [other.gz(heel) for heel in CROSS_HEELS]
         return found

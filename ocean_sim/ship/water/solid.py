@@ -9,20 +9,23 @@ import numpy as np
 
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.ship.body.rigid_body import RigidBody
-from ocean_sim.ship.hull.distance import around
+from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import Voxels, voxels
 
-FINE = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
-APART = 0.5  # [spacings] from the hull to the nearest particle of the start
-ALIKE = 0.05  # [spacings] distances that differ by less are those of a row
+CUBES_A_SPACING = 3.0  # cubes to a spacing of the particles, where a mesh keeps water out
+START_GAP = 0.5  # [spacings] from the hull to the nearest particle of the start
+ROW_TOLERANCE = 0.05  # [spacings] distances that differ by less are those of a row
 FIT_SUPPORT = 2.0  # [spacings] of the kernel by which particles are fitted to a hull that the water's laws meet
 FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
 FIT_ITERATIONS = 100  # at most
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
-EVERYWHERE = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
-PACKINGS, PUSH = 100, 0.5  # how often crowded particles are pushed apart, and the share of their overlap each time
-GOLDEN = 0.6180339887498949  # spreads what is taken from a row evenly along it
+UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
+PACKING_SWEEPS, PACKING_PUSH = (
+    100,
+    0.5,
+)  # how often crowded particles are pushed apart, and the share of their overlap each time
+GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,41 +71,51 @@ class Solid:
         move. Returned are (n,) which are gone, and (n, 3) where the others are. Kept in the user's cache: of all that
         is known before a run this takes longest.
         """
-        rules = (FINE, APART, ALIKE, PACKINGS, PUSH, FIT_SUPPORT, FIT_REACH, FIT_ITERATIONS, GOLDEN)
+        rules = (
+            CUBES_A_SPACING,
+            START_GAP,
+            ROW_TOLERANCE,
+            PACKING_SWEEPS,
+            PACKING_PUSH,
+            FIT_SUPPORT,
+            FIT_REACH,
+            FIT_ITERATIONS,
+            GOLDEN_RATIO,
+        )
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
         numbers = repr([spacing, volume, self.felt, self.flat, rules, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
             if self.felt:
-                return self.fitted(positions, beyond, boxes, spacing, volume)
-            return self.carved(positions, boxes, spacing)
+                return self.fit_room(positions, beyond, boxes, spacing, volume)
+            return self.carve_room(positions, boxes, spacing)
 
         found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
         gone[found["gone"]], moved[found["near"]] = True, found["moved"]
         return gone, moved
 
-    def carved(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
+    def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
         """Numbers of the particles that are `gone`, and of those `near`, which are `moved` half a spacing off the hull
         and away from each other [m]."""
-        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
-        gone[order[: round(self.displaced(spacing, boxes) / spacing**3)]] = True
+        gone[order[: round(self.displaced_volume(spacing, boxes) / spacing**3)]] = True
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
             """(m, 3) points half a spacing off the hull, where they were nearer."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
-            away = interpolated(values["distance"], at, 2.0 * spacing)
-            return points + np.maximum(APART * spacing - away, 0.0)[:, None] * normals(slopes, at, self.turn.T)
+            away = lattice_values(values["distance"], at, 2.0 * spacing)
+            return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)
 
         free = np.flatnonzero(~gone & (distance < 2.0 * spacing))
-        moved = packed(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
+        moved = pack_particles(positions[free], positions[~gone & (distance >= 2.0 * spacing)], spacing, off)
         return {"gone": np.flatnonzero(gone), "near": free, "moved": moved}
 
-    def fitted(
+    def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
         """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to where a kernel's sum over
@@ -113,7 +126,10 @@ class Solid:
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
         origin = np.round(self.origin / spacing, 3) * spacing
         _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
-        wet, whole = self.displaced(spacing, boxes) / volume, self.displaced(spacing, EVERYWHERE) / volume
+        wet, whole = (
+            self.displaced_volume(spacing, boxes) / volume,
+            self.displaced_volume(spacing, UNBOUNDED_BOX) / volume,
+        )
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
@@ -123,30 +139,32 @@ class Solid:
         free, rest = near & ~gone, near_to(points, hull[:, :3], (FIT_REACH + FIT_SUPPORT + 1.0) * spacing) & ~near
         if (free & water).any():
             fixed = np.concatenate([np.insert(points[rest & ~gone], 3, 1.0, axis=1), hull])
-            points[free] = evened(points[free], fixed, spacing, self.dimension)
+            points[free] = even_out(points[free], fixed, spacing, self.dimension)
         moved = np.flatnonzero(free & water)
         return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         """Distances (n,) of points (n, 3) in the hull's axes from it [m], and their order, the deepest first, spread
         evenly along rows of the same depth."""
-        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
-        distance = interpolated(values["distance"], (own - first) / step, 2.0 * spacing)
-        return distance, np.lexsort((np.arange(len(own)) * GOLDEN % 1.0, np.round(distance / (ALIKE * spacing))))
+        distance = lattice_values(values["distance"], (own - first) / step, 2.0 * spacing)
+        return distance, np.lexsort(
+            (np.arange(len(own)) * GOLDEN_RATIO % 1.0, np.round(distance / (ROW_TOLERANCE * spacing)))
+        )
 
-    def displaced(self, spacing: float, boxes: Boxes) -> float:
+    def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
-        cubes = voxels(self.shape, spacing / FINE, 1.0)
-        positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.spread(self.turn[1])
-        found, across, met = 0.0, [0] if self.flat else [0, 2], self.cut(cubes)
+        cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
+        positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
+        found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
         for low, up in boxes:
             inside = ((positions >= low) & (positions < up))[:, across].all(axis=1) & (positions[:, 1] > low[1]) & met
             found += float((cubes.share * inside * np.clip((up[1] - positions[:, 1]) / tall + 0.5, 0.0, 1.0)).sum())
         return found * float(cubes.size[: self.dimension].prod())
 
-    def cut(self, cubes: Voxels) -> np.ndarray:
+    def met_cubes(self, cubes: Voxels) -> np.ndarray:
         """(n,) cubes that the water meets: all, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
@@ -159,7 +177,7 @@ class Solid:
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)
-        met = self.cut(cubes)
+        met = self.met_cubes(cubes)
         where, position = cubes.cells[met], (cubes.centre - self.centre)[met]
         volume = cubes.share[met] * cubes.size[: self.dimension].prod()
         if self.flat:
@@ -170,13 +188,13 @@ class Solid:
             full = np.repeat(full.any(axis=2, keepdims=True), full.shape[2], axis=2)
         deep = distance_transform_edt(full, sampling=cubes.size)[tuple(where.T + 1)]
         sampled = deep < support + cubes.size.max()
-        values, first, step = around(self.shape, spacing / FINE, spacing, 2.0 * spacing)
+        values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         at, slopes = (position[sampled] + self.centre - first) / step, np.gradient(values["distance"], *step)
         across = np.diag([1.0, 1.0, 0.0 if self.flat else 1.0])
-        return position[sampled], volume[sampled], normals(slopes, at, across)
+        return position[sampled], volume[sampled], face_normals(slopes, at, across)
 
 
-def normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
+def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """(n, 3) outward normals of the nearest face, by the `slopes` of the distance along x, y and z on its lattice, at
     (n, 3) positions there [nodes]; then turned by a (3, 3) matrix from the right."""
     from scipy.ndimage import map_coordinates
@@ -185,7 +203,9 @@ def normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray) -> n
     return np.asarray(found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), 1e-12))
 
 
-def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def pack_particles(
+    free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
     """(m, 3) positions of the particles near a hull at which they neither touch it nor crowd each other or the `others`
     (k, 3), which stay: those nearer than a spacing push each other half of the way apart, over and over (a particle
     packing as in Colagrossi et al. 2012, Comput. Phys. Commun. 183). Crowded ones would burst into the hull at once.
@@ -198,13 +218,13 @@ def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[
     lowest, highest = (bound(np.concatenate([free, others]), axis=0) for bound in (np.min, np.max))
     near = others[cKDTree(free).query(others)[0] < 3.0 * spacing] if len(others) else others
     whole, m = np.concatenate([off(free), near]), len(free)
-    for _ in range(PACKINGS):
+    for _ in range(PACKING_SWEEPS):
         pairs = cKDTree(whole).query_pairs(spacing * (1.0 - 1e-9), output_type="ndarray")
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         i, j = pairs[pairs.min(axis=1) < m].T
         apart = whole[i] - whole[j]
         way = np.linalg.norm(apart, axis=1, keepdims=True)
-        push = 0.5 * PUSH * (spacing - way) * apart / np.maximum(way, 1e-9 * spacing)
+        push = 0.5 * PACKING_PUSH * (spacing - way) * apart / np.maximum(way, 1e-9 * spacing)
         moved = np.zeros_like(whole)
         np.add.at(moved, i, push)
         np.add.at(moved, j, -push)
@@ -212,7 +232,7 @@ def packed(free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[
     return whole[:m]
 
 
-def interpolated(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
+def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.ndarray:
     """(n,) values of a lattice at (n, 3) positions [nodes], linear between nodes; `outside` beyond it."""
     from scipy.ndimage import map_coordinates
 
@@ -226,7 +246,7 @@ def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
     return np.asarray(cKDTree(others).query(points, distance_upper_bound=reach)[0] < reach)
 
 
-def evened(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
+def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
     """(n, 3) positions near `free` at which Wendland's kernel (C2), summed over all pairs, is smallest; (m, 4) `fixed`
     are positions of what stays, and for how many points each counts."""
     from scipy.optimize import minimize

@@ -13,10 +13,10 @@ from ocean_sim.basin import OPEN, Basin
 from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import RigidBody, cross
-from ocean_sim.ship.hull.shapes import HullShape, outermost
+from ocean_sim.ship.hull.shapes import HullShape, convex_corners
 
-SWEEPS = 8  # over the points that touch
-TOUCHING = 8  # points of a side that are looked at: the deepest
+IMPULSE_SWEEPS = 8  # over the points that touch
+MAX_TOUCHING = 8  # points of a side that are looked at: the deepest
 
 
 class Sides:
@@ -26,7 +26,7 @@ class Sides:
         self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
         """`centre` of mass from the hull's origin, `room` before each side [m]; the sides across `axes`."""
-        self.points = outermost(shape) - centre  # body axes [m]
+        self.points = convex_corners(shape) - centre  # body axes [m]
         self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
         self.radius = float(np.linalg.norm(self.points, axis=1).max())  # [m]
@@ -36,46 +36,46 @@ class Sides:
         self.impulse = np.zeros(3)  # on the ship [N s]
         self.bed = False  # whether the last step met it
 
-    def near(self, body: RigidBody, dt: float) -> bool:
+    def may_touch(self, body: RigidBody, dt: float) -> bool:
         """Whether the hull may reach a side within a step of dt [s]."""
         velocity, turn = body.velocity.tolist(), body.rows
         speed, rate = (sqrt(small_linalg.dot(v, v)) for v in (velocity, body.spin))
         along = 2.0 * dt * (speed + self.radius * rate)
-        position = small_linalg.plus(body.position.tolist(), small_linalg.turned(turn, self.middle))
-        reach = small_linalg.turned([[abs(part) for part in row] for row in turn], self.half)
+        position = small_linalg.plus(body.position.tolist(), small_linalg.matrix_times(turn, self.middle))
+        reach = small_linalg.matrix_times([[abs(part) for part in row] for row in turn], self.half)
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
-    def beyond(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
+    def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
         """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""
         positions = self.points @ body.matrix.T + body.position
         return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
-    def off(self, body: RigidBody) -> RigidBody:
+    def moved_inside(self, body: RigidBody) -> RigidBody:
         """The body moved back to where it only touches."""
         move = np.zeros(3)
-        for axis, way, depth in self.beyond(body):
+        for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
-    def stopped(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
+    def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
         """The load with what walls and bed do in a step of dt [s] under `wave`; `after`: the body after a load
         where nothing stops it."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
-        for axis, way, depth in self.beyond(body):
+        for axis, way, depth in self.penetrations(body):
             self.bed |= axis == 1 and way > 0.0 and bool(depth.max() > 0.0)
-            deep = np.argsort(-depth, kind="stable")[:TOUCHING]
+            deep = np.argsort(-depth, kind="stable")[:MAX_TOUCHING]
             for k in deep[depth[deep] > 0.0]:
                 normals.append(way * np.eye(3)[axis])
                 arms.append(body.matrix @ self.points[k])
         if not normals:
             return load
-        total = self.impulses(body, np.array(normals), np.array(arms))
+        total = self.contact_impulses(body, np.array(normals), np.array(arms))
         self.impulse += total[0]
         return load.plus("wave", total / dt)
 
-    def impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
         """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving
         against `normals` (n, 3): one after the other, until they agree."""
         turn = body.matrix
@@ -85,17 +85,17 @@ class Sides:
         wanted = self.restitution * np.maximum(-came, 0.0)
         held = np.zeros(len(arms))
         total = np.zeros((2, 3))
-        for _ in range(SWEEPS):
+        for _ in range(IMPULSE_SWEEPS):
             for k, (n, arm) in enumerate(zip(normals, arms)):
                 slip = velocity + cross(omega, arm)
-                more = max(-held[k], (wanted[k] - slip @ n) * share(body.mass, heavy, arm, n))
+                more = max(-held[k], (wanted[k] - slip @ n) * effective_mass(body.mass, heavy, arm, n))
                 held[k] += more
                 push = more * n
                 along = slip - (slip @ n) * n
                 speed = sqrt(float(along @ along))
                 if self.friction > 0.0 and speed > 1e-12 and more > 0.0:
                     t = along / speed
-                    push = push - min(self.friction * more, speed * share(body.mass, heavy, arm, t)) * t
+                    push = push - min(self.friction * more, speed * effective_mass(body.mass, heavy, arm, t)) * t
                 moment = cross(arm, push)
                 velocity += push / body.mass
                 omega += heavy @ moment
@@ -103,7 +103,7 @@ class Sides:
         return total
 
 
-def share(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
+def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
     """Mass [kg] that a point at `arm` has along a direction."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

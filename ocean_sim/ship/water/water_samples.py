@@ -23,15 +23,19 @@ from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 
-ALONG, ACROSS, LEVELS = 25, 13, 4  # nodes; levels lie half a draught apart, downwards from the surface
-REACH = 1.1  # of the hull's half sizes
-SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
-TOP = 4  # of the frame: the highest level [m]
-POSE = {"position": 3, "turn": 9, "velocity": 3, "spin": 3}  # [m], body to world, [m/s], [rad/s], world axes
-pose = Columns(**POSE)
+NODES_ALONG, NODES_ACROSS, DEPTH_LEVELS = (
+    25,
+    13,
+    4,
+)  # nodes; levels lie half a draught apart, downwards from the surface
+LATTICE_REACH = 1.1  # of the hull's half sizes
+LATTICE_SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
+HIGHEST_LEVEL = 4  # of the frame: the highest level [m]
+POSE_COLUMNS = {"position": 3, "turn": 9, "velocity": 3, "spin": 3}  # [m], body to world, [m/s], [rad/s], world axes
+pose = Columns(**POSE_COLUMNS)
 # What kernels are handed: a body, the clock of the wind [s], and of the lattice its middle x, z [m], sine and cosine of
 # its heading, how much of its time has gone, and how far the waves have grown.
-HANDED = Columns(**POSE, since=1, step=1, middle=2, heading=2, late=1, share=1)
+ROW_COLUMNS = Columns(**POSE_COLUMNS, since=1, step=1, middle=2, heading=2, late=1, share=1)
 
 
 def write_pose(row: np.ndarray, body: RigidBody) -> None:
@@ -41,18 +45,20 @@ def write_pose(row: np.ndarray, body: RigidBody) -> None:
 
 
 @ti.func
-def vector(table: Template, first: Template):
+def row_vector(table: Template, first: Template):
     """Three numbers of the first row of a table."""
     return ti.cast(tm.vec3(table[0, first], table[0, first + 1], table[0, first + 2]), float)
 
 
 @ti.func
-def turned(table: Template):
+def row_matrix(table: Template):
     """The matrix in the first row of a table, from body to world axes."""
-    return ti.Matrix.rows([vector(table, pose.turn), vector(table, pose.turn + 3), vector(table, pose.turn + 6)])
+    return ti.Matrix.rows(
+        [row_vector(table, pose.turn), row_vector(table, pose.turn + 3), row_vector(table, pose.turn + 6)]
+    )
 
 
-class Around:
+class SampleLattice:
     """A lattice around a hull, and the height of the water on it."""
 
     samples_depth: ClassVar[bool]  # True if the water is asked under its surface, too
@@ -60,59 +66,61 @@ class Around:
     level: ti.Field  # [m]
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
-    def reach(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
+    def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
         """As far as a hull of this size [m] may be, and `rim` [m] beyond."""
-        self.half = tuple(REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
-        self.step = (2.0 * self.half[0] / (ALONG - 1), 2.0 * self.half[1] / (ACROSS - 1))  # [m]
-        self.level = ti.field(float, shape=(ALONG, ACROSS))
+        self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
+        self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
+        self.level = ti.field(float, shape=(NODES_ALONG, NODES_ACROSS))
         self.frame = ti.field(float, shape=5)
 
     @staticmethod
     def bytes(word: int) -> int:
         """Memory that it takes."""
-        return word * (ALONG * ACROSS + TOP + 1)
+        return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Where the lattice lies: write what kernels are HANDED of it, and the body's place from its middle."""
+        """Where the lattice lies: write what kernels are ROW_COLUMNS of it, and the body's place from its middle."""
 
-    def carried(self) -> np.ndarray:
+    def middle_now(self) -> np.ndarray:
         """x, z [m] of the middle now that bodies have taken their step."""
         return np.array(self.middle)
 
     @ti.func
-    def point(self, n, sine, cosine):
+    def node_place(self, n, sine, cosine):
         """Numbers of a node along and across, and its x and z from the middle [m]."""
-        i, k = n // ACROSS, n % ACROSS
+        i, k = n // NODES_ACROSS, n % NODES_ACROSS
         along, across = i * self.step[0] - self.half[0], k * self.step[1] - self.half[1]
         return i, k, along * sine + across * cosine, along * cosine - across * sine
 
     @ti.func
-    def settle(self, x, z, sine, cosine):
+    def keep_frame(self, x, z, sine, cosine):
         """Keep where the lattice lies, and its highest level. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
-            self.frame[TOP] = self.level[0, 0]
-            for n in range(1, ALONG * ACROSS):
-                self.frame[TOP] = ti.max(self.frame[TOP], self.level[n // ACROSS, n % ACROSS])
+            self.frame[HIGHEST_LEVEL] = self.level[0, 0]
+            for n in range(1, NODES_ALONG * NODES_ACROSS):
+                self.frame[HIGHEST_LEVEL] = ti.max(
+                    self.frame[HIGHEST_LEVEL], self.level[n // NODES_ACROSS, n % NODES_ACROSS]
+                )
 
     @ti.func
-    def corner(self, x, z):
+    def cell_at(self, x, z):
         """Number of the lower node, and the shares of the way to the next, along and across."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
-        i = tm.clamp(int(ti.floor(a)), 0, ALONG - 2)
-        k = tm.clamp(int(ti.floor(b)), 0, ACROSS - 2)
+        i = tm.clamp(int(ti.floor(a)), 0, NODES_ALONG - 2)
+        k = tm.clamp(int(ti.floor(b)), 0, NODES_ACROSS - 2)
         return i, k, tm.clamp(a - i, 0.0, 1.0), tm.clamp(b - k, 0.0, 1.0)
 
     @ti.func
     def elevation(self, x, z):
         """Of the water [m]."""
-        return self.sheet(self.corner(x, z))[0]
+        return self.surface_at(self.cell_at(x, z))[0]
 
     @ti.func
-    def sheet(self, corner: Template):
+    def surface_at(self, corner: Template):
         """Elevation [m], and what the waves add to the push of still water over its weight, where the surface alone is
         known: that of long waves, along its slope."""
         i, k, a, b = corner
@@ -125,7 +133,7 @@ class Around:
 
 
 @in_kernels
-class SurroundingWater(Around):
+class SurroundingWater(SampleLattice):
     """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
 
     samples_depth = False
@@ -142,40 +150,45 @@ class SurroundingWater(Around):
     ) -> None:
         """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m];
         `others`: all hulls that do, this one with them."""
-        self.reach(length, breadth, height, rim)
+        self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
-            self.hull, self.rim, self.others, self.asked = hollow, rim, others, ti.field(int, shape=(ALONG, ACROSS))
+            self.hull, self.rim, self.others, self.asked = (
+                hollow,
+                rim,
+                others,
+                ti.field(int, shape=(NODES_ALONG, NODES_ACROSS)),
+            )
 
-    def beside(self) -> list[Hull]:
+    def other_hulls(self) -> list[Hull]:
         """The hulls but its own that keep particles out."""
         return [other.hull for other in self.others if other.hull.distance is not self.hull]
 
     @ti.func
-    def look(self, water: Template, table: Template):
+    def read_water(self, water: Template, table: Template):
         """Ask the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a table.
         Call it at the top of a kernel."""
-        position, turn = vector(table, pose.position), turned(table)
+        position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
             heading = ahead.normalized()
         ti.loop_config(serialize=True)  # a surface is read in less time than a parallel task takes to start
-        for n in range(ALONG * ACROSS):
-            i, k, dx, dz = self.point(n, heading.x, heading.y)
+        for n in range(NODES_ALONG * NODES_ACROSS):
+            i, k, dx, dz = self.node_place(n, heading.x, heading.y)
             node = tm.vec3(position.x + dx, 0.0, position.z + dz)
             node.y = water.elevation(node.x, node.z)
             self.level[i, k] = node.y
             if ti.static(self.hollow):
                 _normal, away, _thinning = self.hull.at(turn.transpose() @ (node - position))
-                clear = away >= self.rim or k == 0 or k == ACROSS - 1
-                for hull in ti.static(self.beside()):
+                clear = away >= self.rim or k == 0 or k == NODES_ACROSS - 1
+                for hull in ti.static(self.other_hulls()):
                     clear = clear and hull.distance_to(node) >= self.rim
                 self.asked[i, k] = int(clear)
         if ti.static(self.hollow):
             ti.loop_config(serialize=True)
-            for i in range(ALONG):
+            for i in range(NODES_ALONG):
                 last = -1
-                for k in range(ACROSS):
+                for k in range(NODES_ACROSS):
                     if self.asked[i, k] == 1:
                         low, rise = self.level[i, k], 0.0
                         if last >= 0:
@@ -183,13 +196,13 @@ class SurroundingWater(Around):
                         for inner in range(last + 1, k):
                             self.level[i, inner] = low + rise * (inner - last) / (k - last)
                         last = k
-                for inner in range(last + 1, ACROSS):
+                for inner in range(last + 1, NODES_ACROSS):
                     self.level[i, inner] = self.level[i, ti.max(last, 0)]
-        self.settle(position.x, position.z, heading.x, heading.y)
+        self.keep_frame(position.x, position.z, heading.x, heading.y)
 
 
 @in_kernels
-class SurroundingSea(Around):
+class SurroundingSea(SampleLattice):
     """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
 
     samples_depth = True
@@ -198,18 +211,18 @@ class SurroundingSea(Around):
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
     ) -> None:
         """Sizes of the hull [m]."""
-        self.reach(length, breadth, height)
+        self.size_lattice(length, breadth, height)
         self.gravity, self.layer = gravity, 0.5 * draught
-        self.depths = tuple(float(d) for d in self.layer * np.arange(LEVELS))  # [m]
-        self.window = sea.window((ALONG, ACROSS), self.step, self.depths)
+        self.depths = tuple(float(d) for d in self.layer * np.arange(DEPTH_LEVELS))  # [m]
+        self.window = sea.window((NODES_ALONG, NODES_ACROSS), self.step, self.depths)
         self.heading = (0.0, 1.0)  # sine and cosine
         self.laid = (0.0, 0.0)  # x, z of the middle when the lattice was laid [m]
         # Velocity [m/s], and acceleration over gravity.
-        self.moved = ti.Vector.field(6, float, shape=(ALONG, ACROSS, LEVELS))
+        self.moved = ti.Vector.field(6, float, shape=(NODES_ALONG, NODES_ACROSS, DEPTH_LEVELS))
 
     @staticmethod
     def bytes(word: int) -> int:
-        return Around.bytes(word) + 6 * word * ALONG * ACROSS * LEVELS
+        return SampleLattice.bytes(word) + 6 * word * NODES_ALONG * NODES_ACROSS * DEPTH_LEVELS
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
         x, _, z = body.position.tolist()
@@ -217,61 +230,61 @@ class SurroundingSea(Around):
         flow = self.window.current
         carried = late * self.window.span
         middle = (self.laid[0] + carried * flow[0], self.laid[1] + carried * flow[1])
-        if not holds or self.strays(x - middle[0], z - middle[1]):
-            self.lay(body, x, z)
+        if not holds or self.is_astray(x - middle[0], z - middle[1]):
+            self.lay_lattice(body, x, z)
             middle, late = self.laid, 0.0
         self.middle = middle
         row[pose.position], row[pose.position + 2] = x - middle[0], z - middle[1]
-        row[HANDED.middle : HANDED.size] = *middle, *self.heading, late, share
+        row[ROW_COLUMNS.middle : ROW_COLUMNS.size] = *middle, *self.heading, late, share
 
-    def carried(self) -> np.ndarray:
-        return super().carried() + self.window.step_taken * np.array(self.window.current)
+    def middle_now(self) -> np.ndarray:
+        return super().middle_now() + self.window.step_taken * np.array(self.window.current)
 
-    def strays(self, x: float, z: float) -> bool:
+    def is_astray(self, x: float, z: float) -> bool:
         """Whether a hull is too far from the middle, so far from it [m]."""
         (s, c), (ahead, aside) = self.heading, self.half
-        return abs(x * s + z * c) > SLACK * ahead or abs(x * c - z * s) > SLACK * aside
+        return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
-    def lay(self, body: RigidBody, x: float, z: float) -> None:
+    def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
         """The lattice anew, around where the hull at x, z [m] is on its way."""
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)
         flow_x, flow_z = window.current
         u, w = 0.5 * window.span * (body.velocity[0] - flow_x), 0.5 * window.span * (body.velocity[2] - flow_z)
-        self.laid = (x, z) if self.strays(u, w) else (x + u, z + w)
+        self.laid = (x, z) if self.is_astray(u, w) else (x + u, z + w)
         window.lay(self.laid, self.heading)
 
     @ti.func
-    def look(self, water: Template, table: Template):
+    def read_water(self, water: Template, table: Template):
         """Read the water on the lattice that has been placed. Call it at the top of a kernel."""
-        sine, cosine = ti.cast(table[0, HANDED.heading], float), ti.cast(table[0, HANDED.heading + 1], float)
-        late, share = ti.cast(table[0, HANDED.late], float), ti.cast(table[0, HANDED.share], float)
-        for n in range(ALONG * ACROSS):
-            i, k, dx, dz = self.point(n, sine, cosine)
-            x, z = table[0, HANDED.middle] + dx, table[0, HANDED.middle + 1] + dz
+        sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
+        late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
+        for n in range(NODES_ALONG * NODES_ACROSS):
+            i, k, dx, dz = self.node_place(n, sine, cosine)
+            x, z = table[0, ROW_COLUMNS.middle] + dx, table[0, ROW_COLUMNS.middle + 1] + dz
             self.level[i, k] = share * self.window.elevation(i, k, late) + water.rise(x, z)
-            for l in range(LEVELS):
+            for l in range(DEPTH_LEVELS):
                 speed, pull = self.window.moving(i, k, l, late)
                 more, pulled = water.moving(x, z, l * self.layer)
                 for c in ti.static(range(3)):
                     self.moved[i, k, l][c] = share * speed[c] + more[c]
                     self.moved[i, k, l][3 + c] = (share * pull[c] + pulled[c]) / self.gravity
-        self.settle(0.0, 0.0, sine, cosine)
+        self.keep_frame(0.0, 0.0, sine, cosine)
 
     @ti.func
-    def moving(self, corner: Template, eta, depth):
+    def motion_at(self, corner: Template, eta, depth):
         """Velocity of the water [m/s] at a depth [m] under an elevation, and what the waves add to the push of still
         water over its weight there: the pressure's slope."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
-        level = tm.clamp(stretched / self.layer, 0.0, LEVELS - 1.0)
-        l = ti.min(int(level), LEVELS - 2)
+        level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
+        l = ti.min(int(level), DEPTH_LEVELS - 2)
         i, k, a, b = corner
-        return (1.0 - (level - l)) * self.on(i, k, a, b, l) + (level - l) * self.on(i, k, a, b, l + 1)
+        return (1.0 - (level - l)) * self.on_level(i, k, a, b, l) + (level - l) * self.on_level(i, k, a, b, l + 1)
 
     @ti.func
-    def on(self, i, k, a, b, l):
+    def on_level(self, i, k, a, b, l):
         """The same on a level."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -32,9 +32,11 @@ from ocean_sim.ship import Load
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
-from ocean_sim.ship.water.water_samples import POSE, SurroundingSea, SurroundingWater, vector, write_pose
+from ocean_sim.ship.water.water_samples import POSE_COLUMNS, SurroundingSea, SurroundingWater, row_vector, write_pose
 
-BOXED = Columns(**POSE, middle=3, half=3)  # a body, and the box around it: its middle from there, half its sides [m]
+BOX_COLUMNS = Columns(
+    **POSE_COLUMNS, middle=3, half=3
+)  # a body, and the box around it: its middle from there, half its sides [m]
 
 
 @in_kernels
@@ -48,52 +50,58 @@ class MovingHull:
         its ship asks."""
         self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
-        self.pose = ti.field(float, shape=BOXED.size)
+        self.pose = ti.field(float, shape=BOX_COLUMNS.size)
         self.water: SurroundingWater | SurroundingSea
 
     @ti.func
-    def take(self, table: Template):
+    def take_pose(self, table: Template):
         """Take the pose in the first row of a table; call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            for c in ti.static(range(BOXED.middle)):
+            for c in ti.static(range(BOX_COLUMNS.middle)):
                 self.pose[c] = ti.cast(table[0, c], float)
-            turn = self.turn()
+            turn = self.rotation()
             middle, half = turn @ self.middle, abs(turn) @ self.half
             for c in ti.static(range(3)):
-                self.pose[BOXED.middle + c], self.pose[BOXED.half + c] = middle[c], half[c]
+                self.pose[BOX_COLUMNS.middle + c], self.pose[BOX_COLUMNS.half + c] = middle[c], half[c]
 
     @ti.func
-    def three(self, first: Template):
+    def pose_vector(self, first: Template):
         """Three numbers in a row of the pose."""
         return tm.vec3(self.pose[first], self.pose[first + 1], self.pose[first + 2])
 
     @ti.func
-    def turn(self):
+    def rotation(self):
         """From its axes to those of the world."""
-        return ti.Matrix.rows([self.three(BOXED.turn), self.three(BOXED.turn + 3), self.three(BOXED.turn + 6)])
+        return ti.Matrix.rows(
+            [
+                self.pose_vector(BOX_COLUMNS.turn),
+                self.pose_vector(BOX_COLUMNS.turn + 3),
+                self.pose_vector(BOX_COLUMNS.turn + 6),
+            ]
+        )
 
     @ti.func
-    def apart(self, x):
+    def offset_to(self, x):
         """From the centre of mass to x [m], the nearest way where sides are periodic."""
-        d = x - self.three(BOXED.position)
+        d = x - self.pose_vector(BOX_COLUMNS.position)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
                 d[k] -= period * ti.round(d[k] / period)
         return d
 
     @ti.func
-    def around(self, d, more):
+    def is_near(self, d, more):
         """Whether a position from the centre of mass lies in the box around the hull, or so much beyond it [m]."""
-        return (abs(d - self.three(BOXED.middle)) < self.three(BOXED.half) + more).all()
+        return (abs(d - self.pose_vector(BOX_COLUMNS.middle)) < self.pose_vector(BOX_COLUMNS.half) + more).all()
 
     @ti.func
-    def velocity(self, d):
+    def point_velocity(self, d):
         """Of the hull at a position from the centre of mass [m/s]."""
-        return self.three(BOXED.velocity) + self.three(BOXED.spin).cross(d)
+        return self.pose_vector(BOX_COLUMNS.velocity) + self.pose_vector(BOX_COLUMNS.spin).cross(d)
 
     @ti.func
-    def seen(self, d, turn: Template):
+    def sample(self, d, turn: Template):
         """Outward normal, distance and thinning at a position from its centre of mass, in world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
@@ -101,36 +109,38 @@ class MovingHull:
     @ti.func
     def distance_to(self, x):
         """Distance of x [m] from it [m]."""
-        _normal, away, _thinning = self.distance.at(self.turn().transpose() @ self.apart(x))
+        _normal, away, _thinning = self.distance.at(self.rotation().transpose() @ self.offset_to(x))
         return away
 
     @ti.func
     def push(self, x, ahead):
         """Acceleration [m/s2] of water at x, where the hull is `ahead` [s] of its pose."""
-        d, a = self.apart(x), tm.vec3(0.0)
-        if self.around(d, self.reach):
-            d -= ahead * self.velocity(d)
-            turn = self.turn()
-            normal, away, thinning = self.seen(d, turn)
+        d, a = self.offset_to(x), tm.vec3(0.0)
+        if self.is_near(d, self.reach):
+            d -= ahead * self.point_velocity(d)
+            turn = self.rotation()
+            normal, away, thinning = self.sample(d, turn)
             if away < self.reach:
-                face = self.three(BOXED.position) + d - away * normal
+                face = self.pose_vector(BOX_COLUMNS.position) + d - away * normal
                 depth = tm.max(self.water.elevation(face.x, face.z) - face.y, 0.0)
                 a = 2.0 * self.gravity * depth * thinning
         return a
 
 
-TASK = 512  # a parallel loop is never cut finer than this
-SERIAL = 20_000  # particles, up to so many of which one thread is quicker than several
-FINE = 3.0  # cubes of the distance to a spacing
-MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
-NEAR = 0.5  # [spacings] before the hull, where a collision may yet move it to
-RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
-LEAPS = 3  # off the hull and back to the walls
-PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
-SQUARE = np.array([[PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
-FOUND = Columns(touching=1, b=6, a=len(PAIRS))  # particles that touch, b and A
-PUSHED = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
-HANDED = Columns(**POSE, velocity_before=3, spin_before=3, slip=1)  # the last: the share that friction may take
+TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
+SERIAL_PARTICLES = 20_000  # particles, up to so many of which one thread is quicker than several
+CUBES_A_SPACING = 3.0  # cubes of the distance to a spacing
+CONTACT_MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+LISTED_DISTANCE = 0.5  # [spacings] before the hull, where a collision may yet move it to
+SAG_RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
+EXIT_STEPS = 3  # off the hull and back to the walls
+MATRIX_PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+MATRIX_INDICES = np.array([[MATRIX_PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
+FOUND_COLUMNS = Columns(touching=1, b=6, a=len(MATRIX_PAIRS))  # particles that touch, b and A
+PUSH_COLUMNS = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
+CONTACT_COLUMNS = Columns(
+    **POSE_COLUMNS, velocity_before=3, spin_before=3, slip=1
+)  # the last: the share that friction may take
 
 
 class Contact(Model):
@@ -153,12 +163,15 @@ class WaveContact:
         """`centre` of mass from the hull's origin [m]."""
         spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
         self.config, self.mass = config, fluid.particles.mass
-        self.margin, self.rim = MARGIN * spacing, RIM * spacing  # the rim: where the water's height cannot be asked [m]
-        distance = Distance(shape, centre, spacing / FINE, reach, max(reach, self.rim))
+        self.margin, self.rim = (
+            CONTACT_MARGIN * spacing,
+            SAG_RIM * spacing,
+        )  # the rim: where the water's height cannot be asked [m]
+        distance = Distance(shape, centre, spacing / CUBES_A_SPACING, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
         # One table: each costs a kernel its time.
-        self.table = np.zeros((1 + self.collisions.layers, max(HANDED.size, FOUND.size)))
+        self.table = np.zeros((1 + self.collisions.layers, max(CONTACT_COLUMNS.size, FOUND_COLUMNS.size)))
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
@@ -167,36 +180,36 @@ class WaveContact:
         """Put the hull where it is at the beginning, by a push of none: that is compiled now, not where the first
         particle collides in a run."""
         write_pose(self.table[0], body)
-        self.collisions.push(self.table)
+        self.collisions.push_particles(self.table)
 
-    def collided(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
+    def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body
         after a load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
-        self.collisions.find(table)
-        touching = table[1:, FOUND.touching].sum()
+        self.collisions.find_touching(table)
+        touching = table[1:, FOUND_COLUMNS.touching].sum()
         if touching == 0.0:
             return load, trial
-        total = table[1:, : FOUND.size].sum(axis=0)
+        total = table[1:, : FOUND_COLUMNS.size].sum(axis=0)
         response = self.config.response
-        a = total[FOUND.a :][SQUARE]
+        a = total[FOUND_COLUMNS.a :][MATRIX_INDICES]
         turn = trial.matrix
         own = np.zeros((6, 6))
         own[:3, :3] = trial.mass * np.eye(3)
         own[3:, 3:] = turn @ trial.inertia_body @ turn.T
-        change = own @ np.linalg.solve(own + response * a, response * total[FOUND.b : FOUND.a])
+        change = own @ np.linalg.solve(own + response * a, response * total[FOUND_COLUMNS.b : FOUND_COLUMNS.a])
         write_pose(table[0], after(load.plus("wave", change.reshape(2, 3) / dt)))
-        table[0, HANDED.velocity_before : HANDED.spin_before] = trial.velocity
-        table[0, HANDED.spin_before : HANDED.slip] = trial.angular_velocity
-        table[0, HANDED.slip] = trial.mass / (trial.mass + self.mass * touching)
-        self.collisions.push(table)
-        pushed = table[1, : PUSHED.size]
-        met = -pushed[: PUSHED.work].reshape(2, 3)
+        table[0, CONTACT_COLUMNS.velocity_before : CONTACT_COLUMNS.spin_before] = trial.velocity
+        table[0, CONTACT_COLUMNS.spin_before : CONTACT_COLUMNS.slip] = trial.angular_velocity
+        table[0, CONTACT_COLUMNS.slip] = trial.mass / (trial.mass + self.mass * touching)
+        self.collisions.push_particles(table)
+        pushed = table[1, : PUSH_COLUMNS.size]
+        met = -pushed[: PUSH_COLUMNS.work].reshape(2, 3)
         self.impulse += response * met
         self.lost += (1.0 - response) * met
-        self.given += pushed[: PUSHED.moment]
-        self.work += float(pushed[PUSHED.work])
+        self.given += pushed[: PUSH_COLUMNS.moment]
+        self.work += float(pushed[PUSH_COLUMNS.work])
         load = load.plus("wave", response * met / dt)
         return load, after(load)
 
@@ -209,31 +222,33 @@ class Collisions:
         self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
         self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
         self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing
-        self.margin, self.mass = MARGIN * self.spacing, self.particles.mass
+        self.margin, self.mass = CONTACT_MARGIN * self.spacing, self.particles.mass
         self.layers = fluid.grid.cells[2]
-        self.serial = self.particles.n <= SERIAL
+        self.serial = self.particles.n <= SERIAL_PARTICLES
         self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
 
     @ti.kernel
-    def find(self, table: Array2):
+    def find_touching(self, table: Array2):
         """List what is near the hull, and sum over what touches it."""
-        self.hull.take(table)
+        self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
             for layer in range(self.layers):
-                self.find_in(layer, table)
+                self.find_in_layer(layer, table)
         else:
-            for t in range(self.layers * TASK):
-                if t % TASK == 0:
-                    self.find_in(t // TASK, table)
+            for t in range(self.layers * TASK_ITERATIONS):
+                if t % TASK_ITERATIONS == 0:
+                    self.find_in_layer(t // TASK_ITERATIONS, table)
 
     @ti.func
-    def cells(self, k: Template):
+    def cell_range(self, k: Template):
         """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
         pose = ti.static(self.hull.pose)
-        middle = pose[ti.static(BOXED.position + k)] + pose[ti.static(BOXED.middle + k)] - self.grid.lower[k]
-        half, last = pose[ti.static(BOXED.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        middle = (
+            pose[ti.static(BOX_COLUMNS.position + k)] + pose[ti.static(BOX_COLUMNS.middle + k)] - self.grid.lower[k]
+        )
+        half, last = pose[ti.static(BOX_COLUMNS.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
         first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
         end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
         if ti.static(self.hull.periods[k] > 0.0):
@@ -246,7 +261,7 @@ class Collisions:
         return first, end - first + 1
 
     @ti.func
-    def home(self, cell, k: Template):
+    def home_cell(self, cell, k: Template):
         """The cell along an axis that one beyond a periodic side repeats."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
@@ -254,42 +269,42 @@ class Collisions:
         return cell
 
     @ti.func
-    def find_in(self, layer, table: Template):
+    def find_in_layer(self, layer, table: Template):
         """The same in a layer of cells across z."""
-        total, count = ti.Vector.zero(ti.f64, FOUND.size), 0
-        first_x, across = self.cells(0)
-        first_y, down = self.cells(1)
-        first_z, along = self.cells(2)
+        total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
+        first_x, across = self.cell_range(0)
+        first_y, down = self.cell_range(1)
+        first_z, along = self.cell_range(2)
         listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
         for z in range(first_z, first_z + along):
-            if self.home(z, 2) == layer:
+            if self.home_cell(z, 2) == layer:
                 for y in range(first_y, first_y + down):
                     for x in range(first_x, first_x + across):
-                        c = self.grid.cell_at(tm.ivec3(self.home(x, 0), self.home(y, 1), layer))
+                        c = self.grid.cell_at(tm.ivec3(self.home_cell(x, 0), self.home_cell(y, 1), layer))
                         for i in range(self.grid.start[c], self.grid.start[c + 1]):
-                            count += self.meet(total, i, listed + count)
+                            count += self.list_particle(total, i, listed + count)
         self.count[layer] = count
-        for c in ti.static(range(FOUND.size)):
+        for c in ti.static(range(FOUND_COLUMNS.size)):
             table[1 + layer, c] = total[c]
 
     @ti.func
-    def meet(self, total: Template, i, to):
+    def list_particle(self, total: Template, i, to):
         """List particle i where it is near, and add it where it touches; whether it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
-        d = self.hull.apart(tm.vec3(p.x[i], p.y[i], p.z[i]))
-        if self.hull.around(d, self.spacing):
-            normal, away, _thinning = self.hull.seen(d, self.hull.turn())
-            if away < NEAR * self.spacing:
+        d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
+        if self.hull.is_near(d, self.spacing):
+            normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
+            if away < LISTED_DISTANCE * self.spacing:
                 self.near[to] = i
                 near = 1
             if away < self.margin:
-                self.touch(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.velocity(d))
+                self.add_touching(total, normal, d, tm.vec3(u.x[i], u.y[i], u.z[i]) - self.hull.point_velocity(d))
         return near
 
     @ti.func
-    def touch(self, total: Template, normal, d, v):
+    def add_touching(self, total: Template, normal, d, v):
         """Add a particle that meets the hull with a relative velocity v."""
-        total[FOUND.touching] += 1.0
+        total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
             moment = d.cross(normal)
@@ -298,36 +313,39 @@ class Collisions:
             six = ti.Vector([j.x, j.y, j.z, k.x, k.y, k.z])
             gain = ti.cast(self.mass * (1.0 + ti.static(self.config.restitution)) * speed, ti.f64)
             for c in ti.static(range(6)):
-                total[FOUND.b + c] += gain * six[c]
-            for c, pair in ti.static(enumerate(PAIRS)):
-                total[FOUND.a + c] += self.mass * six[pair[0]] * six[pair[1]]
+                total[FOUND_COLUMNS.b + c] += gain * six[c]
+            for c, pair in ti.static(enumerate(MATRIX_PAIRS)):
+                total[FOUND_COLUMNS.a + c] += self.mass * six[pair[0]] * six[pair[1]]
 
     @ti.kernel
-    def push(self, table: Array2):
+    def push_particles(self, table: Array2):
         """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
-        self.hull.take(table)
+        self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            first, spin = vector(table, HANDED.velocity_before), vector(table, HANDED.spin_before)
-            slipping = ti.cast(table[0, HANDED.slip], float)
-            total = ti.Vector.zero(ti.f64, PUSHED.size)
+            first, spin = (
+                row_vector(table, CONTACT_COLUMNS.velocity_before),
+                row_vector(table, CONTACT_COLUMNS.spin_before),
+            )
+            slipping = ti.cast(table[0, CONTACT_COLUMNS.slip], float)
+            total = ti.Vector.zero(ti.f64, PUSH_COLUMNS.size)
             for layer in range(self.layers):
                 listed = self.grid.start[self.grid.cell_at(tm.ivec3(0, 0, layer))]
                 for k in range(listed, listed + self.count[layer]):
-                    self.collide(total, self.near[k], first, spin, slipping)
-            for c in ti.static(range(PUSHED.size)):
+                    self.collide_particle(total, self.near[k], first, spin, slipping)
+            for c in ti.static(range(PUSH_COLUMNS.size)):
                 table[1, c] = total[c]
 
     @ti.func
-    def collide(self, total: Template, i, first, spin, slipping):
+    def collide_particle(self, total: Template, i, first, spin, slipping):
         """Particle i, of a hull that moved at `first` and `spin` before."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        d = self.hull.apart(x)
-        normal, away, _thinning = self.hull.seen(d, self.hull.turn())
+        d = self.hull.offset_to(x)
+        normal, away, _thinning = self.hull.sample(d, self.hull.rotation())
         if away < self.margin:
             before = (v - first - spin.cross(d)).dot(normal)
-            slip = v - self.hull.velocity(d)
+            slip = v - self.hull.point_velocity(d)
             speed = slip.dot(normal)
             bounce = tm.max(-ti.static(self.config.restitution) * before, 0.0) - speed
             if bounce > 0.0:
@@ -340,17 +358,17 @@ class Collisions:
                 impulse = ti.cast(self.mass, ti.f64) * (ti.cast(new, ti.f64) - ti.cast(v, ti.f64))
                 moment = ti.cast(d, ti.f64).cross(impulse)
                 for c in ti.static(range(3)):
-                    total[PUSHED.impulse + c] += impulse[c]
-                    total[PUSHED.moment + c] += moment[c]
-                total[PUSHED.work] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
-            total[PUSHED.work] -= ti.cast(self.mass * self.gravity.dot(self.leave(i, x)), ti.f64)
+                    total[PUSH_COLUMNS.impulse + c] += impulse[c]
+                    total[PUSH_COLUMNS.moment + c] += moment[c]
+                total[PUSH_COLUMNS.work] += 0.5 * impulse.dot(ti.cast(new + v, ti.f64))
+            total[PUSH_COLUMNS.work] -= ti.cast(self.mass * self.gravity.dot(self.move_off(i, x)), ti.f64)
 
     @ti.func
-    def leave(self, i, x):
+    def move_off(self, i, x):
         """Put a particle off the hull, by whole quanta of the grid, but not through a wall; how far it went [m]."""
-        start, turn = x, self.hull.turn()
-        for _ in range(LEAPS):
-            normal, away, _thinning = self.hull.seen(self.hull.apart(x), turn)
+        start, turn = x, self.hull.rotation()
+        for _ in range(EXIT_STEPS):
+            normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)
             way = tm.max(self.margin - away, 0.0)
             x += self.quantum * ti.ceil(way * normal / self.quantum - 0.5)
             for k in ti.static(self.walls.axes):

@@ -10,7 +10,7 @@ from ocean_sim.conventions import Diverged, Motions, Refused
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies.shared.clocked import Clocked
-from ocean_sim.waves.record import Unmeasurable, measured
+from ocean_sim.waves.record import Unmeasurable, measure_record
 
 ENERGIES = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
 CLOCKS = ("wall_per_s", "cpu_per_s", "wall_s", "cpu_s")  # what changes from call to call
@@ -88,7 +88,7 @@ def of(result: Result, name: str) -> dict[str, np.ndarray]:
 def waves(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
     """Heights and period at a gauge; None where the record holds no wave."""
     try:
-        sea = measured(time, height)
+        sea = measure_record(time, height)
     except Unmeasurable:
         return {f"{gauge}_{name}": None for name in ("hs_m", "hm0_m", "tz_s")}
     return {f"{gauge}_hs_m": sea.hs_m, f"{gauge}_hm0_m": sea.hm0_m, f"{gauge}_tz_s": sea.tz_s}

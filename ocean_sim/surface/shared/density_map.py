@@ -17,10 +17,10 @@ from ocean_sim.surface.shared.nodes import Nodes
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
-GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
-RUN = 4  # nodes along x that are gathered for at once
-IMAGES = 5  # of a point on each axis: itself, in either side or a period on, and in both sides or two periods on
+TASK_ITERATIONS = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK_ITERATIONS iterations
+ROW_GROUPS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
+RUN_NODES = 4  # nodes along x that are gathered for at once
+AXIS_IMAGES = 5  # of a point on each axis: itself, in either side or a period on, and in both sides or two periods on
 
 
 def flat_share(radius: float, spacing: float) -> float:
@@ -32,10 +32,10 @@ def flat_share(radius: float, spacing: float) -> float:
     return float(315.0 / 256.0 * spacing / radius * (np.maximum(1.0 - u * u, 0.0) ** 4).sum())
 
 
-def images(basin: Basin, nodes: Nodes) -> np.ndarray:
-    """(3, IMAGES, 2) sign and offset [m] of every image of a point on each axis; OPEN where there is none."""
+def point_images(basin: Basin, nodes: Nodes) -> np.ndarray:
+    """(3, AXIS_IMAGES, 2) sign and offset [m] of every image of a point on each axis; OPEN where there is none."""
     still = {(side.axis, side.upper) for side in basin.sides if side.piston is None}
-    found = np.full((3, IMAGES, 2), (1.0, OPEN))
+    found = np.full((3, AXIS_IMAGES, 2), (1.0, OPEN))
     found[:, 0, 1] = 0.0
     for k, (low, up, period) in enumerate(zip(nodes.lower, nodes.upper, basin.periods)):
         if period > 0.0:
@@ -65,8 +65,8 @@ class DensityMap:
         self.bin = ti.field(int, shape=self.n)
         bins = self.bins[0] * self.bins[1] * self.bins[2]
         self.start, self.next = ti.field(int, shape=bins + 1), ti.field(int, shape=bins + 1)  # the last is outside
-        self.image = ti.field(float, shape=(3, IMAGES, 2))
-        self.image.from_numpy(images(basin, nodes).astype(to_numpy_type(self.image.dtype)))
+        self.image = ti.field(float, shape=(3, AXIS_IMAGES, 2))
+        self.image.from_numpy(point_images(basin, nodes).astype(to_numpy_type(self.image.dtype)))
 
     @staticmethod
     def bins_of(nodes: Nodes, radius: float) -> tuple[int, int, int]:
@@ -77,7 +77,7 @@ class DensityMap:
     @classmethod
     def bytes(cls, n: int, nodes: Nodes, radius: float, word: int) -> int:
         """Of the fields for n particles, where `word` is the size of a `float` [bytes]."""
-        return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * IMAGES
+        return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * AXIS_IMAGES
 
     @ti.func
     def bin_of(self, x):
@@ -89,7 +89,7 @@ class DensityMap:
         return (k * self.bins[1] + j) * self.bins[0] + i
 
     @ti.kernel
-    def sort(self) -> int:
+    def sort_particles(self) -> int:
         """Stable counting sort of the particles in the box by bin; returns how many are outside."""
         p, bins = self.particles.position, ti.static(self.bins[0] * self.bins[1] * self.bins[2])
         outside = 0
@@ -117,21 +117,21 @@ class DensityMap:
         return outside
 
     @ti.func
-    def shares(self, x, step, run: Template):
+    def shares_along(self, x, step, run: Template):
         """Around so many points that follow each other along x, `step` [m] apart; they may be anywhere."""
         total = ti.Vector.zero(float, run)
-        for c in range(IMAGES):
+        for c in range(AXIS_IMAGES):
             z = self.image[2, c, 0] * x.z + self.image[2, c, 1]
             if self.in_reach(z, z, 2):
-                for b in range(IMAGES):
+                for b in range(AXIS_IMAGES):
                     y = self.image[1, b, 0] * x.y + self.image[1, b, 1]
                     if self.in_reach(y, y, 1):
-                        for a in range(IMAGES):
+                        for a in range(AXIS_IMAGES):
                             sign = self.image[0, a, 0]
                             first = sign * x.x + self.image[0, a, 1]
                             last = first + sign * (run - 1) * step
                             if self.in_reach(first, last, 0):
-                                total += self.gathered(tm.vec3(first, y, z), tm.vec3(last, y, z), sign * step, run)
+                                total += self.gather_bins(tm.vec3(first, y, z), tm.vec3(last, y, z), sign * step, run)
         return self.constant * total
 
     @ti.func
@@ -141,7 +141,7 @@ class DensityMap:
         return tm.max(first, last) > low and tm.min(first, last) < high
 
     @ti.func
-    def gathered(self, x, last, step, run: Template):
+    def gather_bins(self, x, last, step, run: Template):
         """Sums of (radius^2 - r^2)^3 over the particles of the bins around the points from x to `last`; the inner loop
         does not branch."""
         total, here, there = ti.Vector.zero(float, run), self.bin_of(x), self.bin_of(last)
@@ -160,7 +160,7 @@ class DensityMap:
         return total
 
     @ti.kernel
-    def mark(self, rows: Template):
+    def mark_rows(self, rows: Template):
         """The rows of nodes within a radius and a node of any particle that counts there, so that the next nodes around
         every wet one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
@@ -173,10 +173,10 @@ class DensityMap:
     def particles_near(self, y, z):
         """Whether there are particles in the bins around a row of nodes and the rows next to it, or their images."""
         found = 0
-        for c in range(IMAGES):
+        for c in range(AXIS_IMAGES):
             along = self.image[2, c, 0] * z + self.image[2, c, 1]
             if self.in_reach(along - self.width.z, along + self.width.z, 2):
-                for b in range(IMAGES):
+                for b in range(AXIS_IMAGES):
                     up = self.image[1, b, 0] * y + self.image[1, b, 1]
                     if self.in_reach(up - self.width.y, up + self.width.y, 1):
                         margin = tm.vec3(0.0, self.width.y, self.width.z)
@@ -191,25 +191,25 @@ class DensityMap:
         return found == 1
 
     @ti.kernel
-    def fill(self, rows: Template, value: Template, level: float):
+    def fill_rows(self, rows: Template, value: Template, level: float):
         """Share less `level` at all nodes of the rows kept that lie within the box."""
-        for g in range(GROUPS * TASK):
-            if g % TASK == 0:
-                self.fill_group(g // TASK, rows, value, level)
+        for g in range(ROW_GROUPS * TASK_ITERATIONS):
+            if g % TASK_ITERATIONS == 0:
+                self.fill_group(g // TASK_ITERATIONS, rows, value, level)
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
         """Every GROUPS-th row of nodes."""
         nx, ny, nz = ti.static(self.nodes.inner)
-        for turn in range((rows.count[None] - group + GROUPS - 1) // GROUPS):
-            n = group + turn * GROUPS
-            j, k = rows.indices(n)
+        for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
+            n = group + turn * ROW_GROUPS
+            j, k = rows.row_indices(n)
             if 0 < j <= ny and 0 < k <= nz:
                 first = n * rows.length + 1
-                for part in range((nx + RUN - 1) // RUN):
-                    i = part * RUN
+                for part in range((nx + RUN_NODES - 1) // RUN_NODES):
+                    i = part * RUN_NODES
                     x = self.lower + self.width * (tm.vec3(i, j - 1, k - 1) + 0.5)
-                    shares = self.shares(x, self.width.x, RUN)
-                    for m in ti.static(range(RUN)):
+                    shares = self.shares_along(x, self.width.x, RUN_NODES)
+                    for m in ti.static(range(RUN_NODES)):
                         if i + m < nx:
                             value[first + i + m] = shares[m] - level

@@ -8,7 +8,7 @@ from ocean_sim.runtime import Array, Array2, FieldCopy, in_kernels, runs_alone
 from ocean_sim.surface import Mesh, sheet
 
 
-def columns(basin: Basin, spacing: float) -> tuple[int, int]:
+def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
     """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
     extents = np.subtract(basin.upper, basin.lower)
     cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]
@@ -39,19 +39,19 @@ class Heights:
         self.copy = FieldCopy(self.height)
 
     @classmethod
-    def over(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
+    def over_basin(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
         """With the outermost columns on the sides of the basin."""
         lower, upper = np.array(basin.lower)[[0, 2]], np.array(basin.upper)[[0, 2]]
         return cls(lower, upper, count, (basin.periods[0] > 0.0, basin.periods[2] > 0.0))
 
     @ti.func
-    def column(self, n):
+    def column_place(self, n):
         """x and z [m] of a column."""
         i, k = n // self.count[1], n % self.count[1]
         return self.low + self.width * (tm.vec2(i, k) + self.inset)
 
     @ti.func
-    def at(self, x, z):
+    def height_at(self, x, z):
         """Height [m] at a point."""
         at = (tm.vec2(x, z) - self.low) / self.width - self.inset
         for axis in ti.static(range(2)):
@@ -66,16 +66,16 @@ class Heights:
         return tm.mix(near, tm.mix(self.height[on + k], self.height[on + k_on], g), f)
 
     @ti.kernel
-    def fill(self, points: Array2, heights: Array):
+    def fill_heights(self, points: Array2, heights: Array):
         ti.loop_config(serialize=ti.static(runs_alone()))
         for n in range(points.shape[0]):
-            heights[n] = self.at(points[n, 0], points[n, 1])
+            heights[n] = self.height_at(points[n, 0], points[n, 1])
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
         """(m, 2) points x, z [m] -> (m,) heights [m]."""
         precision = to_numpy_type(self.height.dtype)
         heights = np.empty(len(points), dtype=precision)
-        self.fill(np.ascontiguousarray(points, dtype=precision), heights)
+        self.fill_heights(np.ascontiguousarray(points, dtype=precision), heights)
         return heights.astype(float)
 
     def area_and_volume(self, bed: float) -> list[float]:

@@ -22,33 +22,33 @@ import numpy as np
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Template, in_kernels
 from ocean_sim.surface import Mesh
-from ocean_sim.surface.shared.nodes import MOST_NODES, Nodes, Rows
+from ocean_sim.surface.shared.nodes import MAX_NODES, Nodes, Rows
 
 CORNERS = np.array([(c & 1, c >> 1 & 1, c >> 2 & 1) for c in range(8)])
 EDGES = tuple((c, c | 1 << axis) for axis in range(3) for c in range(8) if not c >> axis & 1)
-NUMBER = {frozenset(edge): e for e, edge in enumerate(EDGES)}
-MIDDLES = np.array([CORNERS[list(edge)].mean(axis=0) for edge in EDGES])
-MOST = 5  # triangles of a case, at most
+EDGE_NUMBERS = {frozenset(edge): e for e, edge in enumerate(EDGES)}
+EDGE_MIDDLES = np.array([CORNERS[list(edge)].mean(axis=0) for edge in EDGES])
+MAX_TRIANGLES = 5  # triangles of a case, at most
 
 Loop = list[int]  # edges that are cut, in order
 Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
 
 
-def ring(axis: int, side: int) -> list[int]:
+def face_corners(axis: int, side: int) -> list[int]:
     """The corners of a face, counter-clockwise seen from outside the cube."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = [side << axis | a << u | b << v for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
     return corners if side else corners[::-1]
 
 
-FACES = tuple(ring(axis, side) for axis in range(3) for side in (0, 1))
+FACES = tuple(face_corners(axis, side) for axis in range(3) for side in (0, 1))
 
 
 def edge_between(p: int, q: int) -> int:
-    return NUMBER[frozenset((p, q))]
+    return EDGE_NUMBERS[frozenset((p, q))]
 
 
-def lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
+def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
     """(from edge, to edge) of each run of wet corners on a face, the way round that leaves the water inside."""
     wet = [bool(case >> c & 1) for c in corners]
     found = []
@@ -65,12 +65,12 @@ def lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
 
 def is_ambiguous(case: int) -> bool:
     """Whether some face has two wet corners across a diagonal and two dry ones."""
-    return any(len(lines(case, corners)) == 2 for corners in FACES)
+    return any(len(face_lines(case, corners)) == 2 for corners in FACES)
 
 
-def loops(case: int) -> list[Loop]:
+def case_loops(case: int) -> list[Loop]:
     """The closed lines in which the surface meets the faces of the cube."""
-    after = {enters: leaves for corners in FACES for enters, leaves in lines(case, corners)}
+    after = {enters: leaves for corners in FACES for enters, leaves in face_lines(case, corners)}
     found = []
     while after:
         first = min(after)
@@ -82,19 +82,19 @@ def loops(case: int) -> list[Loop]:
     return found
 
 
-def cuts(first: int, last: int) -> Iterator[Cut]:
+def polygon_cuts(first: int, last: int) -> Iterator[Cut]:
     """Every way to cut the polygon first, first + 1, ... last into triangles."""
     if last - first < 2:
         yield ()
     for k in range(first + 1, last):
-        for left in cuts(first, k):
-            for right in cuts(k, last):
+        for left in polygon_cuts(first, k):
+            for right in polygon_cuts(k, last):
                 yield (*left, *right, (first, k, last))
 
 
 def diagonal_lengths() -> np.ndarray:
     """(12, 12) squared lengths between the middles of edges; infinite where both lie on one face of the cube."""
-    squared = ((MIDDLES[:, None] - MIDDLES[None]) ** 2).sum(axis=-1)
+    squared = ((EDGE_MIDDLES[:, None] - EDGE_MIDDLES[None]) ** 2).sum(axis=-1)
     for corners in FACES:
         on_it = [e for e, edge in enumerate(EDGES) if set(edge) <= set(corners)]
         squared[np.ix_(on_it, on_it)] = np.inf
@@ -109,24 +109,24 @@ def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
         pairs = {pair for corners in cut for pair in combinations(corners, 2) if pair[1] - pair[0] not in (1, n - 1)}
         return sum(lengths[loop[a], loop[b]] for a, b in sorted(pairs))
 
-    best = min(cuts(0, n - 1), key=length)
+    best = min(polygon_cuts(0, n - 1), key=length)
     return [(loop[a], loop[b], loop[c]) for a, b, c in best]
 
 
-def table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(256,) triangles of each case, (256, 3 * MOST) their edges, and (256,) whether the case is ambiguous."""
+def case_table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(256,) triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, and (256,) whether the case is ambiguous."""
     lengths = diagonal_lengths()
-    counts, edges = np.zeros(256, dtype=np.int32), np.zeros((256, 3 * MOST), dtype=np.int32)
+    counts, edges = np.zeros(256, dtype=np.int32), np.zeros((256, 3 * MAX_TRIANGLES), dtype=np.int32)
     for case in range(256):
-        found = [corner for loop in loops(case) for triangle in triangles(loop, lengths) for corner in triangle]
+        found = [corner for loop in case_loops(case) for triangle in triangles(loop, lengths) for corner in triangle]
         counts[case] = len(found) // 3
         edges[case, : len(found)] = found
     return counts, edges, np.array([is_ambiguous(case) for case in range(256)], dtype=np.int32)
 
 
-TASK = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK iterations
-SLABS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
-LEAST = 1.0e-6  # a dry value that is not zero
+TASK_ITERATIONS = 512  # Taichi never cuts a parallel loop finer than this: a task every TASK_ITERATIONS iterations
+ROW_SLABS = 32  # of rows of nodes, each a task of its own; set here, never by the number of threads
+LEAST_DRY = 1.0e-6  # a dry value that is not zero
 VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
 
 
@@ -152,7 +152,7 @@ class Isosurface:
         self,
         nodes: Nodes,
         periodic: tuple[bool, bool, bool] = (False, False, False),
-        most_nodes: int = MOST_NODES,
+        most_nodes: int = MAX_NODES,
         dry: float = -1.0,
     ) -> None:
         """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not kept."""
@@ -162,25 +162,25 @@ class Isosurface:
         self.value = ti.field(float, shape=kept)  # positive in the water
         self.value.fill(dry)
         self.owned = ti.field(int, shape=kept)  # 8 * first vertex of a node + a bit for each of its edges cut
-        self.counted = ti.field(int, shape=(SLABS, 4))
+        self.counted = ti.field(int, shape=(ROW_SLABS, 4))
         self.triangles_of, self.ambiguous = ti.field(int, shape=256), ti.field(int, shape=256)
-        self.edges_of = ti.field(int, shape=(256, 3 * MOST))
-        for field, numbers in zip((self.triangles_of, self.edges_of, self.ambiguous), table()):
+        self.edges_of = ti.field(int, shape=(256, 3 * MAX_TRIANGLES))
+        for field, numbers in zip((self.triangles_of, self.edges_of, self.ambiguous), case_table()):
             field.from_numpy(numbers)
         self.precision = to_numpy_type(self.value.dtype)
 
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
         """Of the fields, where `word` is the size of a `float` [bytes]."""
-        kept = (Rows.fitting(nodes, most_nodes) + 1) * nodes.shape[0]
-        return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * SLABS + 256 * (2 + 3 * MOST))
+        kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
+        return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 
     @ti.kernel
-    def pad(self, goes_on: int):
+    def pad_field(self, goes_on: int):
         """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
         the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
         for n in range(self.rows.count[None] * self.rows.length):
-            node = self.indices(n)
+            node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
             if (node != inner).any():
                 closed, other = False, inner
@@ -189,17 +189,17 @@ class Isosurface:
                         closed |= (goes_on >> (2 * axis + int(node[axis] > 0)) & 1) == 0
                         if ti.static(self.periodic[axis]):
                             other[axis] = self.shape[axis] - 1 - inner[axis]
-                ahead = self.at(inner.x, inner.y, inner.z), self.at(other.x, inner.y, inner.z)
-                behind = self.at(inner.x, inner.y, other.z), self.at(other.x, inner.y, other.z)
+                ahead = self.node_at(inner.x, inner.y, inner.z), self.node_at(other.x, inner.y, inner.z)
+                behind = self.node_at(inner.x, inner.y, other.z), self.node_at(other.x, inner.y, other.z)
                 mean = 0.25 * (
                     self.value[ahead[0]] + self.value[ahead[1]] + self.value[behind[0]] + self.value[behind[1]]
                 )
-                self.value[n] = -tm.max(ti.abs(mean), LEAST) if closed else mean
+                self.value[n] = -tm.max(ti.abs(mean), LEAST_DRY) if closed else mean
 
-    def count(self) -> Counts:
+    def count_surface(self) -> Counts:
         """Number all vertices and triangles of the field as it is now."""
         totals = np.zeros(4, dtype=np.int32)
-        self.number(totals)
+        self.number_slabs(totals)
         return Counts(*totals.tolist())
 
     def mesh(self, counts: Counts) -> Mesh:
@@ -207,28 +207,28 @@ class Isosurface:
         vertices, normals = (np.empty((counts.vertices, 3), dtype=self.precision) for _ in range(2))
         triangles = np.empty((counts.triangles, 3), dtype=np.int32)
         if counts.triangles:
-            self.write(vertices, normals, triangles)
+            self.write_mesh(vertices, normals, triangles)
         return Mesh(vertices, triangles, normals)
 
     @ti.func
-    def at(self, i, j, k):
+    def node_at(self, i, j, k):
         """Number of a node; all that are not kept share theirs."""
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
-    def indices(self, n):
+    def node_indices(self, n):
         """The inverse of `at` for nodes that are kept."""
-        j, k = self.rows.indices(n // self.rows.length)
+        j, k = self.rows.row_indices(n // self.rows.length)
         return tm.ivec3(n % self.rows.length, j, k)
 
     @ti.func
     def edge_rows(self, j, k):
         """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
-        return tm.ivec4(self.at(0, j, k), self.at(0, up, k), self.at(0, j, on), self.at(0, up, on))
+        return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
-    def across(self, rows, i):
+    def wet_corners(self, rows, i):
         """Which nodes of the four rows are in the water: the bits of a case for its corners at x = 0."""
         wet = 0
         for corner in ti.static(range(4)):
@@ -236,19 +236,19 @@ class Isosurface:
         return wet
 
     @ti.func
-    def first(self, slab):
+    def first_row(self, slab):
         """The first row of a slab, of those kept."""
-        return slab * self.rows.count[None] // SLABS
+        return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
-    def number(self, totals: Array):
-        for s in range(SLABS * TASK):
-            if s % TASK == 0:
-                self.count_slab(s // TASK)
+    def number_slabs(self, totals: Array):
+        for s in range(ROW_SLABS * TASK_ITERATIONS):
+            if s % TASK_ITERATIONS == 0:
+                self.count_slab(s // TASK_ITERATIONS)
         ti.loop_config(serialize=True)
         for what in range(4):
             total = 0
-            for slab in range(SLABS):
+            for slab in range(ROW_SLABS):
                 here = self.counted[slab, what]
                 self.counted[slab, what] = total
                 total += here
@@ -258,12 +258,12 @@ class Isosurface:
     def count_slab(self, slab):
         nx, ny, nz = ti.static(self.shape)
         vertices, triangles, cut, ambiguous = 0, 0, 0, 0
-        for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.indices(n)
+        for n in range(self.first_row(slab), self.first_row(slab + 1)):
+            j, k = self.rows.row_indices(n)
             rows = self.edge_rows(j, k)
-            front = self.across(rows, 0)
+            front = self.wet_corners(rows, 0)
             for i in range(nx):
-                back = self.across(rows, tm.min(i + 1, nx - 1))
+                back = self.wet_corners(rows, tm.min(i + 1, nx - 1))
                 case = front | back << 1
                 front = back
                 mask = (case ^ case >> 1) & 1 | ((case ^ case >> 2) & 1) << 1 | ((case ^ case >> 4) & 1) << 2
@@ -277,34 +277,34 @@ class Isosurface:
             self.counted[slab, what] = n
 
     @ti.kernel
-    def write(
+    def write_mesh(
         self,
         vertices: Array2,
         normals: Array2,
         triangles: Array2,
     ):
-        for s in range(SLABS * TASK):
-            if s % TASK == 0:
-                slab = s // TASK
+        for s in range(ROW_SLABS * TASK_ITERATIONS):
+            if s % TASK_ITERATIONS == 0:
+                slab = s // TASK_ITERATIONS
                 length = ti.static(self.rows.length)
-                for n in range(length * self.first(slab), length * self.first(slab + 1)):
+                for n in range(length * self.first_row(slab), length * self.first_row(slab + 1)):
                     self.owned[n] = self.owned[n] + (self.counted[slab, VERTICES] << 3)
                     if self.owned[n] & 7:
                         self.write_vertices(n, vertices, normals)
-        for s in range(SLABS * TASK):
-            if s % TASK == 0:
-                self.write_triangles(s // TASK, triangles)
+        for s in range(ROW_SLABS * TASK_ITERATIONS):
+            if s % TASK_ITERATIONS == 0:
+                self.write_triangles(s // TASK_ITERATIONS, triangles)
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
         """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
-        node = self.indices(n)
+        node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)
         for axis in ti.static(range(3)):
             if mask >> axis & 1:
                 step = tm.ivec3([int(axis == k) for k in range(3)])
-                there = self.value[self.at(node.x + step.x, node.y + step.y, node.z + step.z)]
+                there = self.value[self.node_at(node.x + step.x, node.y + step.y, node.z + step.z)]
                 along = own / (own - there)
                 x = self.lower + self.width * (ti.cast(node, float) - 0.5 + along * ti.cast(step, float))
                 x = tm.clamp(x, self.lower, self.upper)
@@ -324,7 +324,7 @@ class Isosurface:
             step = tm.ivec3([int(axis == k) for k in range(3)])
             up = tm.min(node + step, tm.ivec3(self.shape) - 1)
             down = tm.max(node - step, 0)
-            rise = self.value[self.at(up.x, up.y, up.z)] - self.value[self.at(down.x, down.y, down.z)]
+            rise = self.value[self.node_at(up.x, up.y, up.z)] - self.value[self.node_at(down.x, down.y, down.z)]
             gradient[axis] = rise / (self.width[axis] * (up[axis] - down[axis]))
         return gradient
 
@@ -332,26 +332,26 @@ class Isosurface:
     def write_triangles(self, slab, triangles: Template):
         nx, ny, nz = ti.static(self.shape)
         written = self.counted[slab, TRIANGLES]
-        for n in range(self.first(slab), self.first(slab + 1)):
-            j, k = self.rows.indices(n)
+        for n in range(self.first_row(slab), self.first_row(slab + 1)):
+            j, k = self.rows.row_indices(n)
             if j < ny - 1 and k < nz - 1:
                 rows = self.edge_rows(j, k)
-                front = self.across(rows, 0)
+                front = self.wet_corners(rows, 0)
                 for i in range(nx - 1):
-                    back = self.across(rows, i + 1)
+                    back = self.wet_corners(rows, i + 1)
                     case = front | back << 1
                     front = back
                     for corner in range(3 * self.triangles_of[case]):
                         edge = self.edges_of[case, corner]
-                        triangles[written + corner // 3, corner % 3] = self.vertex(i, j, k, edge)
+                        triangles[written + corner // 3, corner % 3] = self.vertex_on_edge(i, j, k, edge)
                     written += self.triangles_of[case]
 
     @ti.func
-    def vertex(self, i, j, k, edge):
+    def vertex_on_edge(self, i, j, k, edge):
         """Number of the vertex on an edge of the cube at a node: edge 4 * axis + e starts at the e-th corner whose bit
         of that axis is 0, and its node also owns the edges of the axes before."""
         axis, e = edge // 4, edge % 4
         corner = (e >> axis) << (axis + 1) | e & ((1 << axis) - 1)
-        owned = self.owned[self.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]
+        owned = self.owned[self.node_at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2))]
         before = owned & ((1 << axis) - 1)
         return (owned >> 3) + (before & 1) + (before >> 1)

@@ -46,9 +46,9 @@ def smooth_ramp(share: float) -> float:
 def travel_ahead(layer: "Layer", eta: np.ndarray) -> None:
     """Set an elevation (cells, rows) [m] of a layer and the potential with which it travels towards +x."""
     tile = layer.tile
-    e, omega = tile.waves(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
-    layer.eta = tile.values(e)
-    layer.phi = tile.values(-1j * np.sign(tile.kx) * tile.gravity / omega * e)
+    e, omega = tile.to_modes(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
+    layer.eta = tile.to_values(e)
+    layer.phi = tile.to_values(-1j * np.sign(tile.kx) * tile.gravity / omega * e)
 
 
 def stokes_wave(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

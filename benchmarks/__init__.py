@@ -1,1 +1,1 @@
-"""Programs of others beside this one, on the same tasks: what `ocean-sim bench --peers` runs in a checkout."""
+"""Programs of others beside this one, on the same tasks, as `ocean-sim bench --peers` runs them in a checkout."""

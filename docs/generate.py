@@ -15,9 +15,9 @@ from typing import Any
 from ocean_sim import conventions
 from ocean_sim.files.input_file import Checked
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, named
-from ocean_sim.reading.keys import Key, keys
+from ocean_sim.reading.keys import Key, scene_keys
 from ocean_sim.reading.scene import observer_names, on_unless_null
-from ocean_sim.reading.sentences import of_module, sentence
+from ocean_sim.reading.sentences import module_sentence, part_sentence
 
 DOCS = Path(__file__).parent
 RESULTS = DOCS / "results"
@@ -147,10 +147,14 @@ def top(key: Key) -> str:
 
 def scene() -> str:
     """The first page of the reference: what a scene has, and where each part is described."""
-    heads = [key for key in keys() if key.section in ("title", "seed", "duration", "resolution")]
-    rows = [[f"[`{slot}`](scene_{slot}.md)", module_sentence(slot), choices(slot)] for slot in SLOTS]
+    heads = [key for key in scene_keys() if key.section in ("title", "seed", "duration", "resolution")]
+    rows = [[f"[`{slot}`](scene_{slot}.md)", slot_sentence(slot), choices(slot)] for slot in SLOTS]
     observers = [
-        [f"`{name}`", of_module(PACKAGE / "observers" / f"{name}.py"), "on unless `null`" if on(name) else "when named"]
+        [
+            f"`{name}`",
+            module_sentence(PACKAGE / "observers" / f"{name}.py"),
+            "on unless `null`" if on(name) else "when named",
+        ]
         for name in observer_names()
     ]
     links = "\n".join(["scene_basin", *(f"scene_{slot}" for slot in SLOTS), "scene_runtime", "scene_observers"])
@@ -186,8 +190,8 @@ def on(name: str) -> bool:
     return name in on_unless_null(SLOTS)
 
 
-def module_sentence(slot: str) -> str:
-    return of_module(PACKAGE / slot / "__init__.py")
+def slot_sentence(slot: str) -> str:
+    return module_sentence(PACKAGE / slot / "__init__.py")
 
 
 def choices(slot: str) -> str:
@@ -213,17 +217,21 @@ def sections() -> dict[str, str]:
     found = {"basin": page("The basin", "basin", own_keys("basin"))}
     found["runtime"] = page("The machine", "runtime", own_keys("runtime"))
     for slot in SLOTS:
-        parts = [[code(name), sentence(slot, name)] for name in (*kinds(slot), *named(slot))]
-        text = [f"# {slot}\n", module_sentence(slot) + "\n", table(["kind or preset", ""], parts)]
+        parts = [[code(name), part_sentence(slot, name)] for name in (*kinds(slot), *named(slot))]
+        text = [f"# {slot}\n", slot_sentence(slot) + "\n", table(["kind or preset", ""], parts)]
         for kind in kinds(slot):
-            own = [key for key in keys() if key.section == f"{slot}.{kind}"]
+            own = [key for key in scene_keys() if key.section == f"{slot}.{kind}"]
             example = next((key.example for key in own), "")
-            text += [f"## {slot}: {kind}\n", sentence(slot, kind) + "\n", key_table(own)]
+            text += [f"## {slot}: {kind}\n", part_sentence(slot, kind) + "\n", key_table(own)]
             text += [f"As `--set` takes it: `{example}`.\n"] if example and "..." not in example else []
         found[slot] = "\n".join(text)
     text = ["# Observers\n", "Who watches a run and writes files.\n"]
     for name in observer_names():
-        text += [f"## {name}\n", of_module(PACKAGE / "observers" / f"{name}.py") + "\n", key_table(own_keys(name))]
+        text += [
+            f"## {name}\n",
+            module_sentence(PACKAGE / "observers" / f"{name}.py") + "\n",
+            key_table(own_keys(name)),
+        ]
     found["observers"] = "\n".join(text)
     return found
 
@@ -231,7 +239,7 @@ def sections() -> dict[str, str]:
 def own_keys(section: str) -> list[Key]:
     """The keys of a section; what sides of a basin have alike is listed once."""
     alike = re.compile(r"basin\.walls\.(z|x_min|x_max|z_min|z_max)\.")
-    return [key for key in keys() if top(key) == section and not alike.match(key.path)]
+    return [key for key in scene_keys() if top(key) == section and not alike.match(key.path)]
 
 
 def page(title: str, name: str, rows: Sequence[Key]) -> str:
@@ -341,13 +349,13 @@ def validation() -> str:
 
 def figures() -> str:
     """The thesis figure by figure: what it shows, our command and how long it took."""
-    from ocean_sim.verbs.figure import scripts
-    from ocean_sim.verbs.figure import sentence as shows
+    from ocean_sim.verbs.figure import figure_scripts
+    from ocean_sim.verbs.figure import figure_sentence as shows
 
     took = {row["figure"]: [row["full_s"], row["fast_s"]] for row in rows_of("figures")}
     heads = ["processor time", "with `--fast`"]
     cells = []
-    for name, path in scripts().items():
+    for name, path in figure_scripts().items():
         if name[0].isdigit():
             what = shows(path).partition(": ")[2] or shows(path)
             times = [f"{float(seconds):.0f} s" if seconds else "" for seconds in took.get(name, ["", ""])]

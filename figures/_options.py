@@ -1,4 +1,4 @@
-"""What every script of a figure takes on its command line, and how it reports its progress."""
+"""Command-line options of all scripts of figures, and their report of progress."""
 
 import argparse
 import re
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 class Said:
-    """What every picture of the figure says of itself."""
+    """Caption of every picture of a figure."""
 
     caption = ""  # number and what it shows
     fast = False  # whether it was made in haste

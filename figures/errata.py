@@ -1,4 +1,4 @@
-"""What the thesis prints, what is meant and why, and what this program measures: CSV and PNG.
+"""Errata of the thesis: printed and corrected number, reason, and measurement by this program: CSV and PNG.
 
 The table goes to standard output, too.
 
@@ -76,7 +76,7 @@ def dragged(wind: tm.vec3) -> tm.vec3:
 
 
 class Program(NamedTuple):
-    """What a run of the program says."""
+    """Results of a run of the program."""
 
     momentum: float  # made by pressure in free water, over the sum of all particles' momenta
     stress: float  # on water at rest [Pa]

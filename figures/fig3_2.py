@@ -18,7 +18,7 @@ WATER, SKIN = "#0b4f6c", "#7fb7d6"
 
 
 def turns() -> list[np.ndarray]:
-    """Where each corner goes under the 24 rotations of the cube."""
+    """New places of the corners under the 24 rotations of the cube."""
     found = []
     for axes, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
         turn = np.diag(signs)[:, axes]

@@ -76,8 +76,8 @@ def after(rows: list[tuple], response: float, body: float, inertia: np.ndarray) 
 
 
 def together(rows: list[tuple], response: float, body: float, inertia: np.ndarray) -> tuple[float, float, float]:
-    """The same of collisions that are solved together: every particle that met the ball leaves the skin, as it moves
-    then, with the restitution; no friction."""
+    """Velocities after collisions that are solved together: every particle that met the ball leaves the moving skin
+    with the restitution, without friction."""
     normals = np.array([row[2] for row in rows])
     ways = np.hstack([normals, np.cross([row[1] for row in rows], normals)])  # (n, 6) of the ball's motions
     before, masses = np.concatenate([FALLS, np.zeros(3)]), np.zeros((6, 6))

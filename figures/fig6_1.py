@@ -10,7 +10,7 @@ from _options import options
 from _paper import INK, keep, lit, paper, table
 
 from ocean_sim.fluid import with_particles
-from ocean_sim.observers.shared.surface_fit import Tops, fit
+from ocean_sim.observers.accuracy import highest_particles, surface_fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.surface import Mesh
@@ -57,9 +57,9 @@ def main() -> None:
         fluid, surface, moment = with_particles(simulation.fluid), simulation.surface, simulation.time
         assert surface is not None
         mesh, position, spacing = surface.mesh(), fluid.particles.position.to_numpy(), fluid.spacing
-        top = Tops(simulation.basin, fluid).points()
+        top = highest_particles(simulation.basin, fluid)
         cloth = surface.elevations(top[:, [0, 2]])
-        mean, rms = fit(surface, top)
+        mean, rms = surface_fit(surface, top)
     head = [f"{SCENE} at {moment:.3f} s, {len(position)} particles {spacing:g} m apart"]
     head += ["particles: the highest in every column two spacings wide, half a spacing above its centre"]
     off = f"{rms / spacing:.3f} spacings (RMS)"

@@ -13,7 +13,7 @@ from _paper import BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, RED, SKY, keep,
 
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared.kinematics import Hexapod
-from ocean_sim.verbs.shared.platform_pictures import stand
+from ocean_sim.verbs.shared.platform_pictures import draw_stand
 
 GEOMETRY = "hexapod_a"
 MOTIONS = {"pitch": 4, "roll": 3, "yaw": 5}  # their place in a pose
@@ -49,7 +49,7 @@ def drawn(hexapod: Hexapod, ends: tuple[float, float], rides: dict[str, tuple], 
     for row, (name, (time, pose, legs)) in enumerate(rides.items()):
         strip = figure.add_subplot(3, 5, (5 * row + 1, 5 * row + 3))
         for k, at in enumerate(SHOWN):
-            stand(strip, hexapod, pose[at], k * apart)
+            draw_stand(strip, hexapod, pose[at], k * apart)
             angle = round(float(np.degrees(pose[at, MOTIONS[name]])))
             caption = f"{angle:+d}°, {time[at]:.1f} s" if angle else f"0°, {time[at]:.1f} s"
             strip.text(k * apart, 1.42 * hexapod.neutral_height, caption, ha="center", fontsize=9, color=INK)

@@ -16,7 +16,7 @@ from _options import options
 from _paper import INK, keep, lit, paper, table
 
 from ocean_sim.fluid import with_particles
-from ocean_sim.observers.shared.surface_fit import Tops, fit
+from ocean_sim.observers.accuracy import highest_particles, surface_fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.surface import Mesh, Surface
@@ -98,7 +98,7 @@ def main() -> None:
         assert isinstance(cloth, Cloth) and other is not None
         cubes, spacing = other.build(simulation.basin, fluid), fluid.spacing
         assert isinstance(cubes, MarchingCubes)
-        top = Tops(simulation.basin, fluid).points()
+        top = highest_particles(simulation.basin, fluid)
 
         def moved() -> None:
             fluid.advance(simulation.next_dt)
@@ -119,7 +119,7 @@ def main() -> None:
         rows = []
         surfaces: dict[str, Surface] = {"cloth": cloth, "marching_cubes": cubes}
         for name, surface in surfaces.items():
-            mean, rms = (value / spacing for value in fit(surface, top))
+            mean, rms = (value / spacing for value in surface_fit(surface, top))
             rows.append((name, times[name], len(whole[name].triangles), mean, rms, open_edges(whole[name].triangles)))
         between = (cloth.elevations(top[:, [0, 2]]) - cubes.elevations(top[:, [0, 2]])) / spacing
         cut = flying_edges(cubes)

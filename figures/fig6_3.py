@@ -56,7 +56,7 @@ def gust(range_m: float = 8.0, acceleration: float = 1.0, drift: float = 10.0, *
 
 
 def varied() -> list[tuple[str, float, dict, float]]:
-    """What is varied, its value, the wind, and the length of the basin [m]."""
+    """Varied quantity, its value, the wind, and the length of the basin [m]."""
     rows = [("range [m]", x, gust(range_m=x), 40.0) for x in (2.0, 4.0, 8.0)]
     # A faster gust of the same thrust kicks less; what rises with the speed of its air is the acceleration, as U^2.
     rows += [("speed [of wide]", x, gust(acceleration=x * x), 40.0) for x in (0.5, 0.75, 1.0)]
@@ -76,7 +76,7 @@ def train(length: float, lasts: float) -> dict:
 
 
 class Waves(NamedTuple):
-    """What one sea is."""
+    """Statistics of one sea."""
 
     hm0: float  # 4 sqrt m0 over time [m]
     hs: float  # mean height of the highest third of all waves between zero up-crossings, of all gauges together [m]
@@ -87,7 +87,7 @@ class Waves(NamedTuple):
 
 
 class View(NamedTuple):
-    """How one sea looks."""
+    """Picture of one sea."""
 
     chart: tuple[np.ndarray, np.ndarray, np.ndarray]  # places [m] and elevation [m] at the end
     wind: Drawing  # when it blew most strongly and nearest to the middle
@@ -221,9 +221,8 @@ def drawn(
 
 
 def marks(wind: Drawing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What shows a wind, where it is over the basin: (3, n) points of its outlines, of which some are not numbers, as
-    they begin elsewhere; (2, 3, m) where arrows begin and what they are along, level; and (3, k) where it is but
-    noise [m]."""
+    """Marks of a wind over the basin: points (3, n) of its outlines, with NaN between separate ones; starts and
+    directions (2, 3, m) of level arrows; and places (3, k) of noise [m]."""
     share = np.append(np.linspace(0.0, 1.0, 41), np.nan)[:, None]
     lines = (wind.lines[:, :1] + share * (wind.lines[:, 1:] - wind.lines[:, :1])).reshape(-1, 3)
     lines[np.abs(lines[:, [0, 2]]).max(axis=1, initial=0.0) > 20.0] = np.nan

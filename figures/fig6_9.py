@@ -12,7 +12,7 @@ from _options import options
 from _paper import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, keep, paper, table
 
 from ocean_sim.parts import PACKAGE, SLOTS, kinds
-from ocean_sim.platform.hexapod import WASHOUTS
+from ocean_sim.platform.hexapod import WASHOUT_KINDS
 
 BAND = "#f4f6f7"  # of what belongs together
 THESIS = {
@@ -94,7 +94,7 @@ def box(axes: Any, x: float, y: float, wide: float, high: float, title: str, lin
 
 
 def arrow(axes: Any, begin: tuple[float, float], end: tuple[float, float], text: str) -> None:
-    """From one place to another, with words over its middle."""
+    """Draw an arrow from one place to another, with words over its middle."""
     shape = {"arrowstyle": "-|>", "color": INK, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, begin, arrowprops=shape)
     middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2 + 0.12
@@ -147,7 +147,7 @@ def drawn(found: list[Stage], path: Path) -> None:
     ship = place["ship"]
     box(axes, ship, 1.0, wide, 1.55, "motion log", ["pose, rates, specific force", "at a fixed rate"], GREEN)
     arrow(axes, (ship + wide / 2, 3.9), (ship + wide / 2, 2.56), "")
-    washouts = [name.removeprefix("_washout_") for name in WASHOUTS]
+    washouts = [name.removeprefix("_washout_") for name in WASHOUT_KINDS]
     box(axes, place["surface"], 1.0, wide, 1.55, "washout", [*washouts, "forces and rates to poses"], PURPLE)
     box(axes, place["fluid"], 1.0, wide, 1.55, "hexapod", [*kinds("platform"), "limits; poses to legs"], ORANGE)
     box(
@@ -178,7 +178,7 @@ def main() -> None:
     rows = [(stage.name, " ".join(stage.calls), " ".join(stage.reads), " ".join(stage.kinds)) for stage in found]
     rows.append(("platform", "platform.follow", "ship", " ".join(kinds("platform"))))
     rows.append(
-        ("washout", "washout.follow", "platform", " ".join(name.removeprefix("_washout_") for name in WASHOUTS))
+        ("washout", "washout.follow", "platform", " ".join(name.removeprefix("_washout_") for name in WASHOUT_KINDS))
     )
     head = ["stages of Simulation.step in their order, then what follows the motion log; read from the source"]
     table(out / "fig6_9.csv", head, ["stage", "calls", "reads", "kinds"], rows)

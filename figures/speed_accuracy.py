@@ -11,9 +11,9 @@ from _options import options, progress
 from _paper import keep, paper
 
 from ocean_sim.machine import available_cores
-from ocean_sim.studies.shared.pareto import SPEEDS, panel
-from ocean_sim.studies.shared.study import Study, read, write
-from ocean_sim.studies.tradeoff import TRIALS, clock, points
+from ocean_sim.studies.shared.pareto import COST_LABELS, draw_panel
+from ocean_sim.studies.shared.study import Study, read_table, write_table
+from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, study_points
 
 FAST = ("hydrostatic", "surface_slab")
 ACROSS = 3  # panels
@@ -21,7 +21,9 @@ ACROSS = 3  # panels
 
 def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of two cases, coarse and with every scheme as it comes."""
-    plan = [point for point in points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)]
+    plan = [
+        point for point in study_points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)
+    ]
     study = Study(plan, folder, available_cores())
     for done in study.run():
         progress(done / len(plan), f"{done} of {len(plan)} runs")
@@ -30,24 +32,24 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
 
 def drawn(rows: list[dict[str, Any]], path: Path) -> None:
     """A panel a case."""
-    speed = clock(rows)
-    trials = [(t, [r for r in rows if (r["case"], r["quantity"]) == (t.case, t.quantity)]) for t in TRIALS]
+    speed = clock_column(rows)
+    trials = [(t, [r for r in rows if (r["case"], r["quantity"]) == (t.case, t.quantity)]) for t in TRIAL_CASES]
     trials = [(trial, here) for trial, here in trials if here]
     down = -(-len(trials) // ACROSS)
     figure = paper(5.2 * min(ACROSS, len(trials)), 4.3 * down)
     for k, (trial, here) in enumerate(trials):
         axes = figure.add_subplot(down, min(ACROSS, len(trials)), k + 1)
-        panel(axes, speed, trial, here)
+        draw_panel(axes, speed, trial, here)
         axes.set_title(f"{trial.case}: {trial.quantity}", fontsize=8)
         axes.legend(fontsize="x-small", loc="best")
-    keep(figure, path, f"Across: {SPEEDS[speed]} per simulated second, one thread (surfaces: 60 frames)")
+    keep(figure, path, f"Across: {COST_LABELS[speed]} per simulated second, one thread (surfaces: 60 frames)")
 
 
 def main() -> None:
     asked = options(__doc__, "two cases, coarse", study="tradeoff.csv of a study; without it the quick one is run")
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    write(asked.out / "speed_accuracy.csv", rows)
+        rows = read_table(asked.study) if asked.study else found(asked.fast, Path(folder))
+    write_table(asked.out / "speed_accuracy.csv", rows)
     drawn(rows, asked.out / "speed_accuracy.png")
 
 

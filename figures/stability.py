@@ -1,4 +1,4 @@
-"""Where water breaks: time steps and one more setting taken to extremes, next to the theoretical limits: CSV and PNGs.
+"""Stability of water: time steps and one more setting taken to extremes, next to theoretical limits: CSV and PNGs.
 
 python figures/stability.py [--fast] [--study runs/stability/stability.csv] [--out DIR]
 """
@@ -12,8 +12,8 @@ from _paper import keep
 
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared import maps
-from ocean_sim.studies.shared.study import Study, read, write
-from ocean_sim.studies.stability import AXES, MAX_RUN_SECONDS, spots
+from ocean_sim.studies.shared.study import Study, read_table, write_table
+from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, grid_points
 
 FAST, STEPS = ("compression", 0.04), (1.0, 4.0)  # in haste: the map, its row, and the steps over courant's own
 
@@ -22,7 +22,7 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     """The rows of the quick study; in haste those of one row of one map."""
     plan = [
         spot
-        for spot in spots(quick=True)
+        for spot in grid_points(quick=True)
         if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
     ]
     study = Study(plan, folder, available_cores(), limit=MAX_RUN_SECONDS[True])
@@ -35,14 +35,14 @@ def main() -> None:
     study = "stability.csv of a study; without it the quick one is run"
     asked = options(__doc__, "one row of one map, at two time steps", study=study)
     with TemporaryDirectory(prefix=".study-", dir=asked.out) as folder:
-        rows = read(asked.study) if asked.study else found(asked.fast, Path(folder))
-    write(asked.out / "stability.csv", rows)
-    for axis in AXES:
+        rows = read_table(asked.study) if asked.study else found(asked.fast, Path(folder))
+    write_table(asked.out / "stability.csv", rows)
+    for axis in EXTREME_AXES:
         here = [row for row in rows if row["map"] == axis.name]
         if here:
             name = f"{axis.name} [{axis.unit}]"
             path = asked.out / f"stability_{axis.name.replace(' ', '_')}.png"
-            keep(maps.drawn(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
+            keep(maps.draw_map(name, here), path, f"Here: {name} over the time step, in {len(here)} runs")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ try:
     from ocean_sim.files.input_file import display_path
     from ocean_sim.machine import extra_with, missing_extra, stoppable
     from ocean_sim.verbs.shared import console
-    from ocean_sim.verbs.shared.anew import Anew
 except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
     sys.exit("stopped")
 
@@ -55,6 +54,7 @@ VERBS = {  # by name, in the order of `--help`, with their lines there
 HIDDEN_VERBS = ("bench-one",)  # verbs that only other verbs call
 FUNCTIONS = {  # of verbs that do not share its name with their module
     "list": "list:list_choices",
+    "schema": "new:print_schema",
     "bench-one": "bench:bench_one",
     "export": "render:export",
     "report": "serve:report",
@@ -124,7 +124,7 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         with stoppable():
             code = answered(given)
-    except Anew as other:
+    except console.Anew as other:
         other.begin(given)
     console.Outlet.over = True
     sys.exit(code)
@@ -159,7 +159,7 @@ def reported(error: BaseException, as_json: bool) -> int:
     """Print an error in the form that was asked for; gives the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
-        sentence = console.counted(problems) if problems else sentence
+        sentence = console.problem_count(problems) if problems else sentence
         try:
             console.answer({"error": sentence, "problems": [problem._asdict() for problem in problems]})
         except OSError:  # which may be what there is to report

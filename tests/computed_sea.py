@@ -12,7 +12,7 @@ from ocean_sim.fluid import Fluid, Totals
 from ocean_sim.fluid.sph.particles import Snapshot
 from ocean_sim.parts import LedgerRow
 from ocean_sim.time_step.courant import Config as Courant
-from ocean_sim.wind import NOTHING
+from ocean_sim.wind import NO_DRAWING
 
 SPACING = 0.5
 
@@ -134,7 +134,7 @@ class Watched:
         self.backend = SimpleNamespace(arch="cpu", threads=2, precision="f32")
         self.time_step = SimpleNamespace(limited_by="acoustic")
         self.surface, self.ships = None, {}
-        self.wind = SimpleNamespace(drawing=lambda: NOTHING)
+        self.wind = SimpleNamespace(drawing=lambda: NO_DRAWING)
         self.observers = []
         self.time, self.steps, self.outcome, self.reason = 0.0, 0, "running", ""
 

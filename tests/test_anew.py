@@ -12,7 +12,7 @@ from ocean_sim import __main__, kernel_library
 from ocean_sim.conventions import Lacking
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import resume
-from ocean_sim.verbs.shared import anew
+from ocean_sim.verbs.shared import console
 
 OTHER = {"taichi": "quadrants", "quadrants": "taichi"}[kernel_library.LIBRARY_NAME]
 SCENE = """duration: 0.01
@@ -32,28 +32,28 @@ def unchosen(monkeypatch):
 
 
 def test_what_the_process_computes_with_is_taken(unchosen):
-    anew.must_compute_with(None)
-    anew.must_compute_with(kernel_library.LIBRARY_NAME)
+    console.must_compute_with(None)
+    console.must_compute_with(kernel_library.LIBRARY_NAME)
 
 
 def test_a_library_that_is_not_there_is_named(unchosen):
-    unchosen.setattr(anew, "installed_version", lambda package: None)
+    unchosen.setattr(console, "installed", lambda package: None)
     with pytest.raises(Lacking, match=f"runtime.library: {OTHER} is not installed here; pip install {OTHER}"):
-        anew.must_compute_with(OTHER)
+        console.must_compute_with(OTHER)
 
 
 def test_what_a_person_has_chosen_stays(monkeypatch):
     monkeypatch.setenv(kernel_library.LIBRARY_VARIABLE, kernel_library.LIBRARY_NAME)
-    anew.must_compute_with(OTHER)  # the start of the backend tells that the two do not agree
+    console.must_compute_with(OTHER)  # the start of the backend tells that the two do not agree
 
 
 def test_the_process_begins_anew_with_the_same_words(unchosen, tmp_path):
-    unchosen.setattr(anew, "installed_version", lambda package: "1.0")
+    unchosen.setattr(console, "installed", lambda package: "1.0")
     begun = []
     unchosen.setattr(os, "execve", lambda *given: begun.append(given))
     (tmp_path / "small.yaml").write_text(SCENE)
     words = ["run", str(tmp_path / "small.yaml"), "--out", str(tmp_path / "run"), "--set", f"runtime.library={OTHER}"]
-    with pytest.raises(anew.Anew) as other:
+    with pytest.raises(console.Anew) as other:
         __main__.answered(words)
     other.value.begin(words)
     ((program, line, environment),) = begun

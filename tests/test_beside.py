@@ -4,7 +4,7 @@ import pytest
 
 from ocean_sim import load
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.reading.keys import found
+from ocean_sim.reading.keys import keys_at
 
 PATCH = {
     "basin": {"length": 3.0, "depth": 0.5, "walls": "periodic"},
@@ -24,7 +24,7 @@ def test_the_rim_of_a_patch_stands_in_its_sea_or_beside_it():
     assert load(PATCH | {"sea": "calm", "rim": {"rate": 3.0}}).sea.rim.rate == 3.0
     assert load(PATCH | {"rim": {"width": 0.6}}, {"sea": SEA}).sea.rim.width == 0.6
     assert load(PATCH | {"sea": SEA, "rim": None}).resolved() == load(PATCH | {"sea": SEA}).resolved()
-    assert [key.path for key in found("rim.width")] == [key.path for key in found("sea.rim.width")]
+    assert [key.path for key in keys_at("rim.width")] == [key.path for key in keys_at("sea.rim.width")]
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.verbs import doctor
 from ocean_sim.verbs import render as render_verb
-from ocean_sim.verbs.run import remarks, run_folder, written
+from ocean_sim.verbs.run import balance_remarks, run_facts, run_folder
 from ocean_sim.verbs.shared import console
 
 SMALL = """title: A small tank
@@ -149,18 +149,17 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
     everything = machine.installed_version
-    absent = ("vtk", "pyvista")
-    monkeypatch.setattr(machine, "installed_version", lambda name: None if name in absent else everything(name))
+    monkeypatch.setattr(machine, "installed", lambda name: None if name in ("vtk", "pyvista") else everything(name))
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
     assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
     assert meaning(missing) == (3, sentence, [])
-    monkeypatch.setattr(console, "complained", set())
+    monkeypatch.setattr(console, "complaints", set())
     drawn: list[str] = []
-    assert not console.drawn(drawn.append, "a") and not console.drawn(drawn.append, "b") and not drawn
+    assert not console.draw_if_able(drawn.append, "a") and not console.draw_if_able(drawn.append, "b") and not drawn
     assert capsys.readouterr().err == f"no pictures: {sentence}\n"
     monkeypatch.undo()
-    assert console.drawn(drawn.append, "c") and drawn == ["c"]
+    assert console.draw_if_able(drawn.append, "c") and drawn == ["c"]
 
 
 def test_every_verb_has_help(ask):
@@ -248,7 +247,7 @@ def test_schema_is_printed(ask):
 
 
 def test_doctor_looks_and_never_fails(ask, monkeypatch):
-    monkeypatch.setattr(doctor, "probed", lambda script: {"ok": False, "detail": "the process that tried it died"})
+    monkeypatch.setattr(doctor, "run_probe", lambda script: {"ok": False, "detail": "the process that tried it died"})
     code, out, _ = ask("doctor", "--json")
     answer = json.loads(out)
     assert code == 0 and set(answer["backends"]) == {"cpu", "cuda", "vulkan", "metal"}
@@ -267,17 +266,17 @@ def test_doctor_looks_and_never_fails(ask, monkeypatch):
     ],
 )
 def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch, room, said, ok, told):
-    monkeypatch.setattr(doctor, "probed", lambda script: {"ok": True, "detail": said})
-    monkeypatch.setattr(machine, "max_vector_width", lambda: room)
-    monkeypatch.setattr(machine, "installed_version", lambda package: None)
-    found = doctor.vectors()
+    monkeypatch.setattr(doctor, "run_probe", lambda script: {"ok": True, "detail": said})
+    monkeypatch.setattr(machine, "vector_room", lambda: room)
+    monkeypatch.setattr(machine, "installed", lambda package: None)
+    found = doctor.vector_row()
     assert found["ok"] is ok and found["detail"].endswith(told)
-    monkeypatch.setattr(machine, "installed_version", lambda package: "1.3")
-    assert "pip" not in doctor.vectors()["detail"]
+    monkeypatch.setattr(machine, "installed", lambda package: "1.3")
+    assert "pip" not in doctor.vector_row()["detail"]
 
 
 def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
-    fact = doctor.probed(doctor.WIDTH)
+    fact = doctor.run_probe(doctor.VECTOR_PROBE)
     library, width = fact["detail"].split()
     assert fact["ok"] and library == kernel_library.LIBRARY_NAME and int(width) in (4, 8, 16)
     if machine.max_vector_width() in (8, 16):
@@ -285,21 +284,21 @@ def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
 
 
 def test_processors_that_the_compiler_is_too_old_for_are_known_by_their_family(monkeypatch):
-    monkeypatch.setattr(kernel_library, "LIBRARY_NAME", kernel_library.TAICHI)
+    monkeypatch.setattr(kernel_library, "NAME", kernel_library.TAICHI)
     for vendor, family, known in (("AuthenticAMD", 25, True), ("AuthenticAMD", 26, False), ("GenuineIntel", 26, True)):
         told = {"vendor_id": vendor, "cpu family": str(family)}
-        monkeypatch.setattr(kernel_library, "processor_facts", lambda told=told: told)
+        monkeypatch.setattr(kernel_library, "processor", lambda told=told: told)
         assert kernel_library.knows_processor() is known
-    monkeypatch.setattr(kernel_library, "processor_facts", dict)
+    monkeypatch.setattr(kernel_library, "processor", dict)
     assert kernel_library.knows_processor()
 
 
 def test_a_probe_survives_the_death_of_its_child():
-    assert doctor.probed("import os; os.kill(os.getpid(), 11)") == {
+    assert doctor.run_probe("import os; os.kill(os.getpid(), 11)") == {
         "ok": False,
         "detail": "the process that tried it died (signal 11)",
     }
-    assert doctor.probed("print('well')") == {"ok": True, "detail": "well"}
+    assert doctor.run_probe("print('well')") == {"ok": True, "detail": "well"}
 
 
 def test_bench_measures_in_a_process_of_its_own(ask):
@@ -359,7 +358,7 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
         raise opengl.OpenGLMissing
 
     monkeypatch.setattr(render, "render_run", missing)
-    monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     code, _, err = ask("render", "bare")
@@ -372,7 +371,7 @@ def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
     Path("bare").mkdir()
     Path("bare/preview.png").touch()
     monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
-    monkeypatch.setattr(render, "impossible", lambda *_: None)
+    monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
     monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")
@@ -411,14 +410,14 @@ def test_what_a_run_wrote_is_read_without_its_comments(folder):
     assert result.gauges["time_s"].tolist() == [0.0, 0.05]
     assert [event["event"] for event in result.events] == ["start", "clipped"]
     config = load("small.yaml", {"accuracy": None})
-    assert written(result, config)["events"] == [{"event": "clipped", "particles": 3}]
+    assert run_facts(result, config)["events"] == [{"event": "clipped", "particles": 3}]
 
 
 def test_null_takes_away_what_was_set_below_its_key_before():
     """As the demo's own `--set render.every=0.1` before a user's `--set render=null`."""
-    kept = console.settings(["render.every=0.1", "frames.every=0.1", "render=null"])
+    kept = console.set_values(["render.every=0.1", "frames.every=0.1", "render=null"])
     assert {key: node.data for key, node in kept.items()} == {"frames.every": 0.1, "render": None}
-    assert list(console.settings(["frames=null", "frames.every=0.1"])) == ["frames", "frames.every"]
+    assert list(console.set_values(["frames=null", "frames.every=0.1"])) == ["frames", "frames.every"]
 
 
 @pytest.mark.parametrize("slot", ["render", "frames"])
@@ -458,8 +457,8 @@ def test_the_end_of_a_run_says_where_its_books_do_not_close():
         "work_pressure_J": np.array([0.0, 9.7e6]),
         "surface_offset_m": np.array([-0.02, 0.17]),
     }
-    energy, surface = sorted(remarks(books, 1.25))
+    energy, surface = sorted(balance_remarks(books, 1.25))
     assert "came from nowhere" in energy and "0.61 of the work" in energy
     assert "0.15 spacings" in surface
     closed = books | {"energy_residual_J": np.array([0.0, -1.0e6]), "surface_offset_m": np.array([-0.02, 0.09])}
-    assert not remarks(closed, 1.25) and not remarks({}, None)
+    assert not balance_remarks(closed, 1.25) and not balance_remarks({}, None)

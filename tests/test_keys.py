@@ -11,33 +11,33 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError, parse_setting
 from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading import schema
-from ocean_sim.reading.keys import found, keys
+from ocean_sim.reading.keys import keys_at, scene_keys
 from ocean_sim.reading.scene import load
-from ocean_sim.reading.sentences import opening, sentence
+from ocean_sim.reading.sentences import opening_sentence, part_sentence
 from ocean_sim.reading.translation import likeliest
 
 SEA = {"basin": {"length": 20.0, "width": 20.0, "depth": 5.0}, "fluid": {"kind": "linear_waves", "height": 0.5}}
 
 
 def test_every_key_has_a_meaning_and_its_path_is_found():
-    for key in keys():
+    for key in scene_keys():
         assert key.meaning and key.takes, key.path
-    for key in keys()[::60]:
-        assert any(key.path == other.path for other in found(key.path)), key.path
+    for key in scene_keys()[::60]:
+        assert any(key.path == other.path for other in keys_at(key.path)), key.path
 
 
 def test_every_word_that_a_key_may_have_is_told():
-    meanings = {key.path: key.meaning for key in keys()}
+    meanings = {key.path: key.meaning for key in scene_keys()}
     letters = re.compile(r"-?[xyz](_min|_max)?")
-    for key in keys():
+    for key in scene_keys():
         told = key.meaning + meanings.get(key.path.rpartition(".")[0], "")
         words = [word for word in key.choices if word not in ("true", "false") and not letters.fullmatch(word)]
         assert len(words) < 2 or all(f"`{word}`" in told for word in words), key.path
 
 
 def test_a_key_is_explained_with_and_without_its_kind(capsys):
-    assert [key.path for key in found("wind.u10")] == ["wind.stress.u10"]
-    assert next(key.path for key in found("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
+    assert [key.path for key in keys_at("wind.u10")] == ["wind.stress.u10"]
+    assert next(key.path for key in keys_at("ships.tug.moorings.0.stiffness")) == "ship.dynamic.moorings[].stiffness"
     assert answered(["explain", "wind.stress.u10", "--json"]) == 0
     (told,) = json.loads(capsys.readouterr().out)
     assert (told["unit"], told["range"]) == ("m/s", ">= 0, <= 200")
@@ -70,15 +70,15 @@ def test_a_preset_or_a_kind_is_explained_by_its_sentence_and_its_keys(capsys):
 
 
 def test_the_kinds_of_what_is_inside_a_part_are_a_key():
-    (key,) = found("fluid.delta_sph.initial.kind")
+    (key,) = keys_at("fluid.delta_sph.initial.kind")
     assert "taylor_green" in key.choices and "`standing_wave`: A standing wave along x" in key.meaning
-    assert any(key.choices == ("adaptive", "classical") for key in found("platform.washout.kind"))
+    assert any(key.choices == ("adaptive", "classical") for key in keys_at("platform.washout.kind"))
 
 
 def test_every_example_is_a_value_that_its_key_takes():
     """But for one key of two that go together, and for files that are not there."""
     in_pairs = {"height", "period", "particles", "spectrum"}
-    for key in keys():
+    for key in scene_keys():
         value = parse_setting(key.example)[1].plain()
         assert "..." not in key.example and value != [], key.example
         words = key.path.split(".")
@@ -131,7 +131,7 @@ def test_a_new_scene_says_what_its_keys_mean_and_is_the_same_scene(tmp_path, cap
 
 
 def test_editors_know_the_keys_of_ready_made_parts_and_hover_units_and_defaults():
-    whole = schema.schema()
+    whole = schema.scene_schema()
     choices = whole["properties"]["ship"]["anyOf"]
     ready = {c["properties"]["kind"]["const"]: c for c in choices if "properties" in c}
     assert set(ready) == set(named("ship")) - set(kinds("ship"))
@@ -174,14 +174,17 @@ def test_a_value_of_another_form_is_refused_with_the_keys_that_a_scene_writes(ca
 
 
 def test_no_sentence_of_a_list_is_cut_where_its_line_ends():
-    assert opening("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.") == "A flume: a slice and a wall. More."
-    assert opening("") == "" and opening("A title, for `bench`") == "A title, for `bench`"
-    assert sentence("ship", "tug").endswith(".") and "three lengths" in sentence("ship", "tug")
+    assert (
+        opening_sentence("A flume: a slice\nand a wall. More.\nYet more.\n\nElse.")
+        == "A flume: a slice and a wall. More."
+    )
+    assert opening_sentence("") == "" and opening_sentence("A title, for `bench`") == "A title, for `bench`"
+    assert part_sentence("ship", "tug").endswith(".") and "three lengths" in part_sentence("ship", "tug")
 
 
 def test_the_example_of_a_number_lies_within_its_range():
     holds = {">=": float.__ge__, "<=": float.__le__, ">": float.__gt__, "<": float.__lt__}
-    for key in keys():
+    for key in scene_keys():
         value = key.example.partition("=")[2]
         if re.fullmatch(r"-?\d+(\.\d+)?", value):
             for sign, bound in re.findall(r"(>=|<=|>|<) (-?[\d.]+(?:e[-+]\d+)?)", key.range):

@@ -13,7 +13,7 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import PACKAGE
-from ocean_sim.reading.schema import schema
+from ocean_sim.reading.schema import scene_schema
 
 SERVER = shutil.which("yaml-language-server")
 WRONG = """
@@ -50,7 +50,7 @@ def test_packaged_scenes_name_a_schema_that_lies_in_the_wheel(tmp_path):
     assert len(scenes) > 15
     named = {first_line(scene).resolve() for scene in scenes if scene.read_text().startswith("# yaml")}
     assert named == {tmp_path.resolve() / "site" / "ocean_sim" / "scene.schema.json"}
-    assert json.loads(named.pop().read_text()) == schema()  # though what built it had no Taichi
+    assert json.loads(named.pop().read_text()) == scene_schema()  # though what built it had no Taichi
 
 
 class Editor:

@@ -13,7 +13,7 @@ from ocean_sim.verbs import run as run_verb
 from ocean_sim.verbs.check import picture_time
 from ocean_sim.verbs.shared import bar as bar_module
 from ocean_sim.verbs.shared import progress as progress_module
-from ocean_sim.verbs.shared.bar import FILM, MEASURED, Drawing
+from ocean_sim.verbs.shared.bar import FILM_CURE, MIN_TIMED_PICTURES, Drawing
 from ocean_sim.verbs.shared.progress import Progress
 
 SEA = {
@@ -94,19 +94,19 @@ def test_pictures_that_are_drawn_while_a_run_goes_on_are_counted_in_its_line(clo
 
 
 def test_a_film_is_estimated_once_from_its_first_pictures(clock, capsys):
-    drawing = Drawing(quiet=False, cure=FILM)
+    drawing = Drawing(quiet=False, cure=FILM_CURE)
     for done in range(1, 21):
         drawing(done, 101)
         clock.wall += 2.0
     lines = [line for line in capsys.readouterr().out.splitlines() if "film" in line]
-    assert lines == [f"drawing a film of 101 pictures, about 3 min 14 s more{FILM}"]
-    assert 2.0 * (101 - 1 - MEASURED) == 194.0 and "render=null" in FILM
+    assert lines == [f"drawing a film of 101 pictures, about 3 min 14 s more{FILM_CURE}"]
+    assert 2.0 * (101 - 1 - MIN_TIMED_PICTURES) == 194.0 and "render=null" in FILM_CURE
 
 
 @pytest.mark.parametrize("film, drafts", [(True, 10), (False, 0)])
 def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, capsys):
     config = load(SEA, {"render.film": film})
-    run_verb.pictures(config)
+    run_verb.announce_pictures(config)
     wall, alone = picture_time(config), START_SECONDS[3] + drafts * PICTURE_SECONDS[3]["draft"]  # on one core
     assert alone / available_cores() <= wall <= alone
     time = f"about {wall:.1f} s on an idle machine"
@@ -116,7 +116,7 @@ def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, cap
 
 @pytest.mark.parametrize("absent", ["render", "frames"])
 def test_a_run_without_pictures_says_nothing_of_them(absent, capsys):
-    run_verb.pictures(load(SEA, {absent: None}))
+    run_verb.announce_pictures(load(SEA, {absent: None}))
     assert capsys.readouterr().out == ""
 
 
@@ -127,22 +127,22 @@ def test_a_run_that_went_on_says_from_when(since, span):
     progress = Progress(4.0, quiet=True, since=since)
     progress.time, progress.steps = 4.0, 200
     more = {"worst_compression": {}, "remarks": [], "events": [], "folder": "run", "files": []}
-    assert span in run_verb.summary(progress.summary() | more)
+    assert span in run_verb.run_summary(progress.summary() | more)
 
 
 def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     progress = Progress(10.0, quiet=True)
     progress.time = 4.0
-    assert str(run_verb.stopped(progress, tmp_path)) == "stopped at t = 4.000 s; nothing was written"
+    assert str(run_verb.stopped_run(progress, tmp_path)) == "stopped at t = 4.000 s; nothing was written"
     (tmp_path / "gauges.csv").touch()
-    assert str(run_verb.stopped(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
+    assert str(run_verb.stopped_run(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
     for kept, told in ((3.5, 4.0), (4.01, 4.01)):  # a second Ctrl-C stops at once, the first once the state is kept
         (tmp_path / checkpoint_file.checkpoint_name(kept)).touch()
-        sentence = str(run_verb.stopped(progress, tmp_path))
+        sentence = str(run_verb.stopped_run(progress, tmp_path))
         cure = f"`ocean-sim resume {tmp_path}` continues it from t = {kept:.3f} s"
         assert sentence == f"stopped at t = {told:.3f} s; {tmp_path} holds what was written; {cure}"
     progress.time = 10.0
-    sentence = str(run_verb.stopped(progress, tmp_path))
+    sentence = str(run_verb.stopped_run(progress, tmp_path))
     later = f"`ocean-sim render {tmp_path}` draws them"
     assert sentence == f"stopped while its pictures were drawn; {tmp_path} holds everything else; {later}"
 

@@ -67,6 +67,7 @@ runtime: {arch: cdua, threads: 2.0, pin: 1}
 accuracy: 3
 """
     )
+    ships = ", ".join(composition.known_names("ship"))
     assert refusal("mine.yaml", {"fluid.collision_distance": 2.0, "seed": -1}) == [
         "--set fluid.collision_distance=2.0: fluid.collision_distance: 2.0 is not at most 1 [spacings]",
         "--set seed=-1: seed: -1 is not at least 0",
@@ -79,7 +80,7 @@ accuracy: 3
         "mine.yaml:8:18: fluid.support_ratio: expected a number, got 'wide'",
         "mine.yaml:9:21: fluid.minimum_pressure: nan is not a finite number",
         "mine.yaml:10:12: time_step.dt: missing key",
-        f"mine.yaml:11:7: ship: no ship 'yaht'; did you mean 'yacht'? there are {', '.join(composition.known('ship'))}",
+        f"mine.yaml:11:7: ship: no ship 'yaht'; did you mean 'yacht'? there are {ships}",
         "mine.yaml:12:1: gaugs: unknown key; did you mean 'gauges'?",
         "mine.yaml:13:17: runtime.arch: 'cdua' is not a choice; did you mean 'cuda'?",
         "mine.yaml:13:32: runtime.threads: expected a whole number, got 2.0",
@@ -92,7 +93,7 @@ def test_a_part_without_its_kind_is_read_as_the_one_that_its_keys_are_of(folder)
     Path("s.yaml").write_text(HEAD + "fluid: thesis_6000\nwind: {speed: 12.0, dir: 90.0}")
     assert refusal("s.yaml") == [
         "s.yaml:3:7: wind.kind: missing key; with these keys, did you mean 'stress'? there are "
-        f"{', '.join(composition.known('wind'))}",
+        f"{', '.join(composition.known_names('wind'))}",
         "s.yaml:3:8: wind.speed: unknown key; did you mean 'u10'?",
         "s.yaml:3:21: wind.dir: unknown key; did you mean 'heading_deg'?",
     ]
@@ -363,7 +364,7 @@ def test_settings_reach_into_lists():
             "fluid.spacing.x: fluid.spacing is 1.25, which has no keys; set fluid.spacing as a whole",
         ),
         ("fluid..spacing=1", "fluid..spacing: there is a dot where a key should be; did you mean 'fluid.spacing'?"),
-        ("ship.hull=yacht", f"ship.kind: missing key; there are {', '.join(composition.known('ship'))}"),
+        ("ship.hull=yacht", f"ship.kind: missing key; there are {', '.join(composition.known_names('ship'))}"),
         ("basin.walls.x_min=non", "basin.walls.x_min: 'non' is not a choice; did you mean 'none'?"),
     ],
 )
@@ -444,13 +445,13 @@ def test_a_config_is_frozen():
 
 
 def test_the_schema_knows_every_kind_and_every_observer():
-    definitions = json.loads(schema.text())["$defs"]
+    definitions = json.loads(schema.schema_text())["$defs"]
     assert {f"{slot}.{kind}" for slot in parts.SLOTS for kind in parts.kinds(slot)} <= set(definitions)
     assert {f"observers.{name}" for name in observer_names()} <= set(definitions)
 
 
 def test_the_schema_is_in_the_form_of_its_draft():
-    whole = schema.schema()
+    whole = schema.scene_schema()
     references, kinds = set(), {"object", "array", "string", "number", "integer", "boolean", "null"}
 
     def walk(node: object) -> None:

@@ -13,7 +13,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files import input_file, yaml_file
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.parts import library
-from ocean_sim.verbs.shared.console import visible
+from ocean_sim.verbs.shared.console import escape_controls
 
 SOON = 4.0  # [s] of processor time, on a slow machine: it took 14 and 32
 TANK = "duration: 1.0\nbasin: {length: 90.0, width: 90.0, depth: 2.0}\n"
@@ -137,7 +137,7 @@ def test_a_message_is_short_however_much_is_wrong(ask):
 
 
 def test_what_a_terminal_would_obey_is_escaped(ask):
-    assert visible("a\x1b[2Jb\u202ec\x9b\n") == "a\\x1b[2Jb\\u202ec\\x9b\n"
+    assert escape_controls("a\x1b[2Jb\u202ec\x9b\n") == "a\\x1b[2Jb\\u202ec\\x9b\n"
     Path("s.yaml").write_text(TANK + 'title: "a \\e[31m sea"\nfluid: {kind: linear_waves, height: 0.5, period: 3.0}\n')
     code, said, _ = ask("check", "s.yaml")
     assert code == 0 and "\x1b" not in said and "a \\x1b[31m sea" in said

@@ -10,7 +10,7 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import in_words
 from ocean_sim.files.atomic_file import atomic_write
-from ocean_sim.verbs.waves import draw, write_columns
+from ocean_sim.verbs.waves import draw_waves, write_columns
 
 RECORD = np.linspace(0.0, 1.0, 1000)
 
@@ -28,7 +28,7 @@ def test_what_a_verb_writes_stays_as_it_was_where_there_is_no_room(no_room, tmp_
     writers = {
         "s.json": lambda path: answered(["schema", "--out", str(path)]),
         "spectra.csv": lambda path: write_columns(path, {"frequency_Hz": RECORD}),
-        "waves.png": lambda path: draw(path, RECORD, {"here": RECORD}, RECORD, {"here": RECORD}),
+        "waves.png": lambda path: draw_waves(path, RECORD, {"here": RECORD}, RECORD, {"here": RECORD}),
     }
     for name, write in writers.items():
         path = tmp_path / name

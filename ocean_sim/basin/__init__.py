@@ -21,26 +21,26 @@ OPEN = 1.0e30  # [m] where a side that is open would stand
 Wall = Literal["none", "reflecting", "no_slip", "periodic", "absorbing"]
 Slip = Literal["free_slip", "no_slip"]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
-KARMAN = 0.41  # of the logarithmic law
-GRAINS = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
-LOWEST = 0.25  # [rows] above the bed: the height that what lies lower is taken to have in it
+KARMAN_CONSTANT = 0.41  # constant of the logarithmic law
+GRAINS_PER_Z0 = 30.0  # sand roughness over z0, where that law comes to rest (Nikuradse 1933, VDI-Forschungsheft 361)
+MIN_ROW_SHARE = 0.25  # [rows] least height above the bed in the logarithmic law
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
 SAME_DIGITS = 0.005  # of the decimal logarithm: a per cent, by which gravity differs over the Earth and in tables
-ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
+BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another one
 
 
 def with_what_is_open(written: Any) -> Any:
-    """An absorbing side as a mapping, so that its dump shows what is left open."""
+    """Write an absorbing side as a mapping, so that a dump shows its defaults."""
     return {"kind": "absorbing"} if written == "absorbing" else written
 
 
 def with_each_side(written: Any) -> Any:
-    """All sides absorbing, one by one."""
+    """Write absorbing sides one by one."""
     return {"x": written, "z": written} if written == "absorbing" else written
 
 
 def word_or_mapping(written: Any) -> str:
-    """Which of the two a side is written as."""
+    """Tag of the form in which a side is written."""
     return "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"
 
 
@@ -71,7 +71,7 @@ class Walls(Model):
     """`periodic`: what leaves through the bed comes in at the still surface, and there is neither bed nor surface."""
 
     def key(self, side: str) -> str:
-        """Where the wall at `x_min`, `x_max`, `z_min` or `z_max` is written."""
+        """Key under which the wall at `x_min`, `x_max`, `z_min` or `z_max` is written."""
         return side if getattr(self, side) is not None else side[0]
 
     def at(self, side: str) -> Wall:
@@ -80,7 +80,7 @@ class Walls(Model):
         return wall.kind if isinstance(wall, Absorbing) else wall
 
     def absorbing(self, side: str) -> Absorbing | None:
-        """What is said of an absorbing side; None of any other."""
+        """Absorption settings of this side, or None."""
         wall: OneSide = getattr(self, self.key(side))
         return wall if isinstance(wall, Absorbing) else None
 
@@ -113,11 +113,11 @@ class RoughBed(Model):
     @property
     def z0(self) -> float:
         """Height at which the logarithmic law comes to rest [m]; 0 where a friction factor stands in its place."""
-        return (self.roughness or 0.0) / GRAINS
+        return (self.roughness or 0.0) / GRAINS_PER_Z0
 
     def problems(self, row: float) -> list[str]:
-        """What is wrong with it under water whose lowest row of particles is so high [m]."""
-        if self.z0 < LOWEST * row:
+        """Faults of the bed under water whose lowest row of particles is so high [m]."""
+        if self.z0 < MIN_ROW_SHARE * row:
             return []
         return [
             f"the bed's z0 of {self.z0:.3g} m, a thirtieth of its roughness, is not below a quarter of the lowest row "
@@ -125,7 +125,7 @@ class RoughBed(Model):
         ]
 
     def warnings(self, row: float) -> list[str]:
-        """What a reader of the results should know."""
+        """Warn of a doubtful roughness under a lowest row of particles so high [m]."""
         if (self.roughness or 0.0) <= 0.5 * row:
             return []
         return [
@@ -134,7 +134,7 @@ class RoughBed(Model):
         ]
 
     def statements(self, row: float) -> list[str]:
-        """What it does to the water."""
+        """Describe the friction on a lowest row of particles so high [m]."""
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
@@ -146,7 +146,11 @@ class RoughBed(Model):
 
     def drag(self, height: float) -> float:
         """tau / (rho |u| u) for u at a height above the bed [m]."""
-        return 0.5 * self.friction_factor if self.friction_factor is not None else (KARMAN / log(height / self.z0)) ** 2
+        return (
+            0.5 * self.friction_factor
+            if self.friction_factor is not None
+            else (KARMAN_CONSTANT / log(height / self.z0)) ** 2
+        )
 
 
 class Box(Model):
@@ -171,11 +175,11 @@ class Obstacle(Box):
     slip: Slip = "free_slip"
     """`no_slip`: water that touches it moves with it; `free_slip`: it slides along."""
     motion: Gate | None = None
-    """How it moves and when it has left, as a gate does; null: as `velocity` and `until` say."""
+    """Motion of a gate, and when it has left; null: as `velocity` and `until` say."""
     velocity: Vector3 | None = quantity("m/s", None)
     """Its velocity from the beginning on; null: it is fixed, or moves as `motion` says."""
     until: float | None = quantity("s", None, gt=0.0)
-    """When it has left; null: it stays, or leaves as `motion` says."""
+    """Time at which it has left; null: it stays, or leaves as `motion` says."""
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> "Obstacle":
@@ -185,7 +189,7 @@ class Obstacle(Box):
 
     @cached_property
     def gate(self) -> Gate | None:
-        """How it moves and when it has left; None: it is fixed."""
+        """Motion of the obstacle until it has left; None: it is fixed."""
         if self.velocity is None and self.until is None:
             return self.motion
         return Gate(velocity=self.velocity or (0.0, 0.0, 0.0), end=self.until)
@@ -218,8 +222,7 @@ class Config(Model):
     obstacles: Annotated[tuple[Obstacle, ...], Field(strict=False)] = ()
     """Boxes that the water flows around, fixed or moving as gates do."""
     motion: Motion | None = None
-    """How the whole tank moves: `harmonic`, or as recorded in a `file`; measurements are made in the axes of the
-    tank."""
+    """Motion of the whole tank: `harmonic`, or recorded in a `file`; measurements are made in the axes of the tank."""
     wavemaker: Wavemaker | None = None
     """A wall that makes waves."""
 
@@ -228,7 +231,7 @@ class Config(Model):
         return Basin(self, sea=sea)
 
     def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
-        """What contradicts itself in a run of `duration` [s]: (path below `basin`, sentence)."""
+        """Contradictions in a run of `duration` [s]: (path below `basin`, sentence)."""
         found: list[tuple[tuple[str | int, ...], str]] = []
         walls = basin.walls
         for axis in "xz" if basin.dimension == 3 else "x":
@@ -244,7 +247,7 @@ class Config(Model):
         if basin.dimension == 2 and self.gravity[2] != 0.0:
             sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
             found.append((("gravity",), sentence))
-        found += blocked(self.obstacles, basin) or astray(self.obstacles, basin, duration)
+        found += obstacle_faults(self.obstacles, basin) or path_faults(self.obstacles, basin, duration)
         for side in basin.sides:
             if side.absorbing is not None:
                 size = basin.upper[side.axis] - basin.lower[side.axis]
@@ -270,18 +273,18 @@ def odd_gravity(gravity: Vector3) -> list[str]:
     return found
 
 
-def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
-    """What is wrong with obstacles in this basin."""
+def obstacle_faults(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
+    """Faults of the places of obstacles in this basin."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     fitting = [k for k, box in enumerate(obstacles) if len(box.min) == basin.dimension]
     low = np.array([obstacles[k].min for k in fitting]).reshape(-1, basin.dimension)
     up = np.array([obstacles[k].max for k in fitting]).reshape(-1, basin.dimension)
     for row, k in enumerate(fitting):
-        out = beyond(obstacles[k].min, obstacles[k].max, basin)
+        out = axes_beyond(obstacles[k].min, obstacles[k].max, basin)
         if out:
             found.append((("obstacles", k), f"the box reaches out of the basin along {' and '.join(out)}"))
         common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
-        if (common.min(axis=1) > ROUNDING).any():
+        if (common.min(axis=1) > BOX_ROUNDING).any():
             found.append((("obstacles", k), "the box overlaps an earlier one"))
     for k in set(range(len(obstacles))) - set(fitting):
         sentence = f"a point of this basin has {basin.dimension} numbers, got {len(obstacles[k].min)}"
@@ -289,17 +292,19 @@ def blocked(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple
     return found
 
 
-def beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
+def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
     """The axes along which a box from `low` to `up` [m] reaches out of the basin; an open one has no upper end."""
     return [
         axis
         for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
-        if a < least - ROUNDING or (b > most + ROUNDING and (axis != "y" or basin.closed))
+        if a < least - BOX_ROUNDING or (b > most + BOX_ROUNDING and (axis != "y" or basin.closed))
     ]
 
 
-def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
-    """What is wrong with the ways of obstacles that lie well at first, in a run of `duration` [s]."""
+def path_faults(
+    obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float
+) -> list[tuple[tuple[str | int, ...], str]]:
+    """Faults of the paths of obstacles in a run of `duration` [s]."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     unread: set[int] = set()
     for k, box in enumerate(obstacles):
@@ -321,26 +326,26 @@ def astray(obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float) -> 
                 found.append((key, "a 2-D basin, in x-y, has no motion along z"))
                 break
             low, up = (np.add(end, moved.way[: basin.dimension]) for end in (box.min, box.max))
-            if out := beyond(low.tolist(), up.tolist(), basin):
+            if out := axes_beyond(low.tolist(), up.tolist(), basin):
                 where = f"it reaches out of the basin along {' and '.join(out)} at {time:.3g} s"
                 found.append((key, f"{where}; let it {leave} before"))
                 break
         for j, other in enumerate(obstacles):
             if j == k or j in unread or (other.gate is not None and j > k):
                 continue
-            if (crossing := meeting(box, other, duration)) is not None:
+            if (crossing := crossing_time(box, other, duration)) is not None:
                 found.append((key, f"its path crosses obstacles.{j} at {crossing:.3g} s; let it {leave} before"))
     return found
 
 
-def meeting(box: Obstacle, other: Obstacle, duration: float) -> float | None:
+def crossing_time(box: Obstacle, other: Obstacle, duration: float) -> float | None:
     """First time [s] at which two obstacles overlap while both are there, as they move straight on between moments."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
     ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
     way = np.sum(ways, axis=0)[:, : len(box.min)]
-    least = np.subtract(other.min, box.max) + ROUNDING  # of the way from which on they overlap along each axis
-    most = np.subtract(other.max, box.min) - ROUNDING
+    least = np.subtract(other.min, box.max) + BOX_ROUNDING  # of the way from which on they overlap along each axis
+    most = np.subtract(other.max, box.min) - BOX_ROUNDING
     step = np.where((step := np.diff(way, axis=0)) == 0.0, 1e-300, step)
     with np.errstate(over="ignore"):
         at = np.stack([(least - way[:-1]) / step, (most - way[:-1]) / step])
@@ -349,7 +354,7 @@ def meeting(box: Obstacle, other: Obstacle, duration: float) -> float | None:
     return float(times[meet[0]] + enter[meet[0]] * (times[meet[0] + 1] - times[meet[0]])) if len(meet) else None
 
 
-def corners(box: Box) -> Corners:
+def box_corners(box: Box) -> Corners:
     """Lowest and highest corner of a box in space [m]; of one in 2-D without ends along z."""
     flat = 3 - len(box.min)
     return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
@@ -360,11 +365,11 @@ class Solid(Protocol):
 
     @property
     def felt(self) -> bool:
-        """Whether the water's laws meet samples of it."""
+        """True if the water's laws sum over samples of it."""
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) of its centre of mass [m]."""
+        """(3,) centre of mass [m]."""
 
     @property
     def extent(self) -> np.ndarray:
@@ -378,8 +383,8 @@ class Solid(Protocol):
         spacing: float,
         volume: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) which of (n, 3) particles of a `volume` that fill boxes make room, and (n, 3) where the others go; with
-        (m, 3) points at which their lattice goes on where it is felt [m]."""
+        """(n,) true for particles at (n, 3), of a `volume` each and filling boxes, that make room, and (n, 3) positions
+        of the others; with (m, 3) points that continue their lattice where it is felt [m]."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
@@ -405,8 +410,8 @@ class Side:
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) by how many whole lengths of periodic sides [m] points (n, 3) lie away from where they are nearest to an
-    origin x, z [m]; 0 along the others."""
+    """(n, 3) whole lengths of periodic sides [m] from points (n, 3) to their images nearest to an origin x, z [m]; 0
+    along other axes."""
     return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
 
 
@@ -455,7 +460,7 @@ class Basin:
 
     @property
     def closed(self) -> bool:
-        """Whether the basin has no room for a free surface."""
+        """True if the basin has no room for a free surface."""
         return self.config.lid is not None or self.walls.y == "periodic"
 
     @property
@@ -494,36 +499,36 @@ class Basin:
 
     @property
     def rough_bed(self) -> RoughBed | None:
-        """The bed where it rubs."""
+        """The bed if it has friction, or None."""
         return self.config.floor if isinstance(self.config.floor, RoughBed) else None
 
     @cached_property
     def obstacles(self) -> list[Corners]:
         """Lowest and highest corner of each obstacle at time 0 [m]; a slice has no ends along z."""
-        return [corners(box) for box in self.config.obstacles if len(box.min) == self.dimension]
+        return [box_corners(box) for box in self.config.obstacles if len(box.min) == self.dimension]
 
     @cached_property
     def fixed(self) -> list[Corners]:
-        """The same of those that never move."""
-        return [corners(box) for box in self.config.obstacles if box.gate is None]
+        """Corners of the obstacles that never move."""
+        return [box_corners(box) for box in self.config.obstacles if box.gate is None]
 
     def obstacles_at(self, time: float) -> list[Corners]:
-        """The same of all that are there at a time [s]."""
+        """Corners of all obstacles that are there at a time [s]."""
         return self.fixed + self.gates_at(time)
 
     def gates_at(self, time: float) -> list[Corners]:
-        """The same of those that move."""
+        """Corners of the moving obstacles that are there at a time [s]."""
         found = []
         for k, gate in self.gates:
             moved = gate.at(time)
             if moved is not None:
-                low, up = np.array(corners(self.config.obstacles[k])) + moved.way
+                low, up = np.array(box_corners(self.config.obstacles[k])) + moved.way
                 found.append((tuple(low.tolist()), tuple(up.tolist())))
         return found
 
     @property
     def gates(self) -> list[tuple[int, Gate]]:
-        """The numbers of the obstacles that move or leave, and how they do."""
+        """Numbers of the obstacles that move or leave, and their motions."""
         return [(k, box.gate) for k, box in enumerate(self.config.obstacles) if box.gate is not None]
 
     @cached_property
@@ -533,8 +538,8 @@ class Basin:
         return maker.build(self.depth, -self.gravity[1]) if maker is not None else None
 
     @cached_property
-    def swung(self) -> waves.Components | None:
-        """A wave as long as those that a moving tank sets going, of no certain height; None where it stands still."""
+    def tank_wave(self) -> waves.Components | None:
+        """Wave as long as those of a moving tank, of arbitrary height; None where the tank stands still."""
         motion = self.config.motion
         if motion is None or (omega := motion.mean_frequency) == 0.0:
             return None
@@ -543,7 +548,7 @@ class Basin:
         )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Where walls, floor and lid stand on each axis [m], lower and upper, a piston as far out as it goes; OPEN
+        """Positions of walls, floor and lid on each axis [m], lower and upper, with a piston at its farthest; OPEN
         where there is none."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:

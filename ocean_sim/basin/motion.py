@@ -24,23 +24,23 @@ Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_lengt
 Law = Callable[[float], tuple[float, float, float]]  # time [s] -> displacement, velocity, acceleration
 Problems = list[tuple[tuple[str, ...], str]]  # path below the config, sentence
 
-SAMPLES = 4000  # of a recorded motion, for its mean frequency
+FREQUENCY_SAMPLES = 4000  # samples of a recorded motion for its mean frequency
 SMALL_ROLL = 0.5  # [deg] of a tank, which usually rolls by some degrees
-JOLT = 0.05  # of the highest speed of a recorded motion: more than that at one of its ends is a jump
+JOLT_SHARE = 0.05  # share of the highest speed of a recorded motion above which its speed at an end is a jump
 FEWEST_ROWS = 4  # of a cubic spline
 ONE_AXIS = Rule("it has the column of one axis, such as x_m, roll_z_rad or roll_z_deg, or `axis` says which")
 CHECKS = (
     Checked("Path of an obstacle, `basin.obstacles[].motion.file`: a table over time of four rows or more", ()),
     Checked("Motion of the tank, `basin.motion.file`: a table over time of four rows or more", (ONE_AXIS,)),
 )
-MOMENTS = 400  # at which the way of an obstacle is looked at
-AXES = ("x_m", "y_m", "z_m")  # columns of a table of ways
+PATH_MOMENTS = 400  # times at which the path of an obstacle is checked
+PATH_COLUMNS = ("x_m", "y_m", "z_m")  # columns of a table of ways
 SLICE_AXES = ("x", "y", "roll_z")  # along and about which a vertical slice can move
 
 
 @dataclass(frozen=True)
 class Frame:
-    """How the tank's axes move at one time; vectors are in the axes of the tank."""
+    """Motion of the tank's axes at one time; vectors are in the axes of the tank."""
 
     angle: np.ndarray  # (3,) by which they are turned, along the axis of the turn [rad]
     displacement: np.ndarray  # (3,) of the pivot [m]
@@ -51,8 +51,7 @@ class Frame:
     pivot: np.ndarray  # (3,) [m] in the tank
 
     def push(self, gravity: np.ndarray) -> np.ndarray:
-        """(3,) what gravity [m/s2], given in world axes, and the motion of the pivot are to water at rest at the pivot:
-        g' - a [m/s2]."""
+        """(3,) apparent gravity g' - a [m/s2] at the pivot, from gravity in world axes and the pivot's acceleration."""
         return turned(gravity, -self.angle) - self.acceleration
 
 
@@ -74,7 +73,7 @@ def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarra
     return frame.push(gravity) - euler - centrifugal - 2.0 * np.cross(omega, velocity)
 
 
-def ramped(law: Law, ramp: float) -> Law:
+def ramp_law(law: Law, ramp: float) -> Law:
     """The law, growing from nothing over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5: its acceleration does not jump."""
 
     def grown(t: float) -> tuple[float, float, float]:
@@ -90,7 +89,7 @@ def ramped(law: Law, ramp: float) -> Law:
     return grown
 
 
-def splined(times: np.ndarray, moved: np.ndarray) -> Law:
+def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
     """The law of rows of times [s] and displacements: a cubic spline, at rest before and after them."""
     from scipy.interpolate import CubicSpline
 
@@ -111,24 +110,24 @@ class Tank(Model):
     """The point about which it rolls; in 2-D [x, y]; by default the centre of the still surface."""
 
     def problems(self, basin: waves.Tank) -> Problems:
-        """What is wrong with this motion in this basin."""
+        """Faults of this motion in this basin."""
         if self.about is not None and len(self.about) != basin.dimension:
             return [(("about",), f"a point of this basin has {basin.dimension} numbers, got {len(self.about)}")]
         return []
 
     def warnings(self, duration: float) -> list[str]:
-        """What a reader of a run of `duration` [s] should know."""
+        """Warn of a doubtful motion in a run of `duration` [s]."""
         return []
 
 
-def overturned(axis: str, angle: float) -> list[str]:
+def overturn_warnings(axis: str, angle: float) -> list[str]:
     """Warning of a tank that rolls by half a turn [rad] or more: angles in degrees are the likeliest reason."""
     if not axis.startswith("roll") or angle < pi:
         return []
     return [f"the tank rolls by {angle:.4g} rad, half a turn or more; {angle:.4g} deg are {radians(angle):.4g} rad"]
 
 
-def unmoved(axis: str, basin: waves.Tank) -> Problems:
+def axis_faults(axis: str, basin: waves.Tank) -> Problems:
     """The reason why the tank cannot move along or about an axis."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [
@@ -159,10 +158,10 @@ class Harmonic(Tank):
         return 2.0 * pi / self.period
 
     def problems(self, basin: waves.Tank) -> Problems:
-        return super().problems(basin) + unmoved(self.axis, basin)
+        return super().problems(basin) + axis_faults(self.axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        return overturned(self.axis, abs(self.amplitude))
+        return overturn_warnings(self.axis, abs(self.amplitude))
 
     def build(self) -> "TankMotion":
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
@@ -171,7 +170,7 @@ class Harmonic(Tank):
             x = self.amplitude * sin(omega * t + phase)
             return x, self.amplitude * omega * cos(omega * t + phase), -(omega**2) * x
 
-        return TankMotion(self.axis, self.about, ramped(law, self.period if self.ramp is None else self.ramp))
+        return TankMotion(self.axis, self.about, ramp_law(law, self.period if self.ramp is None else self.ramp))
 
 
 class Recorded(Tank):
@@ -182,7 +181,7 @@ class Recorded(Tank):
     """CSV with columns `time_s` and that of an axis, with its unit or without: `x_m`, `y_m`, `z_m`, `roll_x_rad`,
     `roll_y_rad` or `roll_z_rad`; `roll_x_deg` and so on are in degrees."""
     axis: Axis | None = None
-    """Which of several columns; by default the only one."""
+    """Axis to take of several columns; by default the only one."""
 
     @cached_property
     def table(self) -> csv_file.Table:
@@ -205,7 +204,7 @@ class Recorded(Tank):
     def mean_frequency(self) -> float:
         """[rad/s] Standard deviation of the velocity over that of the displacement; 0 where it does not move."""
         (_, times, _), law = self.rows(), self.build().law
-        found = np.array([law(t) for t in np.linspace(times[0], times[-1], SAMPLES)])
+        found = np.array([law(t) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES)])
         moved, speed = found.std(axis=0)[:2]
         return float(speed / moved) if moved > 0.0 else 0.0
 
@@ -214,22 +213,22 @@ class Recorded(Tank):
             axis = self.rows()[0]
         except Unreadable as error:
             return [(("file",), f"{error}")]
-        return super().problems(basin) + unmoved(axis, basin)
+        return super().problems(basin) + axis_faults(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
         """Rows that a run does not reach, a roll by half a turn, or a speed that jumps where they begin or end: water
         feels acceleration."""
         (axis, times, moved), law = self.rows(), self.build().law
-        fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], SAMPLES))
+        fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
         found = csv_file.unreached_times_warning(display_path(self.file), times, duration, "the tank never moves")
-        found += overturned(axis, float(np.abs(moved).max()))
+        found += overturn_warnings(axis, float(np.abs(moved).max()))
         most = float(np.degrees(np.abs(moved).max()))
         if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in self.table:
             found.append(f"the tank rolls by {most:.3g} deg at most: is {axis}_deg in radians?")
         for time, end, apart in ((times[0], "begin", "before"), (times[-1], "end", "after")):
             speed = law(float(time))[1]
-            if 0.0 < time < duration and abs(speed) > JOLT * fastest:
+            if 0.0 < time < duration and abs(speed) > JOLT_SHARE * fastest:
                 found.append(
                     f"the tank's recorded motion {end}s at {time:.4g} s with {speed:.3g} {unit}, and the tank stands "
                     f"still {apart} it: water does not feel that jolt; let the rows {end} at rest"
@@ -238,12 +237,12 @@ class Recorded(Tank):
 
     def build(self) -> "TankMotion":
         axis, times, moved = self.rows()
-        return TankMotion(axis, self.about, splined(times, moved))
+        return TankMotion(axis, self.about, spline_law(times, moved))
 
 
 def with_its_kind(written: Any) -> Any:
-    """What is written of a motion, with the kind that its keys tell where none is named; raises ValueError where they
-    tell of two."""
+    """Keys of a motion with their kind, which they imply where none is named; raises ValueError where they imply
+    two."""
     if not isinstance(written, dict):
         return written
     foreign = [key for key in written if key in Harmonic.model_fields and key not in Recorded.model_fields]
@@ -272,7 +271,7 @@ class TankMotion:
         return np.eye(3)["xyz".index(self.axis[-1])]
 
     def at(self, time: float) -> Frame:
-        """How the tank moves at a time [s]."""
+        """Motion of the tank at a time [s]."""
         x, v, a = (value * self.direction for value in self.law(time))
         still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
         if self.axis.startswith("roll"):
@@ -329,11 +328,11 @@ class Piston:
 
     @property
     def reach(self) -> float:
-        """How far it ever goes to either side [m]."""
+        """Farthest way to either side [m]."""
         return float(self.amplitude.sum())
 
     def steady(self, time: float) -> tuple[float, float, float]:
-        """The motion when it has grown, into the basin."""
+        """Fully grown motion into the basin at a time [s]: displacement, velocity and acceleration."""
         omega = self.sea.omega
         angle = omega * time - self.sea.phase
         x, v = self.amplitude * np.sin(angle), self.amplitude * omega * np.cos(angle)
@@ -341,23 +340,23 @@ class Piston:
 
     def at(self, time: float) -> tuple[float, float, float]:
         """Displacement [m], velocity [m/s] and acceleration [m/s2] along the axis of the wall at a time [s]."""
-        x, v, a = ramped(self.steady, self.ramp)(time)
+        x, v, a = ramp_law(self.steady, self.ramp)(time)
         return self.inward * x, self.inward * v, self.inward * a
 
 
 class Moved(NamedTuple):
-    """How an obstacle has moved at one time, (3,) each."""
+    """Way, velocity and acceleration of an obstacle at one time, (3,) each."""
 
     way: np.ndarray  # from where it was at first [m]
     velocity: np.ndarray  # [m/s]
     acceleration: np.ndarray  # [m/s2]
 
 
-STILL = Moved(np.zeros(3), np.zeros(3), np.zeros(3))
+NOT_MOVED = Moved(np.zeros(3), np.zeros(3), np.zeros(3))
 
 
 class Gate(Model):
-    """How an obstacle moves: from `start` on with `velocity` and `acceleration`, or as measured, in a `file`."""
+    """Motion of an obstacle: from `start` on with `velocity` and `acceleration`, or as measured, in a `file`."""
 
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """Its velocity at `start`."""
@@ -367,9 +366,9 @@ class Gate(Model):
     """CSV file of its path, in place of both: `time_s` after `start`, and `x_m`, `y_m` or `z_m` or several of them,
     smooth between the rows (a cubic spline). It stands still before and after them."""
     start: float = quantity("s", 0.0, ge=0.0)
-    """When it starts to move."""
+    """Time at which it starts to move."""
     end: float | None = quantity("s", None, gt=0.0)
-    """When it has left: from then on it is neither in the water nor in pictures. null: it stays."""
+    """Time at which it has left: from then on it is neither in the water nor in pictures. null: it stays."""
 
     @model_validator(mode="after")
     def _moves_in_one_way(self) -> "Gate":
@@ -381,17 +380,17 @@ class Gate(Model):
 
     @property
     def moves(self) -> bool:
-        """Whether it ever moves before it leaves."""
+        """True if it ever moves before it leaves."""
         return self.file is not None or any(self.velocity) or any(self.acceleration)
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
         """(n,) times [s] and (n, 3) ways [m] in its file; raises Unreadable."""
         assert self.file is not None
         table = csv_file.Table(self.file)
-        axes = [axis for axis in AXES if axis in table] or list(AXES)
+        axes = [axis for axis in PATH_COLUMNS if axis in table] or list(PATH_COLUMNS)
         times, *ways = table.series(*axes, fewest=FEWEST_ROWS)
         along = dict(zip(axes, ways, strict=True))
-        return times, np.stack([along.get(axis, np.zeros(len(times))) for axis in AXES], axis=1)
+        return times, np.stack([along.get(axis, np.zeros(len(times))) for axis in PATH_COLUMNS], axis=1)
 
     def warnings(self, duration: float) -> list[str]:
         """Rows of its file that a run of `duration` [s] does not reach."""
@@ -405,10 +404,10 @@ class Gate(Model):
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:
         """Way, velocity and acceleration along each axis in the time after `start` [s], as its file has them."""
         times, ways = self.rows()
-        return [splined(times, way) for way in ways.T]
+        return [spline_law(times, way) for way in ways.T]
 
     def at(self, time: float) -> Moved | None:
-        """How it has moved at a time [s]; None once it has left."""
+        """Its motion up to a time [s]; None once it has left."""
         if self.end is not None and time >= self.end:
             return None
         t = time - self.start
@@ -416,14 +415,14 @@ class Gate(Model):
             way, velocity, acceleration = np.array([law(t) for law in self.laws]).T
             return Moved(way, velocity, acceleration)
         if t < 0.0:
-            return STILL
+            return NOT_MOVED
         v, a = np.array(self.velocity), np.array(self.acceleration)
         return Moved(v * t + 0.5 * a * t * t, v + a * t, a)
 
     def moments(self, until: float) -> np.ndarray:
         """Times [s] at which it is there, close to each other, from the first to the last before `until` [s]."""
         last = until if self.end is None else min(until, self.end)
-        return np.linspace(0.0, last, MOMENTS, endpoint=False)
+        return np.linspace(0.0, last, PATH_MOMENTS, endpoint=False)
 
     def fastest(self, until: float) -> float:
         """Its highest speed before `until` [s] [m/s]."""

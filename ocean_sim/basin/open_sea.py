@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, Protocol
 from ocean_sim import waves
 from ocean_sim.model import Model, Vector2, Vector3, quantity
 
-MOST_PARTS = 64  # of a side of a patch, of which the other is a whole number
+MOST_PARTS = 64  # largest denominator of the ratio of the sides of a patch
 Problems = Iterator[tuple[tuple[str, ...], str]]  # path below an absorbing side, sentence
 
 
@@ -67,8 +67,8 @@ class Absorbing(Model):
 
 
 class Rim(Model):
-    """The band in which the water of the patch is relaxed towards the sea; the ship is in the middle of what it leaves
-    free."""
+    """The band in which the water of the patch is relaxed towards the sea; the ship is in the middle of the free
+    water."""
 
     width: float | None = quantity("m", None, gt=0.0)
     """Width of the band on either side of the seam; null: three quarters of the highest waves' length, at most a
@@ -83,10 +83,10 @@ class Rim(Model):
 
 
 class Nonlinear(NamedTuple):
-    """How a sea is nonlinear."""
+    """Settings of a nonlinear sea."""
 
-    onset: float  # [s] in which what is not linear sets in
-    breaking: bool  # whether its crests break
+    onset: float  # [s] time in which the nonlinear terms set in
+    breaking: bool  # True: its crests break
 
 
 class OpenSea(Protocol):
@@ -94,26 +94,27 @@ class OpenSea(Protocol):
 
     rim: Rim
     feed: float | None
-    """Rate [1/s] at which its velocity is added to that of all water; None: what holds the waves up in a scheme."""
+    """Rate [1/s] at which its velocity is added to that of all water; None: the rate that holds the waves up in a
+    scheme."""
     ramp: float | None
-    """In which it grows from calm water [s]; None: two periods of the highest waves where a ship is in the water, else
-    it is there at once."""
+    """Time in which it grows from calm water [s]; None: two periods of the highest waves where a ship is in the water,
+    else it is there at once."""
 
     @property
     def significant_height(self) -> float:
-        """Of the sea [m]; 0 in calm water."""
+        """Significant height of the sea [m]; 0 in calm water."""
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """How it is nonlinear; None: it is the sum of its plane waves."""
+        """Settings of a nonlinear sea; None: it is the sum of its plane waves."""
 
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
         """The sea by linear theory, before it is fitted to the patch; None in calm water."""
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Of a patch with these periods [m], as a ratio of whole numbers, 1 in 2-D; None where there is none of up to
-    MOST_PARTS."""
+    """Width over length of a patch with these periods [m], as a ratio of whole numbers up to MOST_PARTS, 1 in 2-D; None
+    where there is none."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

@@ -1,4 +1,4 @@
-"""Points of the basin at which the water is asked for something."""
+"""Points of the basin at which the water is sampled."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -9,12 +9,12 @@ from ocean_sim.basin import Basin
 
 
 def in_space(vector: Sequence[float]) -> np.ndarray:
-    """(3,) what is written of a point or a direction; one of a slice has no z."""
+    """(3,) vector of a point or a direction; z is 0 where a slice gives none."""
     return np.array((*vector, 0.0)[:3])
 
 
 def count(low: float, high: float, spacing: float) -> int:
-    """Of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
+    """Number of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
     return max(2, ceil((high - low) / spacing - 1.0e-6))
 
 
@@ -36,7 +36,7 @@ def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def grid_size(basin: Basin, spacing: float) -> int:
-    """How many points `grid` has, of which none is made."""
+    """Number of points of `grid`, without making them."""
     along = count(basin.lower[0], basin.upper[0], spacing)
     return along * (count(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else 1)
 

@@ -110,8 +110,8 @@ class Ballistic(ParticleWater):
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         a_wind, a_pull, a_hull = self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
-        mean, fast = self.walls.held_back(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
-        x_new, v_new = self.walls.bounced(x + dt * mean, mean + 0.5 * dt * a)
+        mean, fast = self.walls.limit_motion(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
+        x_new, v_new = self.walls.bounce(x + dt * mean, mean + 0.5 * dt * a)
         self.leave(i, x_new, v_new)
         self.accounts.count_motion(group, v_new, a, fast)
         self.accounts.count_density(group, self.particles.density[i])

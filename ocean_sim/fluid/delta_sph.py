@@ -293,7 +293,7 @@ class Continuity(Law):
         """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
         moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
-        other = displaced(own, d, self.boundary.own_velocity(s, mirror))
+        other = displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
         return other
@@ -419,7 +419,7 @@ class Shear(Law):
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body moves with it."""
-        return displaced(own, d, self.boundary.own_velocity(s, mirror))
+        return displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):

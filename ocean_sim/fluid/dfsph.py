@@ -300,7 +300,7 @@ class Forces(Force):
             a_sea = fluid.rim.acceleration(x, v_new, dt)
             v_new += fluid.changed(i, SEA, dt * a_sea)
             a += a_sea
-        v_new += fluid.changed(i, WALLS, fluid.walls.relaxed(x, v_new, dt) - v_new)
+        v_new += fluid.changed(i, WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
         for k, component in ti.static(enumerate(fluid.predicted)):
             component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
@@ -491,7 +491,7 @@ class Dfsph(Sph):
     def landed(self, i, way, u):
         """Where particle i is [m] after a way [m] that it goes at velocity u, and its velocity there, by the walls."""
         p = self.particles.position
-        return self.walls.bounced(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, way), u)
+        return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
@@ -500,7 +500,7 @@ class Dfsph(Sph):
         u = way
         if ti.static(self.closed):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
-        held, fast = self.walls.held_back(way, dt)
+        held, fast = self.walls.limit_motion(way, dt)
         x, v = self.landed(i, dt * held, u)
         self.changed(i, WALLS, v - u)
         before = self.particles.velocity

@@ -92,7 +92,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
 @in_kernels
 class LinearWaves(OpenWater):
-    """The waves at one time; what they do follows from it."""
+    """Linear waves at one time."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.with_ramp(config.sea(basin))

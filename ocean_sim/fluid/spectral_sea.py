@@ -1,11 +1,10 @@
-"""An open sea without particles: waves that come from afar, and those that ships and winds make.
+"""An open sea without particles: waves from afar, and waves of ships and winds.
 
 The sea from afar is a sum of plane waves, in closed form (`order: 1`), or a nonlinear sea on a tile that repeats itself
-(`order: 3`, `shared/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim
-(`shared/tile.py`); the winds push another one. A ship presses on the water with rho g times the draught that she has
-under each cell, smoothed over a cell, so that all of it is her buoyancy. She feels the sea, the winds' waves and those
-of other ships, never her own: her law of motion has what her own waves do to her already (added mass and damping, or
-`radiation`), and would have it twice.
+(`order: 3`, `open_sea/high_order.py`). Each ship pushes a tile of her own, which travels with her and fades at its rim
+(`open_sea/wave_tile.py`); the winds push another one. A ship presses on the water with rho g times her draught in each
+cell, smoothed over a cell, so that the sum is her buoyancy. She feels the sea, the winds' waves and those of other
+ships, never her own: her law of motion holds their force already (added mass and damping, or `radiation`).
 """
 
 from collections.abc import Sequence
@@ -38,11 +37,11 @@ from ocean_sim.runtime import in_kernels
 from ocean_sim.waves.seas import Seas, Steepening
 from ocean_sim.wind import Wind
 
-CELLS = 128  # along a tile
-FEW = 4.0  # cells over a ship's breadth
-FITTING = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
-HELD = 0.5  # part of a sea's energy that a tile which repeats itself must hold
-DRAWN = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
+DEFAULT_CELLS = 128  # along a tile
+MIN_BEAM_CELLS = 4.0  # cells over a ship's breadth
+MAX_FIT_CHANGE = 0.01  # part of its wavenumber by which a regular wave may be changed to fit a tile
+MIN_HELD_ENERGY = 0.5  # part of a sea's energy that a tile which repeats itself must hold
+SPECTRUM_COMPONENTS = 4000  # plane waves that stand for a spectrum before they are fitted to a tile
 
 
 class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
@@ -58,7 +57,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     tile: float | None = quantity("m", None, gt=0.0)
     """Side length of the tiles; null: six wavelengths of the highest waves, in calm water the longer side of the
     basin."""
-    cells: int = quantity("1", CELLS, ge=16, le=1024, multiple_of=2)
+    cells: int = quantity("1", DEFAULT_CELLS, ge=16, le=1024, multiple_of=2)
     """Cells along a tile."""
     step: float | None = quantity("s", None, ge=LEAST_STEP)
     """Time step of the tiles; null: in one step waves of four cells turn by 0.8 rad, and in a nonlinear sea the
@@ -108,12 +107,12 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
             )
             wanted = snapped(sea, tile).wavevector[0]
-            if np.linalg.norm(wanted - sea.wavevector[0]) > FITTING * sea.wavenumber[0]:
+            if np.linalg.norm(wanted - sea.wavevector[0]) > MAX_FIT_CHANGE * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
                 found.append((("tile",), f"{sentence} in this direction; {cure}"))
-        if not found and self.held(basin) < HELD:
+        if not found and self.held(basin) < MIN_HELD_ENERGY:
             sentence = (
                 f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves from {4.0 * tile.cell:.3g} m, four"
             )
@@ -125,7 +124,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
     def held(self, basin: Basin) -> float:
         """Part of the sea's energy in waves that a tile which repeats itself holds; 1 in calm water."""
-        whole = self.sea_of(basin, DRAWN)
+        whole = self.sea_of(basin, SPECTRUM_COMPONENTS)
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
 
@@ -146,11 +145,11 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 )
         for name, ship in preflight.ships.items():
             look = ship.look(preflight)
-            if look is not None and look.breadth < FEW * tile.cell:
+            if look is not None and look.breadth < MIN_BEAM_CELLS * tile.cell:
                 found.append(
                     f"the breadth of {called(name)}, {look.breadth:.3g} m, is {look.breadth / tile.cell:.2g} cells of "
-                    f"{tile.cell:.3g} m; below {FEW:g} the waves that she makes are too long and too low: take more "
-                    "fluid.cells or a smaller fluid.tile"
+                    f"{tile.cell:.3g} m; below {MIN_BEAM_CELLS:g} the waves that she makes are too long and too low: "
+                    "take more fluid.cells or a smaller fluid.tile"
                 )
             if look is None:
                 found.append(f"a ship of kind {ship.kind} has no hull that could push the water: she makes no waves")
@@ -213,7 +212,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return rows
 
     def summed(self, preflight: Preflight) -> int:
-        """How many plane waves are summed one by one; those of a nonlinear sea are not."""
+        """Number of plane waves that are summed one by one; those of a nonlinear sea are not."""
         return len(self.sea_of(preflight.tank).amplitude) if self.order == 1 else 1
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -239,7 +238,7 @@ class Made(OnTile):
 
 
 class Steep(OnTile):
-    """The nonlinear sea, a step ahead of the time that is asked for, and as it was a step before."""
+    """The nonlinear sea a step ahead of the present time, and one step before that."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
         """`ramp`: time [s] in which it grows, as others see it."""
@@ -248,13 +247,13 @@ class Steep(OnTile):
         self.ahead()
 
     def ahead(self) -> None:
-        """Another step."""
+        """Take another step."""
         self.sea.advance(self.step)
         self.number += 1
         self.slots = [self.slots[1], Kept(*self.sea.potentials())]
 
     def share(self, time: float) -> float:
-        """How far a time [s] lies from the state before to that which is ahead."""
+        """Share of the way of a time [s] from the state before to the state ahead."""
         return time / self.step - (self.number - 1)
 
     def modes_at(self, time: float) -> TileModes:
@@ -280,7 +279,7 @@ class Kept:
 
 @in_kernels
 class SpectralSea(OpenWater):
-    """The sea. Its kernels read what comes from afar and what winds make: all that a ship feels that is alone."""
+    """The open sea. Its kernels read the waves from afar and those of winds, all that a single ship feels."""
 
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
@@ -299,7 +298,7 @@ class SpectralSea(OpenWater):
         self.made: list[Made] = []
         self.sheets = ()
         if config.order == 3:
-            fitted = snapped(config.sea_of(basin, DRAWN), tile)
+            fitted = snapped(config.sea_of(basin, SPECTRUM_COMPONENTS), tile)
             self.afar = replace(fitted, ramp=whole.ramp)
             self.steep = Steep(self.nonlinear(fitted), self.step, whole.ramp)
             self.sheets += (Sheet(self.steep.tile, repeats=True),)
@@ -325,7 +324,7 @@ class SpectralSea(OpenWater):
 
     @property
     def breaking(self) -> Breaking | None:
-        """Of the crests of a nonlinear sea, where it is asked for."""
+        """Breaking crests of a nonlinear sea, if the scene asks for them."""
         return self.steep.sea.breaking if self.steep is not None else None
 
     @property
@@ -390,7 +389,7 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def push(self) -> None:
-        """What ships and winds do to their tiles since their last step."""
+        """Push the tiles by ships and winds, and bring them to the present time."""
         dt = self.time - self.then
         for made in self.made:
             made.time = self.time
@@ -409,7 +408,7 @@ class SpectralSea(OpenWater):
             self.show(made, sheet)
 
     def leaning(self, raised: Made, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes along x and z of the sea from afar and of what winds have made of it, on their tile, at a time [s]."""
+        """Slopes along x and z of the sea from afar and of the winds' waves, on the winds' tile, at a time [s]."""
         along, across = (self.tile.to_values(slope) for slope in self.tile.slopes(raised.modes_at(time).e))
         if self.steep is not None:
             afar = [self.steep.tile.to_values(of) for of in self.steep.tile.slopes(self.steep.modes_at(self.time).e)]
@@ -430,7 +429,7 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
-        """A ship's pressure on her own tile, where she is now."""
+        """Press on a ship's own tile where she is now, and take its step."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
@@ -443,22 +442,22 @@ class SpectralSea(OpenWater):
             made.begun = True
 
     def middle(self) -> np.ndarray:
-        """Around which winds are felt, in the axes of the water [m]: the first ship, or where the basin is."""
+        """Centre of the winds' tile in the axes of the water [m]: the first ship, or the middle of the basin."""
         first = next((made.ship for made in self.made if made.ship is not None), None)
         at = np.zeros(2) if first is None else np.array([first.body.position[0], first.body.position[2]])
         return at - self.drift
 
     def show(self, made: Made, sheet: Sheet) -> None:
-        """Waves as they are now and as they will be a step later, for kernels."""
+        """Write waves for kernels, as they are now and as they will be a step later."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
     def show_steep(self, steep: Steep) -> None:
-        """The nonlinear sea as it will be, for kernels, in place of what was before the last state."""
+        """Write the nonlinear sea ahead for kernels, over the older of its two states."""
         self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
-        """Where the sheets lie, and between which of their times it is, now and before."""
+        """Set the places of the sheets and the shares between their two times, now and before."""
         drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
@@ -480,8 +479,8 @@ def spacing(sea: waves.Components, tile: Tile) -> float:
 
 
 def snapped(sea: waves.Components, tile: Tile) -> waves.Components:
-    """Waves of the nearest wavevectors that a tile which repeats itself holds; what falls on one of them is one wave
-    with all their energy, and the phase of the highest."""
+    """Move waves to the nearest wavevectors of a periodic tile; waves on one wavevector become one, with all their
+    energy and the phase of the highest."""
     unit = 2.0 * pi / np.array([tile.side, tile.width if tile.rows > 1 else np.inf])
     steps = np.round(np.divide(sea.wavevector, unit, out=np.zeros(sea.wavevector.shape), where=unit > 0.0)).astype(int)
     most = ceil(tile.cells / 4) - 1

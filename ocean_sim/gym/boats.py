@@ -2,8 +2,8 @@
 
 Nomoto et al. (1957, Int. Shipbuild. Prog. 4): T r' + r = K delta, K and 1/T in proportion to the speed. Each of heave,
 roll and pitch has a natural period and a share of critical damping, and is driven by the elevation and slopes in the
-mean over the boat's length and breadth (sin(a)/a) at the depth of half her draught (Smith). What strips and panels say
-of coupling and of short waves is left out; a scene with a ship has it.
+mean over the boat's length and breadth (sin(a)/a) at the depth of half her draught (Smith). Coupling and
+short waves, as strips and panels have them, are left out; a scene with a ship has them.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from ocean_sim import waves
 
 @dataclass(frozen=True)
 class Boat:
-    """By default the yacht of 15 m and 30 t."""
+    """Parameters of a boat, by default of the yacht of 15 m and 30 t."""
 
     length: float = 15.0  # [m]
     breadth: float = 4.6  # [m]
@@ -47,21 +47,21 @@ class Boats:
 
     @property
     def heave(self) -> np.ndarray:
-        """(n,) [m]."""
+        """Heave (n,) [m]."""
         return self.state[:, 0]
 
     @property
     def angles(self) -> np.ndarray:
-        """(n, 2) roll and pitch [rad]."""
+        """Roll and pitch (n, 2) [rad]."""
         return self.state[:, 1:]
 
     @property
     def rates(self) -> np.ndarray:
-        """(n, 2) of roll and pitch [rad/s]."""
+        """Rates of roll and pitch (n, 2) [rad/s]."""
         return self.velocity[:, 1:]
 
     def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
-        """Some of them (n,) from the origin, at rest in the waves, each in one of the seas."""
+        """Start some boats, by a mask (n,), from the origin, at rest in the waves, each in one of the seas."""
         for k, sea in zip(np.flatnonzero(which), seas):
             self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
             self.wavevector[k] = sea.wavevector
@@ -69,12 +69,12 @@ class Boats:
         self.time[which], self.place[which], self.heading[which], self.speed[which] = 0.0, 0.0, heading, speed
         self.yaw_rate[which], self.helm[which], self.state[which], self.velocity[which] = 0.0, 0.0, 0.0, 0.0
 
-    def ahead(self) -> np.ndarray:
-        """(n, 2) unit vectors to the bow, x and z."""
+    def bow_direction(self) -> np.ndarray:
+        """Unit vectors (n, 2) to the bow, x and z."""
         return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
 
-    def phases(self, place: np.ndarray, later: float) -> np.ndarray:
-        """(n, m) of the waves at (n, 2) places, some time [s] from now."""
+    def wave_phases(self, place: np.ndarray, later: float) -> np.ndarray:
+        """Phases (n, m) of the waves at places (n, 2), some time [s] from now."""
         x, z = place[:, 0, None], place[:, 1, None]
         k = self.wavevector
         turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
@@ -83,28 +83,28 @@ class Boats:
         return np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
     def elevation_at_bow(self, later: float) -> np.ndarray:
-        """(n,) of the water where the bow will be if she goes on as she does [m]."""
-        ahead = self.ahead()
+        """Elevation (n,) [m] at the future position of the bow, on her course and at her speed."""
+        ahead = self.bow_direction()
         bow = self.place + ahead * (0.5 * self.boat.length + self.speed * later)[:, None]
-        return (self.amplitude * np.cos(self.phases(bow, later))).sum(axis=1)
+        return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
-    def driven(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) heave [m], roll and pitch [rad] that the waves ask for, and (n,) rate at which they turn her."""
-        ahead, boat = self.ahead(), self.boat
+    def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and their rate of turn (n,) [rad/s]."""
+        ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
         felt = self.felt * mean_over(along * (0.5 * boat.length)) * mean_over(across * (0.5 * boat.breadth))
-        angle = self.phases(self.place, 0.0)
+        angle = self.wave_phases(self.place, 0.0)
         c, s = felt * np.cos(angle), felt * np.sin(angle)
         slope_up_port, slope_up_bow = -(across * s).sum(axis=1), -(along * s).sum(axis=1)
         yaw = -(across * along * c).sum(axis=1) * boat.length * self.boat.yawing
         return np.stack([c.sum(axis=1), slope_up_port, -slope_up_bow], axis=1), yaw
 
     def advance(self, helm: np.ndarray, throttle: np.ndarray, dt: float) -> None:
-        """One step of dt [s] with (n,) helm, -1 to 1, and throttle, 0 to 1; the oscillators are exact for waves that
-        are held over it."""
+        """Step by dt [s] with helm (n,), -1 to 1, and throttle (n,), 0 to 1; the oscillators are exact for waves held
+        over the step."""
         boat = self.boat
-        wanted, waving = self.driven()
+        wanted, waving = self.wave_forcing()
         self.helm += np.clip(helm * boat.rudder - self.helm, -boat.rudder_rate * dt, boat.rudder_rate * dt)
         pace = np.maximum(self.speed / boat.cruise, 0.05)
         target = boat.turning * pace * self.helm + waving
@@ -118,7 +118,7 @@ class Boats:
         self.state = wanted + c * off + s * swing
         self.velocity = -zeta * omega * (c * off + s * swing) + damped * (c * swing - s * off)
         self.heading = self.heading + self.yaw_rate * dt
-        self.place = self.place + self.ahead() * (self.speed * dt)[:, None]
+        self.place = self.place + self.bow_direction() * (self.speed * dt)[:, None]
         self.time += dt
 
 

@@ -1,10 +1,11 @@
 """Boats in closed-form seas as Gymnasium environments, one boat (`OceanEnv`) or many at once (`OceanVectorEnv`).
 
 Needs the extra `gym`. The same seed gives the same episodes, byte for byte. A boat observes the sine and cosine of her
-heading error, her speed over the one she holds, rates of yaw, roll and pitch, roll, pitch and heave, and the elevation
-under her bow now and in the seconds of AHEAD; she orders helm (-1 to 1, positive turns to port) and throttle (0 to 1).
-The reward of a step is 1 at the heading asked for, less 2 for a full turn away, less a little for the helm. Where she
-is and heads is in `info`. `gymnasium.make("ocean_sim.gym.environments:OceanSim/HoldHeading-v0")` makes them by name.
+heading error, her speed over her cruise, rates of yaw, roll and pitch, roll, pitch and heave, and the elevation under
+her bow now and in the seconds of LOOK_AHEAD_TIMES; she orders helm (-1 to 1, positive turns to port) and throttle (0 to
+1). The reward of a step is 1 at the heading asked for, less 2 for a full turn away, less a little for the helm. Her
+position and heading are in `info`. `gymnasium.make("ocean_sim.gym.environments:OceanSim/HoldHeading-v0")` makes them by
+name.
 """
 
 from dataclasses import replace
@@ -24,30 +25,30 @@ try:
 except ImportError:
     raise ImportError("ocean_sim.gym needs Gymnasium: pip install 'ocean-sim[gym]'") from None
 
-AHEAD = (1.0, 2.0, 3.0)  # [s]
-STEP = 0.1  # [s]
-LONGEST = 600  # steps of an episode
-COMPONENTS = 20
+LOOK_AHEAD_TIMES = (1.0, 2.0, 3.0)  # [s]
+TIME_STEP = 0.1  # [s]
+EPISODE_STEPS = 600
+WAVE_COUNT = 20
 MIN_PERIOD_AND_DEPTH = 1e-3  # period [s] and depth [m]
-OBSERVED = 9 + 1 + len(AHEAD)
-EFFORT = 0.05  # of the reward that full helm costs
-CAPSIZED = np.radians(60.0)
+OBSERVATION_SIZE = 9 + 1 + len(LOOK_AHEAD_TIMES)
+HELM_COST = 0.05  # of the reward, at full helm
+CAPSIZE_ANGLE = np.radians(60.0)
 
 
-def space() -> spaces.Box:
-    """Of the observations: none of them is bounded."""
-    return spaces.Box(-np.inf, np.inf, (OBSERVED,), np.float32)
+def observation_space() -> spaces.Box:
+    """Space of the observations, unbounded."""
+    return spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
 
 
-def orders() -> spaces.Box:
-    """Of the actions: helm and throttle."""
+def action_space() -> spaces.Box:
+    """Space of the actions: helm and throttle."""
     return spaces.Box(np.array([-1.0, 0.0], np.float32), np.array([1.0, 1.0], np.float32), (2,), np.float32)
 
 
-def spectrum(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
+def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
     """A random sea of few plane waves."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
-    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=COMPONENTS)
+    whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
     return replace(whole, amplitude=height * whole.amplitude)
 
 
@@ -70,10 +71,10 @@ class OceanVectorEnv(VectorEnv):
         number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
         self.num_envs = whole_number("num_envs", num_envs)
         self.boat, self.height, self.period, self.depth = boat or Boat(), height, period, depth
-        self.single_observation_space, self.single_action_space = space(), orders()
+        self.single_observation_space, self.single_action_space = observation_space(), action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.boats = Boats(self.boat, num_envs, COMPONENTS, depth)
+        self.boats = Boats(self.boat, num_envs, WAVE_COUNT, depth)
         self.asked, self.steps = np.zeros(num_envs), np.zeros(num_envs, int)
         self.done = np.zeros(num_envs, bool)
 
@@ -82,15 +83,15 @@ class OceanVectorEnv(VectorEnv):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         super().reset(seed=seed)
         self.begin(np.ones(self.num_envs, dtype=bool))
-        return self.observed(), self.info()
+        return self.observations(), self.info()
 
     def begin(self, which: np.ndarray) -> None:
-        """New seas, headings and speeds of some boats (n,)."""
+        """Start some boats, by a mask (n,), in new seas with new headings and speeds."""
         count = int(which.sum())
         random = self.np_random
         headings, seeds = random.uniform(0.0, 360.0, count), random.integers(0, 2**31, count)
         seas = [
-            spectrum(self.height, self.period, float(heading), self.depth, int(seed))
+            random_sea(self.height, self.period, float(heading), self.depth, int(seed))
             for heading, seed in zip(headings, seeds)
         ]
         self.boats.begin(which, seas, random.uniform(-np.pi, np.pi, count), self.boat.cruise)
@@ -106,16 +107,16 @@ class OceanVectorEnv(VectorEnv):
             raise ValueError(f"the action of boat {boat} is {actions[boat].tolist()}; helm and throttle are numbers")
         actions = np.clip(actions, [-1.0, 0.0], 1.0)
         again = self.done.copy()
-        self.boats.advance(actions[:, 0], actions[:, 1], STEP)
+        self.boats.advance(actions[:, 0], actions[:, 1], TIME_STEP)
         if again.any():
             self.begin(again)
         self.steps[~again] += 1
-        reward = np.cos(self.boats.heading - self.asked) - EFFORT * actions[:, 0] ** 2
-        over = np.abs(self.boats.angles).max(axis=1) > CAPSIZED
-        late = self.steps >= LONGEST
+        reward = np.cos(self.boats.heading - self.asked) - HELM_COST * actions[:, 0] ** 2
+        over = np.abs(self.boats.angles).max(axis=1) > CAPSIZE_ANGLE
+        late = self.steps >= EPISODE_STEPS
         over[again], late[again], reward[again] = False, False, 0.0
         self.done = over | late
-        return self.observed(), reward, over, late, self.info()
+        return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
         """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each known of every boat."""
@@ -123,12 +124,12 @@ class OceanVectorEnv(VectorEnv):
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}
 
-    def observed(self) -> np.ndarray:
-        """(n, OBSERVED)."""
+    def observations(self) -> np.ndarray:
+        """Observations (n, OBSERVATION_SIZE)."""
         boats, off = self.boats, self.boats.heading - self.asked
         motions = [np.sin(off), np.cos(off), boats.speed / self.boat.cruise, boats.yaw_rate]
         motions += [*boats.rates.T, *boats.angles.T, boats.heave]
-        looks = [boats.elevation_at_bow(ahead) for ahead in (0.0, *AHEAD)]
+        looks = [boats.elevation_at_bow(ahead) for ahead in (0.0, *LOOK_AHEAD_TIMES)]
         return np.stack([*motions, *looks], axis=1).astype(np.float32)
 
 
@@ -140,7 +141,7 @@ class OceanEnv(gymnasium.Env):
     def __init__(self, **keys: Any) -> None:
         """Keys of `OceanVectorEnv` but for their number."""
         self.many = OceanVectorEnv(1, **keys)
-        self.observation_space, self.action_space = space(), orders()
+        self.observation_space, self.action_space = observation_space(), action_space()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -148,7 +149,7 @@ class OceanEnv(gymnasium.Env):
         super().reset(seed=seed)
         self.many.np_random = self.np_random
         self.many.begin(np.ones(1, bool))
-        return self.many.observed()[0], self.info()
+        return self.many.observations()[0], self.info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])

@@ -22,31 +22,31 @@ except ImportError:
     raise ImportError("ocean_sim.gym.unit needs pythonfmu: pip install 'ocean-sim[fmi]'") from None
 
 USAGE = "usage: python -m ocean_sim.gym.unit [FOLDER]\nWrites OceanBoat.fmu into the folder, by default this one."
-COMPONENTS, DEPTH, STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
-IN = ("helm", "throttle")
-OUT = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
-GIVEN = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0, "seed": 0.0}
+WAVE_COUNT, WATER_DEPTH, MAX_STEP = 20, 50.0, 0.1  # waves, [m], and at most [s] at once
+INPUT_NAMES = ("helm", "throttle")
+OUTPUT_NAMES = ("surge", "sway", "heave", "roll", "pitch", "yaw", "speed", "elevation")
+PARAMETERS = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0, "seed": 0.0}
 
 
 class OceanBoat(Fmi2Slave):
-    """One boat; communication steps of any length are cut into steps of at most STEP."""
+    """One boat; communication steps of any length are cut into steps of at most MAX_STEP."""
 
     author = "Ocean Sim"
     description = "A boat in a random sea"
 
     def __init__(self, **keys: Any) -> None:
         super().__init__(**keys)
-        for name, value in GIVEN.items():
+        for name, value in PARAMETERS.items():
             setattr(self, name, value)
             cause = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
             self.register_variable(Real(name, **cause))
-        for names, causality in ((IN, Fmi2Causality.input), (OUT, Fmi2Causality.output)):
+        for names, causality in ((INPUT_NAMES, Fmi2Causality.input), (OUTPUT_NAMES, Fmi2Causality.output)):
             for name in names:
                 setattr(self, name, 0.0)
                 self.register_variable(Real(name, causality=causality))
 
     def exit_initialization_mode(self) -> None:
-        given = {name: float(getattr(self, name)) for name in GIVEN}
+        given = {name: float(getattr(self, name)) for name in PARAMETERS}
         sea = waves.Spectrum(
             significant_wave_height=given["significant_height"],
             peak_period=given["peak_period"],
@@ -54,28 +54,28 @@ class OceanBoat(Fmi2Slave):
             seed=int(given["seed"]),
         )
         boat = Boat()
-        self.boats = Boats(boat, 1, COMPONENTS, DEPTH)
-        components = sea.components(waves.heading_vector(sea.heading_deg, 3), DEPTH, count=COMPONENTS)
+        self.boats = Boats(boat, 1, WAVE_COUNT, WATER_DEPTH)
+        components = sea.components(waves.heading_vector(sea.heading_deg, 3), WATER_DEPTH, count=WAVE_COUNT)
         self.boats.begin(np.ones(1, dtype=bool), [components], np.zeros(1), boat.cruise)
-        self.tell()
+        self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """False, an error of the unit, where helm, throttle or the step is not a number, or the step goes back."""
         if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
             return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
-        count = max(1, int(np.ceil(step_size / STEP - 1e-9)))
+        count = max(1, int(np.ceil(step_size / MAX_STEP - 1e-9)))
         for _ in range(count):
             self.boats.advance(np.array([orders[0]]), np.array([orders[1]]), step_size / count)
-        self.tell()
+        self.set_outputs()
         return True
 
-    def tell(self) -> None:
-        """Set the outputs."""
+    def set_outputs(self) -> None:
+        """Set the output variables."""
         boats = self.boats
         (sway, surge), (roll, pitch) = boats.place[0].tolist(), boats.angles[0].tolist()
         motions = (surge, sway, boats.heave[0], roll, pitch, boats.heading[0], boats.speed[0])
-        for name, value in zip(OUT, (*motions, boats.elevation_at_bow(0.0)[0])):
+        for name, value in zip(OUTPUT_NAMES, (*motions, boats.elevation_at_bow(0.0)[0])):
             setattr(self, name, float(value))
 
 

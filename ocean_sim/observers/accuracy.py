@@ -1,20 +1,23 @@
-"""How well the water conserves density, energy and momentum, and how much each force gave or took."""
+"""Errors of density, energy and momentum of the water, and the impulse and work of each force."""
 
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ocean_sim.basin import Basin
 from ocean_sim.fluid import ParticleFluid, Totals, with_particles
 from ocean_sim.model import quantity
-from ocean_sim.observers.shared.checks import beyond, kept
+from ocean_sim.observers.shared.checks import distance_outside, surely_inside
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
-from ocean_sim.observers.shared.energy import Balance, kinetic, potential
-from ocean_sim.observers.shared.surface_fit import SurfaceFit
+from ocean_sim.observers.shared.energy import Balance, kinetic_energy, potential_energy
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
-TERMS = (
+if TYPE_CHECKING:
+    from ocean_sim.surface import Surface
+
+FORCE_TERMS = (
     "pressure",
     "viscosity",
     "wind",
@@ -29,13 +32,13 @@ TERMS = (
     "shifting",
     "breaking",
 )
-SOLVED_FOR = {
+SOLVER_ERRORS = {
     "density": "mean error of the density over the rest density",
     "divergence": "mean compression in a step over the rest density",
 }
-SOLVED = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
-MOST_ROWS = 1000  # of a step: where it is longer than as many rows, it has two, for the line between them says no more
-COLUMNS = (
+SOLVER_COLUMNS = ("iterations", "iterations_last", "error_last", "error_max", "unsolved")
+MAX_ROWS_PER_STEP = 1000  # a step that passes more rows has two: values between them lie on a line
+BALANCE_COLUMNS = (
     "compression_mean",
     "compression_max",
     "surface_deficit_mean",
@@ -46,6 +49,13 @@ COLUMNS = (
     *(f"momentum_{axis}_kg_m_s" for axis in "xyz"),
     *(f"angular_momentum_{axis}_kg_m2_s" for axis in "xyz"),
 )
+
+SURFACE_COLUMN_WIDTH = 2.0  # [spacings] at least, of a column in which the highest particle is looked for
+SURFACE_MEANING: dict[str, object] = {
+    "surface_offset": "mean height of the surface over the highest particle of every column two spacings wide, half a "
+    "spacing above its centre; spray counts",
+    "surface_fit": "root of the mean square of the same",
+}
 
 
 class Config(PeriodicConfig):
@@ -64,52 +74,50 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer):
-    """accuracy.csv: errors and balances of the whole water, summed in float64; of water without particles there are
-    only the works that it counts and the time step."""
+    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. Water without particles has only
+    the works that it counts and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
-        self.sampled = Sampled(config.every, most=MOST_ROWS)
+        self.sampled = Sampled(config.every, most=MAX_ROWS_PER_STEP)
         self.gravity = np.array(simulation.basin.gravity)  # [m/s2]
-        self.pushing: list[str] = []
-        self.surface: SurfaceFit | None = None
-        if simulation.surface is not None:
-            self.surface = SurfaceFit(simulation.surface, simulation.basin, with_particles(simulation.fluid))
+        self.impulse_terms: list[str] = []
+        self.surface = simulation.surface
         self.solvers: tuple[str, ...] = ()  # of a scheme that iterates
-        self.working = [term for term in TERMS if term in simulation.fluid.work]
+        self.work_terms = [term for term in FORCE_TERMS if term in simulation.fluid.work]
         meaning: dict[str, object] = {}
         if simulation.fluid.particles is not None:
             fluid = simulation.fluid
-            self.pushing = [term for term in TERMS if term in fluid.impulse]
+            self.impulse_terms = [term for term in FORCE_TERMS if term in fluid.impulse]
             water = with_particles(fluid)
-            self.at_start = potential(water.particles.mass, water.totals(), self.gravity)
-            self.balance = Balance(simulation, self.working)
+            self.at_start = potential_energy(water.particles.mass, water.totals(), self.gravity)
+            self.balance = Balance(simulation, self.work_terms)
             self.solvers = tuple(fluid.solvers)
-            meaning = self.meaning() | (self.surface.meaning if self.surface else {})
-        elif self.working:
+            meaning = self.column_meaning() | surface_meaning(self.surface)
+        elif self.work_terms:
             meaning = {"work": "energy given to a tile of the sea since the start, by what gives or takes it"}
         self.csv = CsvFile(
             folder / "accuracy.csv",
             heading(simulation, f"every {config.every:g} s, linear between steps", **meaning),
             [
                 "time_s",
-                *(COLUMNS if simulation.fluid.particles is not None else ()),
-                *(f"impulse_{term}_{axis}_Ns" for term in self.pushing for axis in "xyz"),
-                *(f"work_{term}_J" for term in self.working),
-                *(self.surface.columns if self.surface else ()),
+                *(BALANCE_COLUMNS if simulation.fluid.particles is not None else ()),
+                *(f"impulse_{term}_{axis}_Ns" for term in self.impulse_terms for axis in "xyz"),
+                *(f"work_{term}_J" for term in self.work_terms),
+                *(() if self.surface is None else ("surface_offset_m", "surface_fit_m", *self.surface.measured)),
                 *(("outside", "clipped") if simulation.fluid.particles is not None else ()),
-                *(f"{solver}_{what}" for solver in self.solvers for what in SOLVED),
+                *(f"{solver}_{name}" for solver in self.solvers for name in SOLVER_COLUMNS),
                 "time_step_s",
                 "limited_by",
             ],
         )
 
-    def meaning(self) -> dict[str, object]:
-        """What the columns mean."""
-        given = " + ".join(f"work_{term}" for term in self.balance.outer) or "0"
+    def column_meaning(self) -> dict[str, object]:
+        """Meaning of the columns, for the heading of the table."""
+        given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
-        means: dict[str, object] = {
+        meaning: dict[str, object] = {
             "compression": "max(density / rest density - 1, 0)",
             "surface_deficit": "max(1 - density / rest density, 0): particles near the surface miss neighbours",
             "potential_energy": f"zero in the first state, where it is {self.at_start:.9g} J from y = 0",
@@ -121,43 +129,46 @@ class Accuracy(Observer):
             "clipped": "particles that motion_limit held back since the start",
         }
         for solver in self.solvers:
-            means[solver] = (
-                f"its solver: iterations since the start and in the last step, {SOLVED_FOR[solver]} that the last step "
-                "ended with and the worst since the start, steps that ended at the limit of iterations"
+            meaning[solver] = (
+                f"its solver: iterations since the start and in the last step, {SOLVER_ERRORS[solver]} that the last "
+                "step ended with and the worst since the start, steps that ended at the limit of iterations"
             )
-        return means
+        return meaning
 
     def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
-        """The numbers of COLUMNS, then impulses and works."""
+        """Values of BALANCE_COLUMNS, then impulses and works."""
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work = fluid.impulse, fluid.work
-        moving, internal = kinetic(mass, totals), fluid.internal_energy()
-        gained = potential(mass, totals, self.gravity) - self.at_start
+        motion, internal = kinetic_energy(mass, totals), fluid.internal_energy()
+        gained = potential_energy(mass, totals, self.gravity) - self.at_start
         return [
             totals.compression / n,
             totals.most_compressed,
             totals.deficit / n,
-            moving,
+            motion,
             gained,
             internal,
-            self.balance.residual(moving + gained + internal, gained, work),
+            self.balance.residual(motion + gained + internal, gained, work),
             *(mass * totals.velocity),
             *(mass * totals.turning),
-            *(component for term in self.pushing for component in impulse[term]),
-            *(work[term] for term in self.working),
+            *(component for term in self.impulse_terms for component in impulse[term]),
+            *(work[term] for term in self.work_terms),
         ]
 
     def observe(self, simulation: Simulation) -> None:
         fluid = simulation.fluid
-        values = [fluid.work[term] for term in self.working] if fluid.particles is None else []
+        values = [fluid.work[term] for term in self.work_terms] if fluid.particles is None else []
         counts: tuple[float, ...] = ()
         if fluid.particles is not None:
             water = with_particles(fluid)
             totals = water.totals()
-            values = self.balances(water, totals) + (self.surface.values() if self.surface else [])
+            values = self.balances(water, totals)
+            if self.surface is not None:
+                values += [*surface_fit(self.surface, highest_particles(simulation.basin, water))]
+                values += self.surface.measures()
             outside = 0
-            if not kept(totals, simulation.basin):
-                away = beyond(water.particles.position.to_numpy(), simulation.basin, simulation.time)
+            if not surely_inside(totals, simulation.basin):
+                away = distance_outside(water.particles.position.to_numpy(), simulation.basin, simulation.time)
                 outside = int(np.count_nonzero(away))
             counts = (outside, fluid.status.clipped)
             for name in self.solvers:
@@ -169,3 +180,31 @@ class Accuracy(Observer):
 
     def close(self) -> None:
         self.csv.close()
+
+
+def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
+    """(m, 3) points [m] half a spacing above the highest particle of every column that holds any, of two equally high
+    the one stored later; a particle beyond the basin belongs to the nearest column."""
+    x = fluid.particles.snapshot().position
+    lower, size = np.array(basin.lower)[[0, 2]], np.subtract(basin.upper, basin.lower)[[0, 2]]
+    counts = np.maximum(1, (size / (SURFACE_COLUMN_WIDTH * fluid.spacing) + 1.0e-6).astype(int))
+    # Sides in the precision of the positions: a particle on the border of two columns lies in the same one as ever.
+    lower, size = (side.astype(x.dtype).astype(float) for side in (lower, np.where(size > 0.0, size, 1.0)))
+    cell = np.clip(((x[:, [0, 2]].astype(float) - lower) / size * counts).astype(int), 0, counts - 1)
+    upwards = x[:, 1].argsort(kind="stable")
+    highest = np.full(counts.prod(), -1)
+    highest[cell[upwards] @ [counts[1], 1]] = upwards  # the last that is assigned stays
+    return x[highest[highest >= 0]].astype(float) + [0.0, 0.5 * fluid.spacing, 0.0]
+
+
+def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
+    """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
+    away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
+    return float(away.mean()), float(np.sqrt(np.square(away).mean()))
+
+
+def surface_meaning(surface: "Surface | None") -> dict[str, object]:
+    """Meaning of the columns of a surface: its fit to the particles, and its own measurements."""
+    if surface is None:
+        return {}
+    return SURFACE_MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}

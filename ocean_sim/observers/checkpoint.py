@@ -1,5 +1,4 @@
-"""Keeps everything that a run needs to continue: at simulated and wall-clock intervals, at the end, and when it is
-stopped; `ocean-sim resume` reads it."""
+"""Checkpoints, from which `ocean-sim resume` continues a run: at intervals, at the end, and when the run is stopped."""
 
 import signal
 import threading
@@ -17,8 +16,8 @@ from ocean_sim.state import checkpoint_file
 from ocean_sim.state.fields import FieldContents
 from ocean_sim.state.snapshot import Restorer, Snapshot
 
-KEPT = 2  # files: the newest, and the one before in case the newest is damaged
-STOPS = (signal.SIGINT, signal.SIGTERM)
+KEPT_FILES = 2  # the newest, and the one before in case the newest is damaged
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Config(PeriodicConfig):
@@ -27,44 +26,44 @@ class Config(PeriodicConfig):
     every: float = quantity("s", 1.0, gt=0.0)
     """Simulated time between checkpoints."""
     wall_every: float | None = quantity("s", None, gt=0.0)
-    """Wall-clock time after which one is due, too; null: none."""
+    """Wall-clock time between checkpoints, too; null: none."""
 
     def build(self, folder: Path, simulation: Simulation) -> "Checkpoint":
         return Checkpoint(self, folder, simulation)
 
 
 class Checkpoint(Observer):
-    """checkpoint_<time>.h5, the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then stop the run; a
-    second one stops it at once. It takes the last turn, when the other observers have finished with the step."""
+    """Writes checkpoint_<time>.h5 and keeps the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then
+    stop the run; a second one stops it at once. It takes the last turn, after the other observers."""
 
-    left_out = ("contents", "written", "asked", "before")
+    left_out = ("contents", "last_write", "stop_requested", "handlers")
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.folder, self.simulation = config, folder, simulation
         self.multiples = Multiples(config.every)
         self.names: list[str] = []  # of the files that are kept
         self.contents = FieldContents()
-        self.written = perf_counter()  # when the last one was [s]
-        self.asked = False  # whether the run has been asked to stop
-        self.before: dict[int, Any] | None = None  # the handlers of signals before
+        self.last_write = perf_counter()  # wall time of the last file [s]
+        self.stop_requested = False
+        self.handlers: dict[int, Any] | None = None  # of signals, before this run
 
     def observe(self, simulation: Simulation) -> None:
-        if self.before is None:
-            self.listen()
+        if self.handlers is None:
+            self.install_handlers()
         due = bool(self.multiples.reached(simulation.time)) or simulation.time >= simulation.scene.duration
-        late = self.config.wall_every is not None and perf_counter() - self.written >= self.config.wall_every
-        if due or late or self.asked:
-            self.keep()
-        if self.asked:
+        late = self.config.wall_every is not None and perf_counter() - self.last_write >= self.config.wall_every
+        if due or late or self.stop_requested:
+            self.write_state()
+        if self.stop_requested:
             raise KeyboardInterrupt
 
-    def keep(self) -> None:
-        """Write the state that the simulation is in, and delete all files but the newest."""
+    def write_state(self) -> None:
+        """Write the present state, and delete all files but the newest."""
         simulation = self.simulation
         name = checkpoint_file.checkpoint_name(simulation.time)
-        self.names = [*(kept for kept in self.names if kept != name), name][-KEPT:]
+        self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
         taken = Snapshot(roots(simulation), self.folder, self.contents)
-        made, scene = maker(simulation), simulation.scene.resolved()
+        made, scene = program_facts(simulation), simulation.scene.resolved()
         checkpoint_file.write_checkpoint(
             checkpoint_file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays),
             self.folder,
@@ -72,33 +71,33 @@ class Checkpoint(Observer):
         for path in checkpoint_file.checkpoint_files(self.folder):
             if path.name not in self.names:
                 path.unlink()
-        self.written = perf_counter()
+        self.last_write = perf_counter()
 
-    def listen(self) -> None:
-        """From now on, handle the signals that stop a run."""
-        self.before = {}
+    def install_handlers(self) -> None:
+        """Handle the signals that stop a run from now on."""
+        self.handlers = {}
         if threading.current_thread() is threading.main_thread():
-            self.before = {number: signal.signal(number, self.stop) for number in STOPS}
+            self.handlers = {number: signal.signal(number, self.handle_signal) for number in STOP_SIGNALS}
 
-    def stop(self, number: int, frame: FrameType | None) -> None:
-        """What a signal does."""
-        if self.asked or self.simulation.outcome != "running":
+    def handle_signal(self, number: int, frame: FrameType | None) -> None:
+        """Stop after the step on the first signal, at once on the second."""
+        if self.stop_requested or self.simulation.outcome != "running":
             raise KeyboardInterrupt
-        self.asked = True
+        self.stop_requested = True
 
     def close(self) -> None:
-        for number, handler in (self.before or {}).items():
+        for number, handler in (self.handlers or {}).items():
             signal.signal(number, handler)
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Where the walk over a run begins: observers that the scene does not name are no part of it."""
+    """Objects from which the walk over a run begins; observers that the scene does not name are no part of it."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
-def maker(simulation: Simulation) -> dict[str, Any]:
-    """What the bytes of a run depend on apart from its scene."""
+def program_facts(simulation: Simulation) -> dict[str, Any]:
+    """Packages, backend and sources on which the bytes of a run depend."""
     return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
@@ -108,9 +107,9 @@ def versions() -> dict[str, str | None]:
 
 
 def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
-    """Put a simulation that was built of the same scene into the state of a checkpoint, its files in `folder`.
+    """Put a simulation that was built from the same scene into the state of a checkpoint, with its files in `folder`.
 
-    `changed`: how this program differs from the one that made it, which every table then states where it goes on.
+    `changed`: differences of this program from that of the checkpoint, which every table states where it goes on.
     Raises Mismatch; then nothing in the folder has changed, and the simulation is of no use.
     """
     named = dict(zip(simulation.scene.observers, simulation.observers))

@@ -1,5 +1,5 @@
-"""Keeps what a picture or an export needs: particles, the height of the water, its surface, and where the ships are;
-one file a frame. The names of a ship's arrays begin with the key of the ship."""
+"""Frames for pictures and exports: particles, height and surface of the water, and poses of ships, one file a frame.
+The names of a ship's arrays begin with the key of the ship."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from ocean_sim.surface import Mesh
 
 
-SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, how far foam was carried, velocity; foam
+SURFACE_FIELDS = 6 + foam.FLECKS_PER_CELL**2  # elevation, displacement of foam, velocity; foam
 BYTES_PER_PARTICLE = 32  # position, velocity, id and pressure
-FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # for which foam is made before a run begins
-FOAM_LEAD_STEP = 0.25  # [s] of it
-TOPMOST = 1.2  # [spacings] under the surface: the particles that carry foam
-MANY = 20_000_000  # points of a frame: more are a slip
-LARGE = 2.0e9  # bytes that are worth a warning
+FOAM_LEAD_SECONDS = 2.0 * foam.FADE_SECONDS  # of sea before a run begins, from which its first foam comes
+FOAM_LEAD_STEP = 0.25  # [s] between two moments of it
+FOAM_LAYER_DEPTH = 1.2  # [spacings] under the surface, of the particles that carry foam
+MAX_POINTS = 20_000_000  # of a frame
+WARNING_BYTES = 2.0e9  # of all frames
 
 
 class Config(PeriodicConfig):
@@ -48,22 +48,24 @@ class Config(PeriodicConfig):
     particles: bool = True
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
-    def points(self, preflight: Preflight) -> int:
-        """At which a frame keeps the height of the water."""
+    def point_count(self, preflight: Preflight) -> int:
+        """Number of points at which a frame keeps the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        points = self.points(preflight)
-        if points <= MANY:
+        points = self.point_count(preflight)
+        if points <= MAX_POINTS:
             return []
-        return [(("spacing",), f"a frame would keep {points:.3g} heights, at most {MANY:g}; give a larger one [m]")]
+        return [
+            (("spacing",), f"a frame would keep {points:.3g} heights, at most {MAX_POINTS:g}; give a larger one [m]")
+        ]
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """A warning where the frames of a long or large run would fill a disk."""
+        """A warning if the frames of a long or large run would fill a disk."""
         kept = preflight.particles if self.particles else 0
-        frame = 4 * SURFACE_FIELDS * self.points(preflight) + BYTES_PER_PARTICLE * kept
+        frame = 4 * SURFACE_FIELDS * self.point_count(preflight) + BYTES_PER_PARTICLE * kept
         size = frame * (preflight.duration / self.every + 1.0)
-        if size < LARGE:
+        if size < WARNING_BYTES:
             return []
         cure = "; frames.particles: false keeps only the surface" if kept else ""
         return [f"frames: about {size / 1e9:.1f} GB on disk at one frame every {self.every:g} s{cure}"]
@@ -73,7 +75,7 @@ class Config(PeriodicConfig):
 
 
 class Frames(Observer):
-    """frames/grid.npz once, then frames/frame_00000.npz and so on, each there whole or not at all."""
+    """Writes frames/grid.npz once, then frames/frame_00000.npz and so on, each by an atomic write."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.config, self.every = config, config.every
@@ -111,7 +113,7 @@ class Frames(Observer):
             every=config.every,
             obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
             **hulls,
-            **plane_waves(fluid),
+            **wave_arrays(fluid),
             has_surface=open_air,
         )
 
@@ -130,13 +132,13 @@ class Frames(Observer):
             known = waves.elevation(sea, points, simulation.time).reshape(self.shape)
             frame |= {"answer": frame["elevation"] - known, "origin": origin}
         if self.white is not None:
-            frame |= self.whitened(simulation, points, frame["elevation"], origin, snapshot)
-        elif (made := simulation.fluid.foam(points)) is not None:
-            frame["foam"] = made.reshape(self.shape)
+            frame |= self.foam_arrays(simulation, points, frame["elevation"], origin, snapshot)
+        elif (foam_share := simulation.fluid.foam(points)) is not None:
+            frame["foam"] = foam_share.reshape(self.shape)
         if simulation.surface is not None:
             mesh = simulation.surface.mesh()
             if origin.any():
-                mesh = unrolled(mesh, origin, simulation.basin.periods)
+                mesh = move_triangles(mesh, origin, simulation.basin.periods)
             frame |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
         wind = simulation.wind.drawing()
         if len(wind.tails):
@@ -151,12 +153,11 @@ class Frames(Observer):
             x = snapshot.position
             frame |= snapshot._asdict()
             frame["position"] = x + shifts(x, origin, simulation.basin.periods) if origin.any() else x
-        self.write(
-            f"frame_{self.count:05d}", time=simulation.time, **{key: single(array) for key, array in frame.items()}
-        )
+        arrays = {key: single_precision(array) for key, array in frame.items()}
+        self.write(f"frame_{self.count:05d}", time=simulation.time, **arrays)
         self.count += 1
 
-    def whitened(
+    def foam_arrays(
         self,
         simulation: Simulation,
         points: np.ndarray,
@@ -164,35 +165,35 @@ class Frames(Observer):
         origin: np.ndarray,
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
-        """The white water at the points, how far its grain has been carried, and the velocity of the surface; and the
-        cover that is called for, where the water does not know of crests that break."""
+        """White water at the points, displacement of its grain, and velocity of the surface; and the white share of the
+        sea, if the water has no model of breaking crests."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
         made = simulation.fluid.foam(points)
         if made is None and not self.white.started:
-            self.whiten_before(simulation, points)
+            self.whiten_past_sea(simulation, points)
         if snapshot is None:
             velocity = simulation.fluid.surface_velocities(points).reshape(*self.shape, 3)
         else:
-            top = elevation - TOPMOST * simulation.fluid.spacing
+            top = elevation - FOAM_LAYER_DEPTH * simulation.fluid.spacing
             velocity = topmost_velocity(snapshot, points, top, simulation.basin.periods)
         if made is None:
             sea = simulation.fluid.plane_waves
             wind = self.wind_speed or (0.0 if sea is None else wind_speed_from_sea(sea, simulation.time))
             due = self.white.due(simulation.time)
-            crests = self.crests(simulation, points, elevation, origin) if due else None
-            self.whiten(simulation.time, crests, velocity, wind)
+            crests = self.breaking_heights(simulation, points, elevation, origin) if due else None
+            self.advance_foam(simulation.time, crests, velocity, wind)
         else:
             self.white.advance(simulation.time, velocity[..., [0, 2]], made.reshape(self.shape))
         shown = {"foam": self.white.white, "carried": self.white.carried, "surface_velocity": velocity}
         return shown | ({"cover": np.array(self.white.cover)} if made is None else {})
 
-    def crests(
+    def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] of the sea that ships go through. Of what they do to it the steepest is the shape of
-        their hulls, and around these the foam of the whole sea would gather; their own is drawn with them."""
+        """Heights (nx, nz) [m] of the sea without its ships: foam of the whole sea would gather at the steep dents of
+        their hulls, and their own foam is drawn with them."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -207,9 +208,9 @@ class Frames(Observer):
         widest = 0.5 * max(size[0] for size in self.sizes) + self.cell.max()
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
-    def whiten_before(self, simulation: Simulation, points: np.ndarray) -> None:
-        """What a sea in closed form, which is there from the beginning, has made white in the seconds before: else all
-        that is called for would be born at once, in a stripe along the highest crest."""
+    def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
+        """Whiten a sea in closed form over the seconds before the run: all of its foam would else begin at once, in a
+        stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -217,42 +218,42 @@ class Frames(Observer):
         for time in begins + np.arange(-FOAM_LEAD_SECONDS, 0.0, FOAM_LEAD_STEP):
             elevation = waves.elevation(sea, points, time).reshape(self.shape)
             velocity = waves.surface_velocity(sea, points, float(time)).reshape(*self.shape, 3)
-            self.whiten(time, elevation, velocity, wind)
+            self.advance_foam(time, elevation, velocity, wind)
 
-    def whiten(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Bring the white water to a time [s], at which water of these heights (nx, nz) [m], None where none is due,
-        moves at (nx, nz, 3) [m/s]; as much of it as a wind [m/s] calls for."""
+    def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
+        """Advance the white water to a time [s] in a velocity (nx, nz, 3) [m/s]; it begins at the crests of heights
+        (nx, nz) [m], unless these are None, as much as a wind [m/s] calls for."""
         assert self.white is not None
         source = None
-        if elevation is not None and velocity.any():  # the edge of a column of water that is let go does not break
+        if elevation is not None and velocity.any():  # a column before its release does not break
             source = foam.convergence(elevation, *self.cell)
         wanted = None if source is None else foam.wanted_cover(source, wind)
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z of the middle of the points [m] on a sea that answers to ships: by whole cells near that of the
-        ships, which are free to sail away; without any, and in 2-D, that of the basin."""
+        """(2,) x and z of the middle of the points [m]: on a sea that answers to ships, whole cells near their middle,
+        since they may sail away; else, and in 2-D, the middle of the basin."""
         if not (self.ships and self.cell.all()):
             return np.zeros(2)
         middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
         return self.cell * np.round(middle / self.cell)
 
     def resumed(self, changed: str) -> None:
-        """Delete frames that were made after the state from which the run continues."""
+        """Delete frames later than the state from which the run continues."""
         for path in self.folder.glob("frame_*.npz"):
             if int(path.stem.removeprefix("frame_")) >= self.count:
                 path.unlink()
 
     def write(self, name: str, **arrays: object) -> None:
-        file = BytesIO()  # a file on disk would be sought in and written to for every array
+        file = BytesIO()  # in memory: savez seeks and writes for every array
         np.savez(file, **arrays)  # type: ignore[arg-type]
         with atomic_write(self.folder / f"{name}.npz") as draft:
             draft.write_bytes(file.getbuffer())
 
 
 def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:
-    """What a picture of a ship needs apart from its hull: names of hull and shape, its helm from the centre of mass
-    in body axes [m] (nothing where none is named), and the share of its volume that is under water at rest."""
+    """Arrays of a ship for pictures, apart from her hull: look, helm from the centre of mass in body axes [m] (empty if
+    none is named), and share of her volume under water at rest."""
     scene, key = simulation.scene, key_of(ship.name)
     look = scene.ships[ship.name].look(scene.preflight)
     if look is None:
@@ -261,8 +262,8 @@ def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:
     return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
 
 
-def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
-    """A surface between periodic sides, its triangles put where they are nearest to an origin x, z [m]."""
+def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
+    """A surface between periodic sides, each triangle moved by periods to be nearest to an origin x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
     at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])
@@ -274,9 +275,9 @@ def unrolled(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh
 
 
 def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(nx, nz, 3) the mean velocity [m/s] of the particles over a height (nx, nz) [m] in the cell of each point, or
-    where there is none in the cells around it."""
-    high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # the others lie under all of them
+    """(nx, nz, 3) mean velocity [m/s] of the particles above a height (nx, nz) [m] in the cell of each point, or in the
+    cells around it if it has none."""
+    high = np.flatnonzero(snapshot.position[:, 1] > top.min())  # all others lie lower
     x = snapshot.position.take(high, axis=0).astype(float)
     if any(period):
         x = x + shifts(x, 0.5 * (points[0] + points[-1]), period)
@@ -288,12 +289,12 @@ def topmost_velocity(snapshot: "Snapshot", points: np.ndarray, top: np.ndarray, 
     at, v = at.take(above), snapshot.velocity.take(high.take(above), axis=0)
     count = np.bincount(at, minlength=nx * nz).reshape(nx, nz)
     parts = [np.bincount(at, weights=v[:, axis], minlength=nx * nz).reshape(nx, nz) for axis in range(3)]
-    return filled(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
+    return fill_unknown(np.stack(parts, axis=-1) / np.maximum(count, 1)[..., None], count > 0)
 
 
-def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """(nx, nz, m) values, those that are not known (nx, nz) as the mean of the known ones of the eight cells around
-    them; 0 where all these are unknown."""
+def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(nx, nz, m) values, each unknown one (nx, nz) replaced by the mean of the known ones of the eight cells around
+    it; 0 if all of these are unknown."""
     from scipy.ndimage import uniform_filter
 
     if known.all():
@@ -303,8 +304,8 @@ def filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.where(known[..., None], values, around)
 
 
-def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
-    """The waves of water in closed form, by which a picture goes on with them beyond the basin."""
+def wave_arrays(fluid: Fluid) -> dict[str, np.ndarray]:
+    """Arrays of the waves of water in closed form, for pictures beyond the basin."""
     sea = fluid.plane_waves
     if sea is None:
         return {}
@@ -317,6 +318,6 @@ def plane_waves(fluid: Fluid) -> dict[str, np.ndarray]:
     return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})
 
 
-def single(array: np.ndarray) -> np.ndarray:
+def single_precision(array: np.ndarray) -> np.ndarray:
     """Floating-point numbers in single precision, which is plenty for a picture; anything else as it is."""
     return array.astype(np.float32, copy=False) if array.dtype.kind == "f" else array

@@ -1,11 +1,9 @@
-"""Gauges: the height of the water and its pressure at points that are fixed, or ride with the ships or the patch of
-open sea; read from the fluid, never from a drawn surface.
+"""Gauges: height and pressure of the water at points that are fixed, or ride with the ships or the patch of open sea.
 
-A pressure sensor may have a face: what it reads then is the mean over a disc, in 2-D over a segment. The mean is
-that of SEGMENT equal parts of the segment, by their middles: exact for what is linear along it. In 3-D it is that of
-the DISC points of two rings, each of which stands for an equal area of the disc and lies at the root mean square
-radius of its ring's area: exact for what is quadratic across it, too. Points that are dry read 0: times the area of the
-face the mean is the force on it.
+Gauges read the fluid, never a drawn surface. A pressure sensor with a face reads the mean over a disc, in 2-D over a
+segment. The mean over a segment is the mean of the middles of SEGMENT_POINTS equal parts, exact for a linear pressure.
+The mean over a disc is the mean of DISC_POINTS points of equal areas on two rings, each at the root mean square radius
+of its ring's area, exact for a quadratic pressure. A dry point reads 0, so the mean times the face's area is its force.
 """
 
 from collections.abc import Sequence
@@ -15,7 +13,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from ocean_sim.basin import ROUNDING, Basin, Corners
+from ocean_sim.basin import BOX_ROUNDING, Basin, Corners
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
@@ -26,24 +24,24 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Column = Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=2)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 
-SEGMENT = 9  # points of a sensor in 2-D
-RINGS = (6, 12)  # points on the rings of a sensor in 3-D
-DISC = sum(RINGS)
-RIDING = " from the middle of what it rides with"
+SEGMENT_POINTS = 9  # points of a sensor in 2-D
+RING_POINTS = (6, 12)  # points on the rings of a sensor in 3-D
+DISC_POINTS = sum(RING_POINTS)
+RIDING_PHRASE = " from the middle of what it rides with"
 
 
 class Wave(Model):
-    """A gauge of the height of the water that may ride."""
+    """A gauge of the height of the water, which may ride."""
 
     at: Column = quantity("m")
-    """Where it is [x, z]; in 2-D [x]."""
+    """Place [x, z]; in 2-D [x]."""
     rides: bool = False
-    """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
-    does not turn with them."""
+    """True: `at` is counted from the middle of the ships, or of a patch of open sea without ships, and moves with it
+    without turning."""
 
 
 class Sensor(Model):
-    """A pressure sensor with a face of some size, flush with a wall, or one that rides."""
+    """A pressure sensor, which may have a face flush with a wall, and may ride."""
 
     at: Point = quantity("m")
     """The middle of its face [x, y, z]; in 2-D [x, y]."""
@@ -53,45 +51,45 @@ class Sensor(Model):
     """The direction in which its face looks, a vector of any length; by default straight away from the nearest side,
     bed, lid or face of a fixed obstacle, so that the sensor is flush with it."""
     rides: bool = False
-    """Whether `at` is seen from the middle of the ships, or of a patch of open sea that has none, and goes with it; it
-    does not turn with them."""
+    """True: `at` is counted from the middle of the ships, or of a patch of open sea without ships, and moves with it
+    without turning."""
 
-    def facing(self, basin: Basin) -> np.ndarray | None:
-        """(3,) unit vector across its face; None where nothing says."""
+    def face_normal(self, basin: Basin) -> np.ndarray | None:
+        """(3,) unit normal of its face; None if nothing determines one."""
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
         flats = [(side.axis, side.position) for side in basin.sides]
-        axis = nearest(in_space(self.at), flats, basin.fixed)
+        axis = nearest_axis(in_space(self.at), flats, basin.fixed)
         return None if axis is None else np.eye(3)[axis]
 
-    def points(self, basin: Basin) -> np.ndarray:
-        """(n, 3) whose mean it reads [m]: its middle alone where it has no size."""
-        middle, across = in_space(self.at), self.facing(basin)
+    def face_points(self, basin: Basin) -> np.ndarray:
+        """(n, 3) points [m] whose mean pressure it reads: its middle alone without a diameter."""
+        middle, across = in_space(self.at), self.face_normal(basin)
         if not self.diameter or across is None:
             return middle[None]
         if basin.dimension == 2:
             along = np.array([-across[1], across[0], 0.0])
-            return middle + self.diameter * ((np.arange(SEGMENT) + 0.5) / SEGMENT - 0.5)[:, None] * along
+            return middle + self.diameter * ((np.arange(SEGMENT_POINTS) + 0.5) / SEGMENT_POINTS - 0.5)[:, None] * along
         first = np.cross(across, np.eye(3)[np.abs(across).argmin()])
         first /= np.linalg.norm(first)
-        return middle + 0.5 * self.diameter * disc() @ np.stack([first, np.cross(across, first)])
+        return middle + 0.5 * self.diameter * disc_points() @ np.stack([first, np.cross(across, first)])
 
 
-def disc() -> np.ndarray:
-    """(DISC, 2) points whose mean is that over a disc of radius 1."""
+def disc_points() -> np.ndarray:
+    """(DISC_POINTS, 2) points whose mean is that over a disc of radius 1."""
     rings, within = [], 0
-    for count in RINGS:
-        radius = ((within + 0.5 * count) / DISC) ** 0.5  # of the ring's share of the area, in the root mean square
+    for count in RING_POINTS:
+        radius = ((within + 0.5 * count) / DISC_POINTS) ** 0.5  # root mean square radius of the ring's area
         angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
         rings.append(radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
         within += count
     return np.concatenate(rings)
 
 
-def nearest(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
-    """The axis across the nearest of flat sides (axis and position [m]) and of the faces of boxes; of several equally
-    near the first; None where there are none."""
+def nearest_axis(point: np.ndarray, flats: Sequence[tuple[int, float]], boxes: Sequence[Corners]) -> int | None:
+    """The axis across the nearest of flat sides (axis and position [m]) and faces of boxes, the first of equally near
+    ones; None without any."""
     found = [(abs(point[axis] - position), axis) for axis, position in flats]
     for low, high in boxes:
         beyond = np.maximum(np.maximum(np.array(low) - point, point - np.array(high)), 0.0)
@@ -119,10 +117,10 @@ class Config(PeriodicConfig):
         return self
 
     def problems(self, preflight: Preflight) -> Problems:
-        return self.misplaced(preflight.tank)
+        return self.misplaced_gauges(preflight.tank)
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        return [(key, sentence) for key in self.riding if (sentence := unridden(preflight))]
+        return [(key, sentence) for key in self.riding_gauges if (sentence := riding_problem(preflight))]
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, misread = super().warnings(preflight), preflight.fluid.misread
@@ -133,43 +131,43 @@ class Config(PeriodicConfig):
         return [*found, misread] if self.pressure and misread else found
 
     @property
-    def riding(self) -> list[Key]:
-        """The gauges that ride."""
+    def riding_gauges(self) -> list[Key]:
+        """Keys of the gauges that ride."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
-    def misplaced(self, basin: Basin) -> Problems:
-        """What is wrong with the points in this basin."""
+    def misplaced_gauges(self, basin: Basin) -> Problems:
+        """Gauges that cannot read in this basin, and why not."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
         points |= {key: (sensor.at, "xyz") for key, sensor in sensors.items()}
-        found = [(key, misplaced(point, axes, basin)) for key, (point, axes) in points.items()]
+        found = [(key, outside_reason(point, axes, basin)) for key, (point, axes) in points.items()]
         right = {key for key, sentence in found if sentence is None}
-        found += [(key, ill_faced(sensor, basin)) for key, sensor in sensors.items() if key in right]
+        found += [(key, face_problem(sensor, basin)) for key, sensor in sensors.items() if key in right]
         if self.elevation and basin.periods[1] > 0.0:
             found.append((("elevation",), "a basin that is periodic along y has no surface"))
         return [(key, sentence) for key, sentence in found if sentence is not None]
 
     @property
     def waves(self) -> dict[str, Wave]:
-        """Those of elevation, a point as one that does not ride."""
+        """Gauges of elevation; a bare point is a fixed gauge."""
         return {n: w if isinstance(w, Wave) else Wave(at=w) for n, w in self.elevation.items()}
 
     @property
     def sensors(self) -> dict[str, Sensor]:
-        """Those of pressure, a point as one without size."""
+        """Pressure sensors; a bare point is a sensor without a face."""
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
     def build(self, folder: Path, simulation: Simulation) -> "Gauges":
-        problems = self.misplaced(simulation.basin)
+        problems = self.misplaced_gauges(simulation.basin)
         if problems:
             raise ValueError("; ".join(f"gauges.{'.'.join(map(str, key))}: {text}" for key, text in problems))
         return Gauges(self, folder, simulation)
 
 
-def unridden(preflight: Preflight) -> str | None:
-    """Why no gauge can ride in a scene, or None."""
+def riding_problem(preflight: Preflight) -> str | None:
+    """The reason that no gauge can ride in a scene, or None."""
     if preflight.tank.sea is not None:
         return None
     if preflight.fluid.made_of_particles:
@@ -177,8 +175,8 @@ def unridden(preflight: Preflight) -> str | None:
     return None if preflight.ships else "there is no ship that it could ride with; leave rides out"
 
 
-def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
-    """Why there is no water to measure at this point, or None; an open basin has no upper end."""
+def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
+    """The reason that a point is outside the water, or None; an open basin has no upper end."""
     wanted = axes if basin.dimension == 3 else axes.replace("z", "")
     if len(point) != len(wanted):
         slice_ = "" if basin.dimension == 3 else ", the basin is 2-D"
@@ -193,8 +191,8 @@ def misplaced(point: tuple[float, ...], axes: str, basin: Basin) -> str | None:
     return None
 
 
-def ill_faced(sensor: Sensor, basin: Basin) -> str | None:
-    """Why the face of a sensor, whose middle is in the basin, cannot be there, or None."""
+def face_problem(sensor: Sensor, basin: Basin) -> str | None:
+    """The reason that a sensor cannot have such a face, or None; its middle must be in the basin."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -202,84 +200,83 @@ def ill_faced(sensor: Sensor, basin: Basin) -> str | None:
         return "a normal of length 0 points nowhere"
     if not sensor.diameter:
         return None
-    across = sensor.facing(basin)
+    across = sensor.face_normal(basin)
     if across is None:
         return "no wall is near that the sensor could be flush with; give its normal"
-    reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - ROUNDING, 0.0)
+    reach = np.maximum(0.5 * sensor.diameter * np.sqrt(np.maximum(1.0 - across**2, 0.0)) - BOX_ROUNDING, 0.0)
     ends = [in_space(sensor.at) + way * reach for way in (-1.0, 1.0)]
-    if any(misplaced(tuple(end[: basin.dimension].tolist()), "xyz", basin) for end in ends):
+    if any(outside_reason(tuple(end[: basin.dimension].tolist()), "xyz", basin) for end in ends):
         return f"the face of {sensor.diameter:g} m about {list(sensor.at)} reaches out of the basin"
     return None
 
 
-def read_at(sensor: Sensor, points: int) -> str:
-    """Where a sensor reads so many points, for the heading of the table."""
-    place = f"{list(sensor.at)} m{RIDING if sensor.rides else ''}"
+def sensor_description(sensor: Sensor, points: int) -> str:
+    """Place and face of a sensor that reads so many points, for the heading of the table."""
+    place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
     return f"mean pressure over {sensor.diameter:g} m about {place}, of {points} points"
 
 
-def lowered(simulation: Simulation) -> dict[str, object]:
-    """How far the water's own weight lowers its surface, for the heading of the table; nothing where it does
-    not."""
+def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
+    """Lowering of the surface by the water's own weight, for the heading of the table; empty if there is none."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
     return {"hydrostatic_offset": f"the water's own weight lowers its level by {by}"}
 
 
-def above(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where no water stands above it, and none is
-    below it that ends there."""
+def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where its column is dry."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
-        heights = np.where(over & (heights >= low[1] - ROUNDING) & (heights < up[1]), up[1], heights)
+        heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)
     return heights
 
 
-def middle(simulation: Simulation) -> np.ndarray:
-    """(2,) x, z [m] of what gauges ride with."""
+def riding_centre(simulation: Simulation) -> np.ndarray:
+    """(2,) x, z [m] of the middle of the ships, or of the patch of open sea, with which gauges ride."""
     if simulation.ships:
         return np.mean([ship.body.position[[0, 2]] for ship in simulation.ships.values()], axis=0)
     return simulation.fluid.patch_centre
 
 
 class Gauges(Observer):
-    """gauges.csv: one column a gauge."""
+    """Writes gauges.csv, one column a gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
-        gauged = config.waves
-        self.columns = np.array([(*wave.at, 0.0)[:2] for wave in gauged.values()]).reshape(-1, 2)  # x, z [m]
+        waves = config.waves
+        self.columns = np.array([(*wave.at, 0.0)[:2] for wave in waves.values()]).reshape(-1, 2)  # x, z [m]
         sensors = config.sensors
-        faces = {name: sensor.points(simulation.basin) for name, sensor in sensors.items()}
+        faces = {name: sensor.face_points(simulation.basin) for name, sensor in sensors.items()}
         self.points = np.concatenate([np.zeros((0, 3)), *faces.values()])  # [m]
-        self.sizes = np.array([len(face) for face in faces.values()], dtype=int)  # how many of them are of each sensor
-        self.columns_ride = np.array([[wave.rides] for wave in gauged.values()], dtype=float).reshape(-1, 1)
+        self.sizes = np.array([len(face) for face in faces.values()], dtype=int)  # points of each sensor
+        self.columns_ride = np.array([[wave.rides] for wave in waves.values()], dtype=float).reshape(-1, 1)
         ride = [sensor.rides for sensor in sensors.values()]
-        self.points_ride = np.repeat(np.array(ride, dtype=float), self.sizes)[:, None]  # 1 of those that ride, else 0
-        self.ride = bool(config.riding)  # whether any does
+        self.points_ride = np.repeat(np.array(ride, dtype=float), self.sizes)[:, None]  # 1 where a point rides, else 0
+        self.any_rides = bool(config.riding_gauges)  # True if any gauge rides
         self.sampled = Sampled(config.every)
         meaning = {
-            f"{name}_m": f"elevation at {list(wave.at)} m{RIDING if wave.rides else ''}"
+            f"{name}_m": f"elevation at {list(wave.at)} m{RIDING_PHRASE if wave.rides else ''}"
             + (", over a dry obstacle its top" if simulation.basin.obstacles else "")
-            for name, wave in gauged.items()
+            for name, wave in waves.items()
         }
-        meaning |= {f"{name}_Pa": read_at(sensors[name], len(face)) for name, face in faces.items()}
+        meaning |= {f"{name}_Pa": sensor_description(sensors[name], len(face)) for name, face in faces.items()}
+        offset = hydrostatic_offset(simulation)
         self.csv = CsvFile(
             folder / "gauges.csv",
-            heading(simulation, f"every {config.every:g} s, linear between steps", **lowered(simulation), **meaning),
+            heading(simulation, f"every {config.every:g} s, linear between steps", **offset, **meaning),
             ["time_s", *meaning],
         )
 
     def observe(self, simulation: Simulation) -> None:
         fluid, parts = simulation.fluid, []
-        x, z = middle(simulation) if self.ride else (0.0, 0.0)
+        x, z = riding_centre(simulation) if self.any_rides else (0.0, 0.0)
         if len(self.columns):
             columns = self.columns + self.columns_ride * [x, z]
             heights = fluid.elevations(columns)
-            parts.append(above(simulation.basin.obstacles_at(simulation.time), columns, heights))
+            parts.append(dry_tops(simulation.basin.obstacles_at(simulation.time), columns, heights))
         if len(self.points):
             begins = np.cumsum(self.sizes) - self.sizes
             pressures = fluid.pressures(self.points + self.points_ride * [x, 0.0, z])

@@ -1,4 +1,4 @@
-"""What was run: the resolved scene, versions, backend and seed at the start; outcome and hashes at the end."""
+"""Resolved scene, versions, backend and seed at the start of a run; outcome and hashes at its end."""
 
 import hashlib
 import json
@@ -14,11 +14,21 @@ from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.machine import installed_version, program_hash
 from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
 
-PACKAGES = ("ocean-sim", kernel_library.LIBRARY_NAME, "numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
+PACKAGE_NAMES = (
+    "ocean-sim",
+    kernel_library.LIBRARY_NAME,
+    "numpy",
+    "scipy",
+    "pydantic",
+    "pyyaml",
+    "h5py",
+    "pyvista",
+    "vtk",
+)
 
 
 class Config(ObserverConfig):
-    """Nothing to choose: the manifest is written at the start and at the end."""
+    """No keys: the manifest is written at the start and at the end."""
 
     turn: ClassVar[int] = 2
     leaves: ClassVar[str] = "manifest.json"
@@ -28,9 +38,9 @@ class Config(ObserverConfig):
 
 
 class Manifest(OutcomeObserver):
-    """manifest.json: it holds no clock value, so equal runs leave equal files."""
+    """Writes manifest.json, without clock values, so that equal runs leave equal files."""
 
-    left_out = ("facts",)  # of the program that goes on
+    left_out = ("facts",)  # the program that goes on has its own
 
     def __init__(self, folder: Path, simulation: Simulation) -> None:
         self.path, self.simulation = folder / "manifest.json", simulation
@@ -41,7 +51,8 @@ class Manifest(OutcomeObserver):
             "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
             "inputs": simulation.scene.inputs(),
             "seed": simulation.scene.seed,
-            "versions": {"python": platform.python_version()} | {name: installed_version(name) for name in PACKAGES},
+            "versions": {"python": platform.python_version()}
+            | {name: installed_version(name) for name in PACKAGE_NAMES},
             "sources_sha256": program_hash(),
             "machine": {"system": platform.system(), "processor": platform.machine()},
             "backend": {"arch": backend.arch, "threads": backend.threads, "precision": backend.precision},
@@ -57,7 +68,7 @@ class Manifest(OutcomeObserver):
         self.write()
 
     def resumed(self, changed: str) -> None:
-        """Add the time at which the run was resumed to the earlier ones, and how the program had changed."""
+        """Add the time at which the run was resumed, and the change of the program since."""
         before, now = input_file.read_json(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
@@ -84,7 +95,7 @@ class Manifest(OutcomeObserver):
         self.close()
 
     def write(self) -> None:
-        """Write the manifest; what others have listed there since stays listed."""
+        """Write the manifest; files that others have listed there stay listed."""
         if before := run_files.read_manifest(self.path.parent):
             self.facts["files"] = sorted({*self.facts["files"], *run_files.listed_files(before)})
         write_facts(self.path, self.facts)
@@ -95,8 +106,8 @@ def sha256(data: bytes) -> str:
 
 
 def state_sha256(simulation: Simulation) -> str:
-    """Of final positions and velocities in the order of the particles' ids, so that storage order does not matter (of
-    water without particles, of its final heights along a diagonal of the basin), and of the ships."""
+    """Hash of final positions and velocities in the order of the particles' ids, and of the ships; of water without
+    particles, of its final heights along a diagonal of the basin."""
     particles = simulation.fluid.particles
     if particles is None:
         points = np.linspace(simulation.basin.lower, simulation.basin.upper, 101)[:, [0, 2]]

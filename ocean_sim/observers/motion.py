@@ -1,4 +1,4 @@
-"""The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every part of (4.27)."""
+"""The motion of each ship at a fixed rate: pose, rates, specific force at a point, and every load of (4.27)."""
 
 from functools import reduce
 from pathlib import Path
@@ -28,35 +28,35 @@ from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 if TYPE_CHECKING:
     from ocean_sim.ship.body.rigid_body import RigidBody
 
-LINES, TURNS = Motions._fields[:3], Motions._fields[3:]
-AXES = {
+LINEAR_MOTIONS, ROTATIONS = Motions._fields[:3], Motions._fields[3:]
+FRAME_AXES = {
     "ship": "right-handed, x to port, y up, z to the bow; world x and z horizontal, y up",
     "ned": "SNAME: x to the bow, y to starboard, z down; world x along our z, y along our -x, z down",
     "flu": "ISO 8855: x to the bow, y to port, z up; world x along our z, y along our x, z up",
 }
-MOMENTS = 100  # looked at together
+MOMENTS_PER_BATCH = 100  # whose rows are computed together
 MOMENT = Columns(time=1, position=3, orientation=4, acceleration=3, turning=3, spin=3, orders=2)  # then the load
 PLACE, QUATERNION = slice(MOMENT.position, MOMENT.acceleration), slice(MOMENT.orientation, MOMENT.acceleration)
 ACCELERATION, TURNING = slice(MOMENT.acceleration, MOMENT.turning), slice(MOMENT.turning, MOMENT.spin)
 SPIN = slice(MOMENT.spin, MOMENT.orders)
 
 
-def file_of(ship: str) -> str:
-    """The name of a ship's motion log."""
+def log_name(ship: str) -> str:
+    """File name of a ship's motion log."""
     return "motion.csv" if ship == ALONE else f"motion_{ship}.csv"
 
 
-def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Of a motion log, for a ship whose load has these parts."""
+def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
+    """Columns of the motion log of a ship whose load has these parts."""
     return (
         "time_s",
         "seq",
-        *(f"{name}_m" for name in LINES),
-        *(f"{name}_rad" for name in TURNS),
+        *(f"{name}_m" for name in LINEAR_MOTIONS),
+        *(f"{name}_rad" for name in ROTATIONS),
         *("qw", "qx", "qy", "qz"),
-        *(f"{name}_velocity_m_s" for name in LINES),
-        *(f"{name}_rate_rad_s" for name in TURNS),
-        *(f"{name}_acceleration_m_s2" for name in LINES),
+        *(f"{name}_velocity_m_s" for name in LINEAR_MOTIONS),
+        *(f"{name}_rate_rad_s" for name in ROTATIONS),
+        *(f"{name}_acceleration_m_s2" for name in LINEAR_MOTIONS),
         *(f"specific_force_{axis}_m_s2" for axis in "xyz"),
         *(
             f"{what}_{part}_{axis}_{unit}"
@@ -72,12 +72,12 @@ def columns(parts: tuple[str, ...]) -> tuple[str, ...]:
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "motion.csv"
     every: float = quantity("s", 0.01, gt=0.0)
-    """Simulated time between rows. Those within the last step of a run take what acted on the ship a step before; a run
-    that goes on has others there."""
+    """Simulated time between rows. Rows within the last step of a run use the load of the step before; a run that goes
+    on replaces them."""
     point: str | None = None
-    """The name in `points` of every ship where the specific force is felt; null: the centre of mass."""
+    """Name of a point, in `points` of every ship, of the specific force; null: the centre of mass."""
     frame: Frame = "ship"
-    """Axes that are written; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
+    """Axes of the columns; `ship`: ours, `ned` (SNAME) or `flu` (ISO 8855)."""
 
     def mismatches(self, preflight: Preflight) -> Problems:
         if not preflight.ships:
@@ -90,7 +90,7 @@ class Config(PeriodicConfig):
         return found
 
     def files_of(self, preflight: Preflight) -> tuple[str, ...]:
-        return tuple(file_of(name) for name in preflight.ships)
+        return tuple(log_name(name) for name in preflight.ships)
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         logs, [row] = self.files_of(preflight), super().ledger(preflight)
@@ -101,9 +101,9 @@ class Config(PeriodicConfig):
 
 
 class Motion(Observer):
-    """A log for each ship."""
+    """Writes a log for each ship."""
 
-    every = 0.0  # what acts on a ship at one time is known a step later
+    every = 0.0  # the load at one time is known a step later
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.simulation = simulation
@@ -119,9 +119,9 @@ class Motion(Observer):
 
 
 class Log:
-    """motion.csv, of one ship. A step begins with what acts on the hull, so that this is known of a time when the step
-    is over; of the last time it is that of the step before. Rows are worked out for many moments together, or at once
-    where an observer waits for each."""
+    """motion.csv of one ship. A step computes the load at its beginning, so that the load at a time is known when the
+    step is over; at the last time the load of the step before stands in. Rows are computed for many moments together,
+    or at once if an observer waits for each."""
 
     last: "tuple[float, RigidBody, tuple[float, float]] | None"  # the newest time, body and orders
 
@@ -131,9 +131,10 @@ class Log:
         self.arm = ship.points[config.point] if config.point else np.zeros(3)
         self.multiples, self.gravity = Multiples(config.every), np.array(simulation.basin.gravity)
         self.last = None
-        self.moments = np.zeros((MOMENTS, MOMENT.size + 6 * len(ship.parts)))  # seen since rows were written, and the
-        self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # one before: how many, and the velocity of the first
-        self.due: list[tuple[float, int]] = []  # times of rows [s], and which moment completes each
+        # Moments since the last row, and the one before it.
+        self.moments = np.zeros((MOMENTS_PER_BATCH, MOMENT.size + 6 * len(ship.parts)))
+        self.seen, self.velocity = 0, UNKNOWN_VELOCITY  # number of moments, and velocity at the first
+        self.due: list[tuple[float, int]] = []  # times of rows [s], and the moment that completes each
         self.number = 0
         head = heading(
             simulation,
@@ -144,17 +145,17 @@ class Log:
             velocities="of the time of their row: how fast positions and attitudes change then",
             damping="the reaction of added mass is part of damping",
         )
-        head |= {"frame": config.frame, "axes": AXES[config.frame]}
-        self.columns = columns(ship.parts)
-        self.handed_on = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))  # so many of them
-        self.csv = CsvFile(folder / file_of(ship.name), head, self.columns)
+        head |= {"frame": config.frame, "axes": FRAME_AXES[config.frame]}
+        self.columns = log_columns(ship.parts)
+        self.motion_columns = next(k for k, name in enumerate(self.columns) if name.startswith("force_"))
+        self.csv = CsvFile(folder / log_name(ship.name), head, self.columns)
 
     def observe(self, simulation: Simulation) -> None:
         self.complete(simulation)
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Take in what has acted on the ship since the newest time, and write rows."""
+        """Add the load at the newest time, which is known now, and write rows."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -164,20 +165,23 @@ class Log:
         self.due += [(k * self.multiples.every, self.seen) for k in self.multiples.reached(time)]
         self.seen += 1
         if self.seen == 1:
-            self.set_out(body, 0.5 * (simulation.time - time))
+            self.set_first_velocity(body, 0.5 * (simulation.time - time))
             self.write(simulation)
             self.velocity = UNKNOWN_VELOCITY
-        elif self.seen == MOMENTS or (self.due and any(taker.at_once for taker in takers(simulation, TakesMotion))):
+        elif self.seen == MOMENTS_PER_BATCH or (self.due and self.is_awaited(simulation)):
             self.write(simulation)
 
-    def set_out(self, body: "RigidBody", dt: float) -> None:
-        """At the first time the velocity is the mean of the one that the body has and that of the next step, of 2 dt
-        [s]."""
+    def is_awaited(self, simulation: Simulation) -> bool:
+        """True if an observer takes each row as soon as it is known."""
+        return any(taker.at_once for taker in takers(simulation, TakesMotion))
+
+    def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
+        """Velocity at the first time: the mean of the present one and that after the next step, of 2 dt [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
     def write(self, simulation: Simulation) -> None:
-        """Write the rows that are due, and keep the last moment, with which the next ones begin."""
+        """Write the rows that are due, and keep the last moment, the first of the next batch."""
         moments = self.moments[: self.seen]
         moments[:, QUATERNION] = short_way(moments[:, QUATERNION].T).T
         columns = moments[:, : MOMENT.size].T
@@ -187,28 +191,27 @@ class Log:
         if self.due:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
-            values = self.values(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
+            values = self.load_table(attitude_of(track), acceleration, turning, moments[:, MOMENT.orders :])
             motions, others = (
-                self.motions(between.interpolated_track()).T.tolist(),
+                self.motion_table(between.interpolated_track()).T.tolist(),
                 between.interpolated_values(values).tolist(),
             )
             rows = []
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
-            self.hand_on(rows, simulation)
+            self.hand_rows_on(rows, simulation)
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
 
-    def hand_on(self, rows: list[str], simulation: Simulation) -> None:
-        """Give rows, as the log shows them, to the observers that take them: what they make of them then is what they
-        would make of the file."""
+    def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
+        """Give rows to the observers that take them, rounded as in the file, so that both have the same results."""
         for observer in takers(simulation, TakesMotion):
-            cells = [row.split(",", self.handed_on)[: self.handed_on] for row in rows]
+            cells = [row.split(",", self.motion_columns)[: self.motion_columns] for row in rows]
             table = np.array([[float(number) for number in row] for row in cells]).T
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
-    def values(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) all columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
+    def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        """(n, m) columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -217,9 +220,9 @@ class Log:
         along = self.signs * acceleration.T  # positive as the frame's axes are
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
-    def motions(self, track: Track) -> np.ndarray:
-        """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles are of
-        the quaternion: by themselves they leap where a bow points straight up."""
+    def motion_table(self, track: Track) -> np.ndarray:
+        """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles follow
+        from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))

@@ -1,4 +1,4 @@
-"""What a motion platform would do: washout and leg lengths, one row for each row of the motion log."""
+"""Commands of a motion platform: washout and leg lengths, one row for each row of the motion log."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ocean_sim.observers.shared.csv_rows import CsvFile, TakesCommands, TakesMotion, takers
-from ocean_sim.platform import COLUMNS, LIMITS, Platform
-from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, as_logged, ride_of
+from ocean_sim.platform import LIMIT_TEXTS, PLATFORM_COLUMNS, Platform
+from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_interval
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
-FRAME = "flu"
-ROWS = 100  # answered together, where nobody waits for each
+PLATFORM_FRAME = "flu"
+ROWS_PER_BATCH = 100  # unless another observer waits for each
 
 
 class Config(ObserverConfig):
@@ -25,15 +25,15 @@ class Config(ObserverConfig):
         assert scene.platform is not None
         rate = self.interval(scene.preflight)
         observing = [config for config in scene.observers.values() if isinstance(config, ObserverConfig)]
-        at_once = any(self.name() in config.needs for config in observing)  # another waits for each row
-        logged = as_logged(rate)
+        at_once = any(self.name() in config.needs for config in observing)
+        logged = round_interval(rate)
         head = heading(logged) | {"seed": scene.seed}
-        csv = CsvFile(folder / "platform.csv", head, COLUMNS)
-        ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS * rate
+        csv = CsvFile(folder / "platform.csv", head, PLATFORM_COLUMNS)
+        ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS_PER_BATCH * rate
         return PlatformLog(csv, every, scene.platform.build(logged), simulation, ship)
 
 
-def heading(every: float, frame: str = FRAME) -> dict[str, object]:
+def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
     """The comment lines that every platform.csv begins with."""
     return {
         "frame": frame,
@@ -41,20 +41,20 @@ def heading(every: float, frame: str = FRAME) -> dict[str, object]:
         "pose": "from neutral; Rz(yaw) Ry(pitch) Rx(roll)",
         "felt": "specific force, gravity included, and rates on the platform in its own axes, by differences of the "
         "poses so far: accelerations are those of the row before, rates half a row late",
-        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMITS.items()),
+        "limited": "the sum of " + ", ".join(f"{bit} ({what})" for bit, what in LIMIT_TEXTS.items()),
         "rate": f"every {every:.9g} s",
     }
 
 
 class PlatformLog(Observer, TakesMotion):
-    """platform.csv, from the rows of the motion log: what `ocean-sim platform` would make of motion.csv later."""
+    """Writes platform.csv from the rows of the motion log, with the values that `ocean-sim platform` gets from it."""
 
     def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: Simulation, ship: str) -> None:
-        """`ship`: the name of the one that it rides in."""
+        """`ship`: name of the ship that carries the platform."""
         self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
         self.at_once = every == 0.0
-        self.new: list[dict[str, np.ndarray]] = []  # rows that are not answered yet
-        self.frame = FRAME  # theirs
+        self.new: list[dict[str, np.ndarray]] = []  # rows without commands yet
+        self.frame = PLATFORM_FRAME  # of the new rows
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         if ship == self.ship:
@@ -62,10 +62,10 @@ class PlatformLog(Observer, TakesMotion):
             self.frame = frame
 
     def observe(self, simulation: Simulation) -> None:
-        self.answer()
+        self.follow_new_rows()
 
-    def answer(self) -> None:
-        """Follow the rows that are new, write what the platform does, and hand it on."""
+    def follow_new_rows(self) -> None:
+        """Write the commands for the new rows, and hand them on."""
         if self.new:
             rows = {name: np.concatenate([row[name] for row in self.new]) for name in self.new[0]}
             commands = self.platform.follow(ride_of(rows, self.frame))
@@ -76,5 +76,5 @@ class PlatformLog(Observer, TakesMotion):
                 observer.take_commands(commands)
 
     def close(self) -> None:
-        self.answer()
+        self.follow_new_rows()
         self.csv.close()

@@ -27,7 +27,7 @@ from pydantic import Field, field_validator, model_validator
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
 from ocean_sim.model import Vector3, quantity
-from ocean_sim.observers import report
+from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
 from ocean_sim.pictures.frame_files import (
     Frame,
@@ -256,7 +256,7 @@ class Render(OutcomeObserver):
             print(f"no pictures: {problem}", file=sys.stderr)
         else:
             if (self.folder / "report.html").exists():
-                report.write_report(self.folder)
+                run_report.write_report(self.folder)
 
     def stop(self) -> None:
         if self.drawer is not None:

@@ -11,8 +11,8 @@ from ocean_sim.files.input_file import AnyFileName
 from ocean_sim.observers.shared.csv_rows import TakesCommands
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.platform import Commands, Platform
-from ocean_sim.platform.shared.datagrams import Sender, address, key_in
-from ocean_sim.platform.shared.packets import packets
+from ocean_sim.platform.shared.datagrams import Sender, parse_address, read_key
+from ocean_sim.platform.shared.packets import row_packets
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 
@@ -21,10 +21,10 @@ class Config(ObserverConfig):
     needs: ClassVar[tuple[str, ...]] = ("platform", "motion", "platform_log")
 
     to: str = "udp://127.0.0.1:5005"
-    """Where packets go; another machine only when it is named."""
+    """Address of the receiver; another machine only when it is named."""
     packets: Literal["ocean_sim", "openmotionsim", "floats", "text"] = "ocean_sim"
-    """Their format; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height; `floats`:
-    six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
+    """Format of packets; `ocean_sim`: poses and legs, and signed with a `key`; `openmotionsim`: angles and height;
+    `floats`: six motions for FlyPt Mover and SimHub; `text`: the same, a line of numbers, for SimTools."""
     frame: Literal["flu", "ned", "ship"] = "flu"
     """Axes of the poses; `flu` (ISO 8855), `ned` (SNAME) or `ship`: ours."""
     key: AnyFileName | None = None
@@ -33,7 +33,7 @@ class Config(ObserverConfig):
     @field_validator("to")
     @classmethod
     def _is_an_address(cls, value: str) -> str:
-        address(value)
+        parse_address(value)
         return value
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -42,7 +42,7 @@ class Config(ObserverConfig):
         if self.packets != "ocean_sim":
             return [(("key",), f"packets of {self.packets} have no place for a signature; take ocean_sim")]
         try:
-            key_in(self.key)
+            read_key(self.key)
         except ValueError as error:
             return [(("key",), str(error))]
         return []
@@ -55,18 +55,18 @@ class Config(ObserverConfig):
 
 
 class Stream(Observer, TakesCommands):
-    """Sends the rows of platform.csv. A run faster than real time is held back to it; a slower one stalls, and the
-    receiver holds its pose. At the end the platform returns to neutral."""
+    """Sends the rows of platform.csv. A run faster than real time waits; in a slower one the receiver holds its pose.
+    At the end the platform returns to neutral."""
 
     every = 0.0  # each row leaves as soon as it is known
 
     def __init__(self, config: Config, platform: Platform) -> None:
-        """`platform`: one at rest, which knows the way back to neutral."""
+        """`platform`: one at rest, for the way back to neutral."""
         self.config, self.platform = config, platform
-        self.new: list[Commands] = []  # rows that are not sent yet
+        self.new: list[Commands] = []  # rows to be sent
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
-        self.sender = Sender(config.to, config.packets, key_in(config.key) if config.key else b"")
+        self.sender = Sender(config.to, config.packets, read_key(config.key) if config.key else b"")
 
     def take_commands(self, rows: Commands) -> None:
         self.new.append(rows)
@@ -83,14 +83,14 @@ class Stream(Observer, TakesCommands):
         self.new = []
 
     def send(self, rows: Commands) -> None:
-        for packet in packets(rows, self.config.frame):
+        for packet in row_packets(rows, self.config.frame):
             self.sender.send(packet)
 
     def close(self) -> None:
         self.send_new()
         if len(self.past):
-            self.send(self.platform.settled(self.past[[0, -1]], self.time, self.seq))
+            self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()
-        back = "".join(f"; {told}" for told in (latency, self.sender.stopped()) if told)
+        back = "".join(f"; {told}" for told in (latency, self.sender.stop_report()) if told)
         print(f"stream to {self.config.to}: {self.sender.jitter()}{back}", file=sys.stderr, flush=True)
         self.sender.close()

@@ -24,7 +24,7 @@ class Config(PeriodicConfig):
 
 
 class Mark(NamedTuple):
-    """Wall and simulated time, and what each stage has taken so far [s]."""
+    """Wall and simulated time, and the wall time of each stage so far [s]."""
 
     wall: float
     time: float
@@ -35,17 +35,17 @@ class Mark(NamedTuple):
 class Timings(Observer):
     """Times the stages of every step; timings.csv has their means since the row before.
 
-    The first step compiles kernels: it is listed apart, as `first_step_s`, and no mean contains it.
+    The first step compiles kernels. It stands apart, as `first_step_s`, and no mean contains it.
     """
 
-    left_out = ("taken", "began", "first_step", "first_step_s", "start", "last", "end")  # what depends on a clock
+    left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last", "end")  # values of a clock
 
     def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
         self.multiples = Multiples(config.every)
         parts = {"surface": simulation.surface is not None, "ship": bool(simulation.ships)}
         self.names = ["wind", "fluid", *(name for name, there in parts.items() if there), "observers"]
-        self.taken: dict[str, float] = defaultdict(float)  # since the first step [s]
+        self.stage_times: dict[str, float] = defaultdict(float)  # since the first step [s]
         self.began: float | None = None
         self.first_step = simulation.steps  # number of the step that compiles
         self.first_step_s = float("nan")
@@ -53,12 +53,12 @@ class Timings(Observer):
         self.last: Mark | None = None
         self.end: Mark | None = None  # when the run was over
         self.csv: CsvFile | None = None
-        self.sync = waiting(simulation.backend.arch)
+        self.sync = synchronization(simulation.backend.arch)
         simulation.stage = self.stage  # type: ignore[method-assign, assignment]
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """What `simulation.stage` becomes while timings are taken."""
+        """Time a stage; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -66,25 +66,25 @@ class Timings(Observer):
         yield
         self.sync()
         if self.start is not None:
-            self.taken[name] += perf_counter() - entered
+            self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
         """Mark the end of the first step, where means begin."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
-            self.start = self.last = self.mark(now)
+            self.start = self.last = self.take_mark(now)
         elif self.began is None and name != "observers":
             self.began, self.first_step = now, self.simulation.steps
 
-    def mark(self, now: float) -> Mark:
-        return Mark(now, self.simulation.time, self.simulation.steps, dict(self.taken))
+    def take_mark(self, now: float) -> Mark:
+        return Mark(now, self.simulation.time, self.simulation.steps, dict(self.stage_times))
 
     def observe(self, simulation: Simulation) -> None:
         if self.multiples.reached(simulation.time):
-            self.row()
+            self.write_row()
 
-    def row(self) -> None:
-        now = self.mark(perf_counter())
+    def write_row(self) -> None:
+        now = self.take_mark(perf_counter())
         if self.folder is None or self.last is None or self.start is None or now.steps == self.last.steps:
             return
         if self.csv is None:
@@ -96,18 +96,18 @@ class Timings(Observer):
                     first_step_s=f"{self.first_step_s:.3f} (compiles or loads kernels; in no mean)",
                     wall_s="since the end of the first step",
                 ),
-                ["time_s", "steps", "wall_s", "real_time_factor", *(f"{s}_ms_per_step" for s in self.stages)],
+                ["time_s", "steps", "wall_s", "real_time_factor", *(f"{s}_ms_per_step" for s in self.stage_names)],
             )
-        factor, means = self.means(self.last, now)
+        factor, means = self.stage_means(self.last, now)
         self.csv.row([now.time, now.steps, now.wall - self.start.wall, factor, *means.values()])
         self.last = now
 
     @property
-    def stages(self) -> list[str]:
+    def stage_names(self) -> list[str]:
         """The stages of a step, and `other`: choosing the time step, progress bars, the loop itself."""
         return [*self.names, "other"]
 
-    def means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
+    def stage_means(self, before: Mark, after: Mark) -> tuple[float, dict[str, float]]:
         """Real-time factor, and milliseconds a step by stage, between two marks."""
         wall, steps = after.wall - before.wall, after.steps - before.steps
         taken = {name: after.stages.get(name, 0.0) - before.stages.get(name, 0.0) for name in self.names}
@@ -115,11 +115,11 @@ class Timings(Observer):
         return (after.time - before.time) / wall, {name: 1e3 * seconds / steps for name, seconds in taken.items()}
 
     def summary(self) -> dict[str, object]:
-        """The whole run but its first step: what `bench` and the command line report."""
+        """Means of the whole run without its first step, for `bench` and the command line."""
         if self.start is None or self.simulation.steps == self.start.steps:
             return {"first_step_s": self.first_step_s, "steps": self.simulation.steps}
-        now = self.end or self.mark(perf_counter())
-        factor, stages = self.means(self.start, now)
+        now = self.end or self.take_mark(perf_counter())
+        factor, stages = self.stage_means(self.start, now)
         return {
             "first_step_s": self.first_step_s,
             "steps": now.steps,
@@ -130,14 +130,14 @@ class Timings(Observer):
         }
 
     def close(self) -> None:
-        self.end = self.mark(perf_counter())
-        self.row()
+        self.end = self.take_mark(perf_counter())
+        self.write_row()
         if self.csv is not None:
             self.csv.close()
 
 
-def waiting(arch: str) -> Callable[[], None]:
-    """What ends a stage: on a GPU, launches return before the work is done; on a CPU they do not."""
+def synchronization(arch: str) -> Callable[[], None]:
+    """The function that waits for the work of a stage: on a GPU, kernel launches return before their work is done."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     from ocean_sim.kernel_library import ti

@@ -1,4 +1,4 @@
-"""Tagged particles: where they are and how fast they go, at a fixed rate; `ocean-sim waves` finds their orbits."""
+"""Positions and velocities of tagged particles at a fixed rate; `ocean-sim waves` finds their orbits."""
 
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -13,15 +13,15 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled, heading
 from ocean_sim.parts import Preflight, Problems
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
-MOST = 1000  # tagged particles; each is six columns
+MAX_TRACERS = 1000  # each has six columns
 Number = Annotated[int, Field(ge=0)]
-UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
+COLUMN_UNITS = {"x": "m", "y": "m", "z": "m", "u": "m_s", "v": "m_s", "w": "m_s"}
 
 
 class Config(PeriodicConfig):
     leaves: ClassVar[str] = "tracers.csv"
     ids: list[Number] = []
-    """Particles to follow, by their numbers."""
+    """Ids of particles to follow."""
     boxes: list[Box] = []
     """Boxes [m] whose particles, as they are at the start, are followed; in 2-D the points are [x, y]."""
     every: float = quantity("s", 0.05, gt=0.0)
@@ -41,7 +41,7 @@ class Config(PeriodicConfig):
         for k, name in enumerate(self.ids):
             if name >= lattice.n:
                 found.append((("ids", k), f"there is no particle {name}; there are {lattice.n}"))
-        x, near = lattice.positions(), lattice.spacing  # what begins in a wave is moved by less
+        x, near = lattice.positions(), lattice.spacing  # particles that begin in a wave are displaced by less
         for k, box in enumerate(self.boxes):
             d = len(box.min)
             if d < preflight.tank.dimension:
@@ -55,7 +55,7 @@ class Config(PeriodicConfig):
 
 
 class Tracers(Observer):
-    """tracers.csv: position and velocity of each tagged particle; across a periodic side its path goes on."""
+    """Writes tracers.csv: position and velocity of each tagged particle, with paths unwrapped across periodic sides."""
 
     last: np.ndarray | None
 
@@ -63,11 +63,11 @@ class Tracers(Observer):
         if simulation.fluid.particles is None:
             raise ValueError("tracers: this water has no particles to follow")
         self.every, self.sampled = config.every, Sampled(config.every)
-        self.names = chosen(config, simulation)
+        self.names = tracer_ids(config, simulation)
         self.periods = np.array(simulation.basin.periods)
         self.last = None
-        self.around = np.zeros((len(self.names), 3))  # [m] by which paths have gone on beyond periodic sides
-        columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in UNITS.items()]
+        self.unwrapping = np.zeros((len(self.names), 3))  # [m] added to positions
+        columns = [f"p{name}_{what}_{unit}" for name in self.names for what, unit in COLUMN_UNITS.items()]
         rate = f"every {config.every:g} s, linear between steps"
         head = heading(simulation, rate, depth=f"{simulation.basin.depth:.9g} m", still_surface="y = 0")
         self.csv = CsvFile(folder / "tracers.csv", head, ["time_s", *columns])
@@ -79,9 +79,9 @@ class Tracers(Observer):
         if self.last is not None:
             periods = np.where(self.periods > 0.0, self.periods, np.inf)
             wrapped = np.where(self.periods > 0.0, np.round((x - self.last) / periods) * self.periods, 0.0)
-            self.around -= wrapped
+            self.unwrapping -= wrapped
         self.last = x
-        values = np.concatenate([x + self.around, particles.velocity.to_numpy()[order]], axis=1)
+        values = np.concatenate([x + self.unwrapping, particles.velocity.to_numpy()[order]], axis=1)
         for time, row, _ in self.sampled.rows(simulation.time, values.ravel()):
             self.csv.row([time, *row])
 
@@ -89,8 +89,8 @@ class Tracers(Observer):
         self.csv.close()
 
 
-def chosen(config: Config, simulation: Simulation) -> np.ndarray:
-    """Numbers of the particles that are followed, each once; raises ValueError where there are none or too many."""
+def tracer_ids(config: Config, simulation: Simulation) -> np.ndarray:
+    """Ids of the particles to follow, each once; raises ValueError if there are none or too many."""
     particles = with_particles(simulation.fluid).particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()
     missing = [name for name in config.ids if name >= len(ids)]
@@ -104,6 +104,6 @@ def chosen(config: Config, simulation: Simulation) -> np.ndarray:
             raise ValueError(f"tracers.boxes[{k}]: no particle is in it")
         found.append(inside)
     names = np.unique(np.concatenate(found))
-    if len(names) > MOST:
-        raise ValueError(f"tracers: {len(names)} particles are too many to follow, at most {MOST}")
+    if len(names) > MAX_TRACERS:
+        raise ValueError(f"tracers: {len(names)} particles are too many to follow, at most {MAX_TRACERS}")
     return names

@@ -6,39 +6,40 @@ import numpy as np
 
 from ocean_sim.platform.shared.motion_log import Ride
 
-LEGS = range(1, 7)
-COLUMNS = (
+LEG_NUMBERS = range(1, 7)
+PLATFORM_COLUMNS = (
     *("time_s", "seq", "x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad"),
-    *(f"leg{k}_m" for k in LEGS),
-    *(f"leg{k}_velocity_m_s" for k in LEGS),
+    *(f"leg{k}_m" for k in LEG_NUMBERS),
+    *(f"leg{k}_velocity_m_s" for k in LEG_NUMBERS),
     *(f"felt_force_{axis}_m_s2" for axis in "xyz"),
     *(f"felt_rate_{axis}_rad_s" for axis in "xyz"),
     "limited",
 )
 
-# What `limited` is the sum of.
-STROKE, LEG_SPEED, LEG_ACCELERATION, TILT_RATE, INPUT, SINGULAR = 1, 2, 4, 8, 16, 32
-LIMITS = {
-    STROKE: "scaled back near the end of a stroke, or from beyond it",
-    LEG_SPEED: "held to the speed of a leg",
-    LEG_ACCELERATION: "held to the acceleration of a leg",
-    TILT_RATE: "tilt held to its rate",
-    INPUT: "input clipped, or cut at the end of the travel",
-    SINGULAR: "scaled back from a singular pose",
+# Bits of `limited`.
+STROKE_LIMIT, LEG_SPEED_LIMIT, LEG_ACCELERATION_LIMIT = 1, 2, 4
+TILT_RATE_LIMIT, INPUT_LIMIT, SINGULARITY_LIMIT = 8, 16, 32
+LIMIT_TEXTS = {
+    STROKE_LIMIT: "scaled back near the end of a stroke, or from beyond it",
+    LEG_SPEED_LIMIT: "held to the speed of a leg",
+    LEG_ACCELERATION_LIMIT: "held to the acceleration of a leg",
+    TILT_RATE_LIMIT: "tilt held to its rate",
+    INPUT_LIMIT: "input clipped, or cut at the end of the travel",
+    SINGULARITY_LIMIT: "scaled back from a singular pose",
 }
 
 
 class Cue(NamedTuple):
-    """What a washout asks of a platform, row by row, along FLU: x forward, y left, z up."""
+    """Request of a washout to a platform, row by row, along FLU: x forward, y left, z up."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
-    limited: np.ndarray  # (n,) sum of what held it back
-    force: np.ndarray  # (n, 3) the scaled specific force that it tries to make felt, body axes [m/s2]
-    rate: np.ndarray  # (n, 3) the scaled rates that it tries to make felt, body axes [rad/s]
+    limited: np.ndarray  # (n,) sum of the limits that acted
+    force: np.ndarray  # (n, 3) scaled specific force to be felt, body axes [m/s2]
+    rate: np.ndarray  # (n, 3) scaled rates to be felt, body axes [rad/s]
 
 
 class Commands(NamedTuple):
-    """What a platform does, row by row, along FLU: x forward, y left, z up."""
+    """Motion of a platform, row by row, along FLU: x forward, y left, z up."""
 
     time: np.ndarray  # (n,) [s]
     seq: np.ndarray  # (n,) number of the row
@@ -47,10 +48,10 @@ class Commands(NamedTuple):
     leg_velocity: np.ndarray  # (n, 6) [m/s]
     felt_force: np.ndarray  # (n, 3) specific force on the platform, body axes [m/s2]
     felt_rate: np.ndarray  # (n, 3) body axes [rad/s]
-    limited: np.ndarray  # (n,) sum of what held it back
-    cue: Cue  # what the washout wanted
+    limited: np.ndarray  # (n,) sum of the limits that acted
+    cue: Cue  # the request of the washout
 
-    def some(self, which: slice) -> "Commands":
+    def select(self, which: slice) -> "Commands":
         """Some of the rows."""
         cue = Cue(*(column[which] for column in self.cue))
         return Commands._make([*(column[which] for column in self[:-1]), cue])
@@ -64,7 +65,7 @@ class Commands(NamedTuple):
 
 
 class Washout(Protocol):
-    """From what a ship does to what a platform can: rows come in the order of time, as many at once as there are."""
+    """Filter from the motion of a ship to that of a platform; rows come in the order of time, any number at once."""
 
     def follow(self, ride: Ride) -> Cue: ...
 
@@ -76,7 +77,7 @@ class WashoutConfig(Protocol):
     def kind(self) -> str: ...
 
     def build(self, every: float, travel: np.ndarray) -> Washout:
-        """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
+        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
 
 
 class Platform(Protocol):
@@ -88,5 +89,5 @@ class Platform(Protocol):
 
     def follow(self, ride: Ride) -> Commands: ...
 
-    def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """The way back to neutral from the (2, 6) poses of the last two rows, the last of this time [s] and number."""
+    def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
+        """The way back to neutral from the poses (2, 6) of the last two rows, the last of a time [s] and number."""

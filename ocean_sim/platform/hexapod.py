@@ -11,17 +11,17 @@ from pydantic import Field, field_validator
 
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, PlatformConfig, Preflight, preset
-from ocean_sim.platform import SINGULAR, Commands, Cue, WashoutConfig
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt, smoothly
-from ocean_sim.platform.shared.limits import SAME, Governor, Legs, Workspace
+from ocean_sim.platform import SINGULARITY_LIMIT, Commands, Cue, WashoutConfig
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, felt_motion, smooth_step
+from ocean_sim.platform.shared.limits import LEG_MATCH, Governor, Legs, Workspace
 from ocean_sim.platform.shared.motion_log import Ride
 
 # A washout is one file, washout/<kind>.py: a Config with its `kind`, which builds what follows a ride.
-WASHOUTS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
-GLIDE = 0.15  # [s] in which a platform that is to stop loses its speed
-CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUTS]
-AnyWashout: Any = reduce(or_, CONFIGS)
-if len(CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
+WASHOUT_KINDS = sorted(path.stem for path in (Path(__file__).parent / "washout").glob("[!_]*.py"))
+GLIDE_TIME = 0.15  # [s] within which a platform that stops loses its speed
+WASHOUT_CONFIGS = [import_module(f"ocean_sim.platform.washout.{name}").Config for name in WASHOUT_KINDS]
+AnyWashout: Any = reduce(or_, WASHOUT_CONFIGS)
+if len(WASHOUT_CONFIGS) > 1:  # pydantic selects one by its kind, which takes two or more
     AnyWashout = Annotated[AnyWashout, Field(discriminator="kind")]
 
 
@@ -35,13 +35,13 @@ class Config(PlatformConfig):
     """Time over which the platform goes from neutral into the motion, and at the end of a stream back to neutral."""
 
     catch_up: float = quantity("m/s2", 2.0, gt=0.0)
-    """Largest acceleration, beyond what the washout asks for, with which a platform that fell behind catches up. Near
+    """Largest acceleration, beyond the request of the washout, with which a platform that fell behind catches up. Near
     the end of a stroke it is braked with at most half as much again."""
 
     @field_validator("geometry", "washout", mode="before")
     @classmethod
-    def _named(cls, value: Any, info: Any) -> Any:
-        """The value that a name refers to."""
+    def _preset_value(cls, value: Any, info: Any) -> Any:
+        """The preset of a name, or the value itself."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -55,27 +55,27 @@ class Config(PlatformConfig):
         return found
 
     def cut_short(self, duration: float) -> list[str]:
-        """A warning about a ride of this duration [s] that ends before the ramp does."""
+        """Warning about a ride of a duration [s] that ends before the ramp."""
         if duration >= self.ramp:
             return []
-        share = 100.0 * float(smoothly(np.array(duration / self.ramp)))
+        share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
         return [
             f"platform: it goes from neutral into the motion over {self.ramp:.4g} s, and the ride ends after "
             f"{duration:.4g} s, when it does {round(share, 1):g} % of it; take a longer ride or a shorter ramp"
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """It has no fields; the ledger of `platform_log` holds the cost of its rows."""
+        """Ledger without fields; that of `platform_log` holds the cost of the rows."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
     def build(self, every: float) -> "Moving":
-        """`every`: time between the rows that it will follow [s]."""
+        """Build the platform for a time between rows [s]."""
         return Moving(self, every)
 
 
 class Moving:
-    """The platform in motion: rows in, commands out, as many at once as there are."""
+    """The platform in motion: rows in, commands out, any number at once."""
 
     def __init__(self, config: Config, every: float) -> None:
         geometry, washout = cast(Geometry, config.geometry), cast(WashoutConfig, config.washout)  # no names any more
@@ -96,61 +96,62 @@ class Moving:
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride)
-        wanted = cue.pose * self.part(ride.time)[:, None]
-        within, limited = self.workspace.scaled_back(wanted)
+        wanted = cue.pose * self.ramp_share(ride.time)[:, None]
+        within, limited = self.workspace.scale_back(wanted)
         pose, slowed = self.governor.follow(within, wanted)
         free = self.hexapod.legs(pose)
         lengths = np.clip(free, self.hexapod.low, self.hexapod.high)
         legs, velocity, held = self.legs.follow(lengths)
-        limited |= cue.limited | slowed | held | self.stood(pose, legs, (held > 0) | (free != lengths).any(axis=1))
-        force, rate = self.felt(pose)
+        limited |= cue.limited | slowed | held
+        limited |= self.correct_late_poses(pose, legs, (held > 0) | (free != lengths).any(axis=1))
+        force, rate = self.felt_motion(pose)
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
-    def stood(self, pose: np.ndarray, legs: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """(n,) which limits acted on poses, after those of late legs are put where the legs are."""
+    def correct_late_poses(self, pose: np.ndarray, legs: np.ndarray, late: np.ndarray) -> np.ndarray:
+        """Set the poses (n, 6) of late legs to those of the legs (n, 6), in place; limits (n,) that this took."""
         limited = np.zeros(len(pose), dtype=int)
         if late.any():
             found = self.hexapod.pose(legs[late], pose[late])
             lost = np.isnan(found)  # legs that no pose near has: the one that was wanted stays
             pose[late] = np.where(lost, pose[late], found)
-            limited[late] = np.where(lost.any(axis=1), SINGULAR, 0)
+            limited[late] = np.where(lost.any(axis=1), SINGULARITY_LIMIT, 0)
         return limited
 
-    def settled(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """The rows after a last one of this time [s] and number, that bring the platform from its (2, 6) last two poses
-        back to neutral within its ramp: it glides on, no leg is braked harder than it may be, and none leaves its
-        stroke. Where the legs need longer, there are more rows."""
+    def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
+        """Rows after a last one of a time [s] and number that bring the platform from its last two poses (2, 6) back to
+        neutral within its ramp: it glides on, within the acceleration and stroke of every leg. Legs that need longer
+        take more rows."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest
         ) / machine.leg_speed + machine.leg_speed / machine.leg_acceleration
-        count = np.arange(1, round((self.ramp + GLIDE + 2.0 * longest) / every) + 2)
+        count = np.arange(1, round((self.ramp + GLIDE_TIME + 2.0 * longest) / every) + 2)
         t = (count * every)[:, None]
-        glide = past[1] + (past[1] - past[0]) / every * GLIDE * (1.0 - np.exp(-t / GLIDE))
-        pose = glide * (1.0 - (smoothly(np.minimum(t / self.ramp, 1.0)) if self.ramp > 0.0 else 1.0))
+        glide = past[1] + (past[1] - past[0]) / every * GLIDE_TIME * (1.0 - np.exp(-t / GLIDE_TIME))
+        pose = glide * (1.0 - (smooth_step(np.minimum(t / self.ramp, 1.0)) if self.ramp > 0.0 else 1.0))
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         drives = Legs(machine, every, lengths[1], (lengths[1] - lengths[0]) / every)
         legs, velocity, held = drives.follow(within)
-        limited = held | self.stood(pose, legs, (held > 0) | (free != within).any(axis=1))
-        home = (count >= round(self.ramp / every)) & (np.abs(legs - self.hexapod.neutral_legs).max(axis=1) < SAME)
+        limited = held | self.correct_late_poses(pose, legs, (held > 0) | (free != within).any(axis=1))
+        home = (count >= round(self.ramp / every)) & (np.abs(legs - self.hexapod.neutral_legs).max(axis=1) < LEG_MATCH)
         self.past = past
-        force, rate = self.felt(pose)
+        force, rate = self.felt_motion(pose)
         cue, end = Cue(pose, limited, force, rate), int(np.argmax(home)) + 1 if home.any() else len(count)
         rows = Commands(time + t[:, 0], seq + count, pose, legs, velocity, force, rate, limited, cue)
-        return rows.some(slice(end))
+        return rows.select(slice(end))
 
-    def part(self, time: np.ndarray) -> np.ndarray:
-        """(n,) from 0 to 1 over the ramp."""
+    def ramp_share(self, time: np.ndarray) -> np.ndarray:
+        """Share (n,) from 0 to 1 over the ramp."""
         if self.ramp == 0.0:
             return np.ones(len(time))
-        return smoothly(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
+        return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
-    def felt(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, from differences of
-        its poses so far: accelerations of the row before, rates half a row late."""
+    def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform in its own axes, from differences of its
+        poses so far: accelerations of the row before, rates half a row late."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         rates = np.diff(known, axis=0)[1:, 3:] / self.every
         acceleration = np.diff(known[:, :3], n=2, axis=0) / self.every**2
-        return felt(pose, acceleration, rates)
+        return felt_motion(pose, acceleration, rates)

@@ -22,8 +22,8 @@ from ocean_sim.files.yaml_file import (
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
 from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
-DEFAULTS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+DEFAULT_KINDS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
+NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass
@@ -59,7 +59,7 @@ class Composition:
             if node.data is None:
                 self.slots[place] = None
             elif below is None or not node.is_mapping:
-                self.slots[place] = chosen(place, node)
+                self.slots[place] = choice_of(place, node)
             else:
                 rest = {key: value for key, value in node.data.items() if key != "kind"}
                 if "kind" in node.data:
@@ -70,9 +70,9 @@ class Composition:
             self.slots[place] = None
             self.failed.add(place)
             kind = next((found.suggestion for found in error.problems if found.suggestion), None)
-            if node.is_mapping and kind in known(slot_of(place)):
+            if node.is_mapping and kind in known_names(slot_of(place)):
                 meant = node.data.get("kind", node).with_data(kind)
-                self.meant[place] = chosen(place, node.with_data(node.data | {"kind": meant})).whole()
+                self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
         """The place and node of each ship in a mapping of them; what is none is a problem."""
@@ -84,7 +84,7 @@ class Composition:
             return
         for name, ship in node.data.items():
             key, meant = key_for_name(name, ship), None
-            if NAME.fullmatch(str(name)) is None:
+            if NAME_PATTERN.fullmatch(str(name)) is None:
                 message = f"{name!r} is not a name: {NAME_RULE}"
             elif name == ALONE:
                 message = f"{ALONE!r} is the name of the only ship of a scene; choose another"
@@ -99,7 +99,7 @@ class Composition:
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
         """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""
         slot = slot_of(place)
-        base = chosen(place, kind.with_data({"kind": kind})).base
+        base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
         old = config_of(slot, below.kind).model_fields
         new = config_of(slot, base.data["kind"].data).model_fields
@@ -163,8 +163,8 @@ class Composition:
         below = self.slots.get(place)
         if place in self.failed and path:
             return
-        if below is None and place in DEFAULTS:
-            below = chosen(place, value.with_data(DEFAULTS[place]))
+        if below is None and place in DEFAULT_KINDS:
+            below = choice_of(place, value.with_data(DEFAULT_KINDS[place]))
         above = tuple(place.split("."))
         if not path:
             self.lay(place, value, below if value.is_mapping and "kind" not in value.data else None)
@@ -198,7 +198,7 @@ class Composition:
         return node
 
 
-def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
+def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
     """A scene, a profile and `--set`, one over the other; slots come out as mappings with `kind`."""
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
@@ -214,8 +214,8 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     for key, node in (profile.data if profile is not None else {}).items():
         if key in SLOTS:
             below = result.slots.get(key)
-            if below is None and key in DEFAULTS and node.is_mapping and "kind" not in node.data:
-                below = chosen(key, node.with_data(DEFAULTS[key]))
+            if below is None and key in DEFAULT_KINDS and node.is_mapping and "kind" not in node.data:
+                below = choice_of(key, node.with_data(DEFAULT_KINDS[key]))
             result.lay(key, node, below)
         else:
             below = result.root.data.get(key)
@@ -224,9 +224,9 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
         result.set(key, node)
     for key in beside.keys() - early:
         result.lay_beside(key, beside[key])
-    for slot, default in DEFAULTS.items():
+    for slot, default in DEFAULT_KINDS.items():
         if result.slots.get(slot) is None:
-            result.slots[slot] = chosen(slot, scene.with_data(default))
+            result.slots[slot] = choice_of(slot, scene.with_data(default))
     data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *BESIDE, SEVERAL)}
     found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
     data |= {place: node for place, node in found.items() if place in SLOTS}
@@ -241,7 +241,7 @@ def composed(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> C
     return result
 
 
-def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
+def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     """The choice that a name or a mapping with `kind` stands for; raises SceneError."""
     slot = slot_of(place)
     if isinstance(node.data, str):
@@ -258,7 +258,7 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
         )
     if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
         part = read_mapping(library("configs") / slot / f"{name.data}.yaml")
-        base = chosen(place, part, (*within, name.data)).whole()
+        base = choice_of(place, part, (*within, name.data)).whole()
         kind = name.with_data(base.data["kind"].data)
         return Choice(base.with_data(base.data | {"kind": kind}), own)
     if name.data in kinds(slot):
@@ -269,7 +269,7 @@ def chosen(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
 def without_kind(place: str, node: Node) -> Problem:
     """The problem of a part that names no kind."""
     slot = slot_of(place)
-    end = f"there are {', '.join(known(slot))}"
+    end = f"there are {', '.join(known_names(slot))}"
     if not node.is_mapping:
         wrong = f"expected a name or a mapping with `kind`, got {describe_value(node.data)}"
         return problem_at(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")
@@ -289,7 +289,7 @@ def keys_of(slot: str) -> list[str]:
 
 def key_for_name(name: str, ship: Node) -> str | None:
     """The key of a ship that stands where the name of one should, with a value that is no ship, else None."""
-    if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known(ALONE)):
+    if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known_names(ALONE)):
         return None
     return likeliest(name, keys_of(ALONE))
 
@@ -317,17 +317,17 @@ def with_owners(found: Problem, slot: str, place: str) -> Problem:
 
 def kind_named(slot: str, name: str) -> str:
     """The kind that a preset, or a kind, stands for; raises SceneError."""
-    return chosen(slot, node_of({"kind": name}, Location(name))).kind
+    return choice_of(slot, node_of({"kind": name}, Location(name))).kind
 
 
-def known(slot: str) -> list[str]:
+def known_names(slot: str) -> list[str]:
     """Every name that a slot understands: presets and kinds."""
     return sorted({*named(slot), *kinds(slot)})
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
     """A name that is neither a part nor a kind: the likeliest one, and all there are."""
-    choices = choices or known(what)
+    choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:
         end += f" there are {', '.join(choices)}"

@@ -17,7 +17,7 @@ from ocean_sim.waves import Spectrum
 GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no thread of the processor works for
 
 
-def particles(mapping: Any, known: Preflight, *_: Any) -> bool:
+def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
     """True if the water is made of particles."""
     return known.fluid.made_of_particles
 
@@ -27,24 +27,37 @@ def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
-def gives(mapping: Any, key: str) -> bool:
+def has_key(mapping: Any, key: str) -> bool:
     """True if this kind has a key and it is given: a kind with another key of a rule may lack this one."""
     return key in type(mapping).model_fields and getattr(mapping, key) is not None
 
 
-PART_OF_PI, DIGITS = np.pi / 12.0, 0.008  # [rad], and the share of it by which 3.14 differs from pi, but no 5.5 from 21
-SEEDED = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
+PI_TWELFTH, PI_TOLERANCE = (
+    np.pi / 12.0,
+    0.008,
+)  # [rad], and the share of it by which 3.14 differs from pi, but no 5.5 from 21
+SEEDS_APART = "the scene draws nothing at random but its spectra, and each of these has a seed of its own"
 
 # Slot and path of a mapping, through all entries of lists; some of its keys; True if they have an effect, by the
 # mapping h, the scene k, the part p and the key n; and the reason where they have none.
-RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
-    ("scene", "seed", lambda h, k, p, *_: not (found := seeds(p)) or h.seed in found or k.wind.is_random, SEEDED),
+IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
+    (
+        "scene",
+        "seed",
+        lambda h, k, p, *_: not (found := spectrum_seeds(p)) or h.seed in found or k.wind.is_random,
+        SEEDS_APART,
+    ),
     ("runtime", "threads pin", lambda h, *_: h.arch not in GRAPHICS_BACKENDS, "a graphics processor does the work"),
     ("basin.walls", "z z_min z_max", lambda h, k, *_: k.tank.dimension == 3, "a slice has no sides across z"),
     ("basin.walls", "x", lambda h, *_: None in (h.x_min, h.x_max), "x_min and x_max stand in its place"),
     ("basin.walls", "z", lambda h, *_: None in (h.z_min, h.z_max), "z_min and z_max stand in its place"),
-    ("basin", "walls", lambda h, k, *_: h.walls == "none" or particles(h, k), "a sea in closed form passes its sides"),
-    ("basin", "floor lid", particles, "a sea in closed form has no friction and no lid"),
+    (
+        "basin",
+        "walls",
+        lambda h, k, *_: h.walls == "none" or has_particles(h, k),
+        "a sea in closed form passes its sides",
+    ),
+    ("basin", "floor lid", has_particles, "a sea in closed form has no friction and no lid"),
     ("basin", "friction restitution", has_stops, "no particle meets a side here"),
     ("basin.lid", "velocity", lambda h, *_: h.slip == "no_slip", "water slides along a lid of free_slip"),
     ("basin.motion", "about", lambda h, *_: not isinstance(h, Harmonic) or "roll" in h.axis, "the tank does not roll"),
@@ -66,11 +79,11 @@ RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
         "there is neither a wind_speed nor a drift along it",
     ),
     ("wind", "pressure_gain wave_speed", lambda h, *_: h.sheltering, "without sheltering no pressure acts on waves"),
-    ("wind", "u10 heading_deg", lambda h, *_: not gives(h, "schedule"), "the schedule stands in its place"),
+    ("wind", "u10 heading_deg", lambda h, *_: not has_key(h, "schedule"), "the schedule stands in its place"),
     ("ship.propeller", "wake", lambda h, *_: h.zero_thrust_speed, "without a zero_thrust_speed no speed lowers thrust"),
     ("ship.propeller", "diameter", lambda h, k, p, *_: p.rudder, "there is no rudder in its slipstream"),
     ("ship.helm", "look_ahead arrival", lambda h, *_: h.route, "she holds a heading, and sails no route"),
-    ("ship", "contact", lambda h, k, *_: h.contact is None or particles(h, k), "there are no particles to meet"),
+    ("ship", "contact", lambda h, k, *_: h.contact is None or has_particles(h, k), "there are no particles to meet"),
     ("ship", "moorings", lambda h, *_: h.free, "all of her motions are held"),
     ("ship.hull", "mass centre_of_mass inertia", lambda h, k, p, n: getattr(p, n) is None, "the ship has its own"),
     (
@@ -80,50 +93,55 @@ RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]] = [
         "the table of radiation has it",
     ),
     ("platform.washout", "rate_limit_deg", lambda h, *_: {*h.rotation_frequency} != {None}, "no axis has a high-pass"),
-    ("health", "max_speed max_density_ratio max_level_ratio max_distance max_energy_gain", particles, "no particles"),
-    ("frames", "particles", particles, "there are none"),
-    ("preview", "content", particles, "there are no particles"),
+    (
+        "health",
+        "max_speed max_density_ratio max_level_ratio max_distance max_energy_gain",
+        has_particles,
+        "no particles",
+    ),
+    ("frames", "particles", has_particles, "there are none"),
+    ("preview", "content", has_particles, "there are no particles"),
     ("gauges.pressure", "normal", lambda h, *_: h.diameter, "the gauge is a point, without a diameter"),
-    ("render", "particles", particles, "there are none"),
+    ("render", "particles", has_particles, "there are none"),
     ("render", "foam_cover", lambda h, *_: h.foam, "no foam is drawn"),
     ("render", "wind", lambda h, k, *_: not k.wind.still, "there is no wind"),
     ("render", "every", lambda h, *_: h.film, "there is no film"),
 ]
 
 
-def models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
+def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
     """All models inside a value, each with its path and its place, which names entries of lists and mappings too."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:
-            yield from models(getattr(value, name), f"{path}.{name}", f"{place}.{name}")
+            yield from inner_models(getattr(value, name), f"{path}.{name}", f"{place}.{name}")
     elif isinstance(value, Mapping | list | tuple):
         for key, entry in value.items() if isinstance(value, Mapping) else enumerate(value):
-            yield from models(entry, path, f"{place}.{key}")
+            yield from inner_models(entry, path, f"{place}.{key}")
 
 
 def like_radians(mapping: Model) -> Iterator[str]:
     """Key and a sentence of each angle in degrees that is a whole part of pi, to three digits."""
     for key in [key for key in type(mapping).model_fields if key.endswith("_deg") and getattr(mapping, key)]:
-        turns = np.abs(getattr(mapping, key)) / PART_OF_PI
-        if ((turns > 0.5) & (turns < 24.5) & (np.abs(turns - np.rint(turns)) < DIGITS)).any():
+        turns = np.abs(getattr(mapping, key)) / PI_TWELFTH
+        if ((turns > 0.5) & (turns < 24.5) & (np.abs(turns - np.rint(turns)) < PI_TOLERANCE)).any():
             meant = np.degrees(getattr(mapping, key)).round(1).tolist()
             yield f"{key} is {getattr(mapping, key)} degrees; if it is in radians, write {meant}"
 
 
-def seeds(scene: Model) -> set[int]:
+def spectrum_seeds(scene: Model) -> set[int]:
     """Seeds of all spectra in a scene."""
-    return {model.seed for _, _, model in models(scene) if isinstance(model, Spectrum)}
+    return {model.seed for _, _, model in inner_models(scene) if isinstance(model, Spectrum)}
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
     """A sentence for each key of a scene and its parts that is given and changes nothing, or may be in radians."""
     for root, part in parts.items():
-        rules = RULES
+        rules = IDLE_RULES
         if isinstance(part, FluidConfig):
             unread = f"water of kind {part.kind} does not read it"
-            rules = [*RULES, ("fluid", " ".join(part.unheeded), lambda h, *_: False, unread)]
-        for path, place, mapping in models(part, slot_of(root), root):
+            rules = [*IDLE_RULES, ("fluid", " ".join(part.unheeded), lambda h, *_: False, unread)]
+        for path, place, mapping in inner_models(part, slot_of(root), root):
             if root != "scene":  # which has all parts
                 yield from (f"{place}.{sentence}" for sentence in like_radians(mapping))
             fields = type(mapping).model_fields

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import in_yaml
 from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
-from ocean_sim.reading.schema import schema
-from ocean_sim.reading.sentences import opening
-from ocean_sim.reading.translation import members
+from ocean_sim.reading.schema import scene_schema
+from ocean_sim.reading.sentences import opening_sentence
+from ocean_sim.reading.translation import union_members
 
-NAMED, ITEM = "NAME", "[]"
+NAME_STEP, LIST_STEP = "NAME", "[]"
 TYPE_WORDS = {
     "number": "number",
     "integer": "whole number",
@@ -78,28 +78,28 @@ class Key(NamedTuple):
 
 
 @cache
-def whole() -> dict[str, Any]:
+def whole_schema() -> dict[str, Any]:
     """The schema, made once."""
-    return schema()
+    return scene_schema()
 
 
 @cache
-def keys() -> tuple[Key, ...]:
+def scene_keys() -> tuple[Key, ...]:
     """All keys, in the order of the models."""
     found: dict[str, Key] = {}
-    for name, node in whole()["properties"].items():
+    for name, node in whole_schema()["properties"].items():
         if name in SLOTS:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
         elif name not in (SEVERAL, *BESIDE):
-            for key in of_value(name, node, name in whole()["required"], ()):
+            for key in of_value(name, node, name in whole_schema()["required"], ()):
                 found.setdefault(key.path, key)
     return tuple(found.values())
 
 
 def definition(name: str) -> dict[str, Any]:
-    return whole()["$defs"][name.removeprefix("#/$defs/")]
+    return whole_schema()["$defs"][name.removeprefix("#/$defs/")]
 
 
 def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iterator[Key]:
@@ -113,23 +113,23 @@ def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iter
 def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
     """A key, and what is inside its value."""
     yield key_of_node(path, node, required)
-    yield from inside(path, node, within)
+    yield from keys_inside(path, node, within)
 
 
-def inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
+def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
     """The keys below a value; a model inside itself is left out."""
     yield from kind_inside(path, node)
-    for member in members(node):
+    for member in union_members(node):
         name = member.get("$ref")
         if name is not None and name not in within:
             target = definition(name)
             yield from of_mapping(target, path, (*within, name))
             if "properties" not in target:
-                yield from inside(path, target, (*within, name))
+                yield from keys_inside(path, target, (*within, name))
         elif member.get("type") == "array" and isinstance(member.get("items"), dict):
-            yield from inside(path + ITEM, member["items"], within)
+            yield from keys_inside(path + LIST_STEP, member["items"], within)
         elif "patternProperties" in member:
-            yield from inside(f"{path}.{NAMED}", of_names(member), within)
+            yield from keys_inside(f"{path}.{NAME_STEP}", of_names(member), within)
 
 
 def of_names(node: dict[str, Any]) -> dict[str, Any]:
@@ -139,13 +139,17 @@ def of_names(node: dict[str, Any]) -> dict[str, Any]:
 
 def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
     """The key `kind` of a value that may be one of several mappings, each with its sentence."""
-    mappings = [definition(member["$ref"]) for member in members(node) if "$ref" in member]
+    mappings = [definition(member["$ref"]) for member in union_members(node) if "$ref" in member]
     chosen = {
         m["properties"]["kind"]["const"]: m for m in mappings if "const" in m.get("properties", {}).get("kind", {})
     }
     if not chosen:
         return
-    told = [f"`{kind}`: {opening(said).rstrip('.')}." for kind, m in chosen.items() if (said := m.get("description"))]
+    told = [
+        f"`{kind}`: {opening_sentence(said).rstrip('.')}."
+        for kind, m in chosen.items()
+        if (said := m.get("description"))
+    ]
     words, meaning = tuple(chosen), " ".join(told) or "Which of them it is."
     takes, needed = ", ".join(f"`{word}`" for word in words), f"{example_path(path)}.kind={words[0]}"
     yield Key(f"{path}.kind", takes, "", "required", "", meaning, needed, words, is_plain=True)
@@ -153,21 +157,21 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
 
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
     default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
-    meaning = " ".join(plain(node).split())
-    takes = " or ".join(dict.fromkeys(kind_of(member) for member in members(node)))
-    bounds = dict.fromkeys(bound for member in members(node) for bound in bounds_of(member))
-    choices = tuple(dict.fromkeys(word for member in members(node) for word in words_of(member)))
+    meaning = " ".join(plain_meaning(node).split())
+    takes = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node)))
+    bounds = dict.fromkeys(bound for member in union_members(node) for bound in bounds_of(member))
+    choices = tuple(dict.fromkeys(word for member in union_members(node) for word in words_of(member)))
     example = f"{example_path(path)}={value_of(path, node)}"
     return Key(
         *(path, takes, node.get("unit", ""), default, ", ".join(bounds), meaning, example, choices),
-        is_plain=bool(choices) or any(member.get("type") in PLAIN_TYPES for member in members(node)),
+        is_plain=bool(choices) or any(member.get("type") in PLAIN_TYPES for member in union_members(node)),
     )
 
 
-def plain(node: dict[str, Any]) -> str:
+def plain_meaning(node: dict[str, Any]) -> str:
     """The description of a key, or of the model that it holds, without what editors show with it."""
     text = node.get("meaning") or node.get("description")
-    return text or next((definition(m["$ref"]).get("description", "") for m in members(node) if "$ref" in m), "")
+    return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
@@ -180,7 +184,7 @@ def kind_of(node: dict[str, Any]) -> str:
     """The type of a value, in words."""
     if "$ref" in node:
         target = definition(node["$ref"])
-        return "mapping" if "properties" in target else kind_of(next(members(target)))
+        return "mapping" if "properties" in target else kind_of(next(union_members(target)))
     if "const" in node:
         return f"`{node['const']}`"
     if "enum" in node:
@@ -188,7 +192,7 @@ def kind_of(node: dict[str, Any]) -> str:
     if "prefixItems" in node:
         return f"list of {len(node['prefixItems'])} numbers"
     if node.get("type") == "array" and isinstance(node.get("items"), dict):
-        inner = " or ".join(dict.fromkeys(kind_of(member) for member in members(node["items"])))
+        inner = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node["items"])))
         return f"list of {inner}"
     if "patternProperties" in node:
         return "mapping of names"
@@ -206,7 +210,7 @@ def example_path(path: str) -> str:
     words = path.split(".")
     if words[0] in SLOTS:
         words = [words[0], *words[2:]]
-    return ".".join(words).replace(ITEM, ".0").replace(NAMED, "name")
+    return ".".join(words).replace(LIST_STEP, ".0").replace(NAME_STEP, "name")
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
@@ -226,7 +230,7 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
         return in_yaml(default)
     if name in EXAMPLE_VALUES:
         return EXAMPLE_VALUES[name]
-    member = next((m for m in members(node) if m.get("type") != "null" and m.get("$ref") not in within), node)
+    member = next((m for m in union_members(node) if m.get("type") != "null" and m.get("$ref") not in within), node)
     if "$ref" in member:
         return value_within(definition(member["$ref"]), name, (*within, member["$ref"]))
     if "const" in member or "enum" in member:
@@ -234,30 +238,30 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
     if "prefixItems" in member:
         return f"[{', '.join([EXAMPLE_ENTRIES.get(name, '0.0')] * len(member['prefixItems']))}]"
     if member.get("type") in ("number", "integer"):
-        return number(node, member)
+        return example_number(node, member)
     if member.get("type") == "array":
         entry = EXAMPLE_ENTRIES.get(name) or value_within(member["items"], name, within)
         return f"[{', '.join([entry] * max(1, member.get('minItems', 1)))}]"
     if "properties" in member:
-        return mapping(member, within)
+        return example_mapping(member, within)
     if "patternProperties" in member:
         return f"{{name: {value_within(of_names(member), name, within)}}}"
     return {"boolean": "true", "string": name}.get(str(member.get("type")), "null")
 
 
-def mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
+def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
     """A mapping of a model: its kind and what it must have; where that is no more, its first number, or first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
-        numbers = [name for name in own if any(m.get("type") == "number" for m in members(own[name]))]
+        numbers = [name for name in own if any(m.get("type") == "number" for m in union_members(own[name]))]
         names += [name for name in numbers or own if name != "kind"][:1]
     return f"{{{', '.join(f'{name}: {value_within(own[name], name, within)}' for name in names)}}}"
 
 
-def number(node: dict[str, Any], member: dict[str, Any]) -> str:
+def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
     """A number of the size that its unit has, within its bounds."""
-    low, high = limit(node, "minimum", "exclusiveMinimum"), limit(node, "maximum", "exclusiveMaximum")
+    low, high = bound_of(node, "minimum", "exclusiveMinimum"), bound_of(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
     usual = EXAMPLE_SIZES.get(node.get("unit", ""), "1.0")
@@ -266,45 +270,45 @@ def number(node: dict[str, Any], member: dict[str, Any]) -> str:
     return usual if high is None or float(usual) < high else f"{0.5 * ((low or 0.0) + high):g}"
 
 
-def limit(node: dict[str, Any], *names: str) -> float | None:
+def bound_of(node: dict[str, Any], *names: str) -> float | None:
     """A bound of a number, under the first of these names that the node or one of its members has."""
-    return next((place[name] for place in (node, *members(node)) for name in names if name in place), None)
+    return next((place[name] for place in (node, *union_members(node)) for name in names if name in place), None)
 
 
 @cache
 def by_path() -> dict[str, Key]:
     """All keys by their paths."""
-    return {key.path: key for key in keys()}
+    return {key.path: key for key in scene_keys()}
 
 
-def found(word: str) -> list[Key]:
+def keys_at(word: str) -> list[Key]:
     """The keys that a path means: itself and what is directly below it; without the kind, those of every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []
-    for key in keys():
-        path = key.path.replace(ITEM, "").split(".")
+    for key in scene_keys():
+        path = key.path.replace(LIST_STEP, "").split(".")
         forms = [path] + ([[path[0], *path[2:]]] if path[0] in SLOTS else [])
         if path[0] == "ship":
-            forms += [[SEVERAL, NAMED, *form[1:]] for form in forms]
+            forms += [[SEVERAL, NAME_STEP, *form[1:]] for form in forms]
         forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]
-        if any(matches(form, steps) for form in forms):
+        if any(is_path_match(form, steps) for form in forms):
             exact.append(key)
-        elif any(len(form) == len(steps) + 1 and matches(form[:-1], steps) for form in forms):
+        elif any(len(form) == len(steps) + 1 and is_path_match(form[:-1], steps) for form in forms):
             below.append(key)
     return exact + below
 
 
-def matches(path: list[str], steps: list[str]) -> bool:
-    return len(path) == len(steps) and all(p in (s, NAMED) for p, s in zip(path, steps, strict=True))
+def is_path_match(path: list[str], steps: list[str]) -> bool:
+    return len(path) == len(steps) and all(p in (s, NAME_STEP) for p, s in zip(path, steps, strict=True))
 
 
 def named_so(word: str) -> list[str]:
     """The paths of the keys whose last word this is."""
-    return [key.path for key in keys() if key.path.rpartition(".")[2] == word]
+    return [key.path for key in scene_keys() if key.path.rpartition(".")[2] == word]
 
 
-def elsewhere(word: str) -> str:
+def keys_elsewhere(word: str) -> str:
     """The end of a refusal: where keys of this name are, if there are any."""
     paths = sorted(named_so(word), key=lambda path: (path.count("."), path))
     if len(paths) == 1:

@@ -50,7 +50,7 @@ from ocean_sim.parts import (
     water_schemes,
 )
 from ocean_sim.reading import Heading
-from ocean_sim.reading.composition import Composition, composed, unknown_name, with_owners
+from ocean_sim.reading.composition import Composition, compose, unknown_name, with_owners
 from ocean_sim.reading.idle import idle_keys
 from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
 from ocean_sim.runtime import RuntimeConfig
@@ -59,8 +59,8 @@ from ocean_sim.simulation import ObserverConfig
 ALWAYS_ON = ("manifest", "timings", "health", "accuracy", "frames", "report", "render")  # observers, unless null
 ON_WITH = {"motion": ALONE, "platform_log": "platform"}  # observers, unless null, where the scene has this part
 DRAWN_FROM = {"render": "frames", "platform_log": "motion"}  # the observer without which one is not on by itself
-OVERRIDE, MAX_VALUE_BYTES = "--set", 40  # how a message names what `--set` gives
-WORD = {"f32": 4, "f64": 8}  # bytes of a number
+OVERRIDE_NAME, MAX_VALUE_BYTES = "--set", 40  # how a message names what `--set` gives
+WORD_BYTES = {"f32": 4, "f64": 8}  # bytes of a number
 
 
 class SceneConfig(Heading):
@@ -95,7 +95,7 @@ class SceneConfig(Heading):
     @property
     def preflight(self) -> Preflight:
         """The facts of the scene before anything is built; made once, and again for a copy with other parts."""
-        known, word, arch = self._preflight, WORD[self.runtime.precision], self.runtime.arch
+        known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
             parts, tank, word, duration, arch = facts
@@ -114,9 +114,8 @@ class SceneConfig(Heading):
         found = {name: file_digest(name) for name in sorted(set(input_names(parts)))}
         for name, now in found.items():
             if self._inputs.get(name, now) != now:
-                raise Refused(
-                    f"{display_path(name)}: this file has changed since the scene was loaded; load the scene again"
-                )
+                changed = f"{display_path(name)}: this file has changed since the scene was loaded"
+                raise Refused(f"{changed}; load the scene again")
         return found
 
     def files(self) -> list[str]:
@@ -176,7 +175,7 @@ def load(
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
         scene = node_of(source, Location("scene")) if isinstance(source, dict) else read_mapping(scene_path(source))
-        return _loaded(scene, folder, overrides, profile)
+        return _compose_and_check(scene, folder, overrides, profile)
     except RecursionError:
         raise SceneError([problem_at(Location("scene"), "", "nested too deeply")]) from None
 
@@ -185,16 +184,18 @@ def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
     """The scene in a text, as if it stood in a file of this name in a folder, from which its names of files start."""
-    return _loaded(parse_mapping(text, name), folder.absolute(), overrides, profile)
+    return _compose_and_check(parse_mapping(text, name), folder.absolute(), overrides, profile)
 
 
-def _loaded(scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None) -> SceneConfig:
+def _compose_and_check(
+    scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None
+) -> SceneConfig:
     """The scene that a mapping is; raises SceneError."""
     layer, problems = profile_layer(profile)
-    sets = {key: _override(key, value) for key, value in (overrides or {}).items()}
-    composition = composed(scene, layer, sets)
+    sets = {key: _override_node(key, value) for key, value in (overrides or {}).items()}
+    composition = compose(scene, layer, sets)
     problems += composition.problems
-    config = _checked(composition, problems, folder)
+    config = _check_models(composition, problems, folder)
     if problems or config is None:
         raise SceneError(problems)
     return config
@@ -207,9 +208,8 @@ def scene_path(source: str | Path) -> Path:
         return packaged
     if not path.exists():
         end, suggestion = choice_sentence(str(source), packaged_scenes())
-        raise SceneError(
-            [problem_at(Location(display_path(path)), "", f"there is no such file or scene{end}", suggestion)]
-        )
+        location = Location(display_path(path))
+        raise SceneError([problem_at(location, "", f"there is no such file or scene{end}", suggestion)])
     return path
 
 
@@ -241,50 +241,50 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
     return node.with_data({key: inner for key, inner in node.data.items() if key in allowed}), problems
 
 
-def _override(key: str, value: Any) -> Node:
+def _override_node(key: str, value: Any) -> Node:
     """A node of what `--set`, or Python, gives for a key."""
     shown = "" if isinstance(value, Node) else shorten(in_yaml(value), MAX_VALUE_BYTES)
-    return node_of(value, Location(f"{OVERRIDE} {key}={shown}"))
+    return node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
 
 
-def _checked(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
+def _check_models(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
     """The models of a composed scene, or None; `problems` grows by everything that is wrong."""
     root, data = composition.root, composition.root.data
     headings = tuple(Heading.model_fields)
-    problems += _unknown(root, headings)
+    problems += _unknown_keys(root, headings)
     heading = validated(Heading, root.with_data({k: v for k, v in data.items() if k in headings}), (), problems)
-    tank_config = _model("basin", basin.Config, composition, problems, folder)
+    tank_config = _part_model("basin", basin.Config, composition, problems, folder)
     tank = tank_config.build() if tank_config is not None else None
-    runtime = _model("runtime", RuntimeConfig, composition, problems, folder)
+    runtime = _part_model("runtime", RuntimeConfig, composition, problems, folder)
     notes = [*composition.notes]
     if heading is not None and tank is not None:
-        composition.root = _scaled(composition.root, heading.resolution, tank.dimension, notes)
-    places = _places(data)
-    parts = {place: _model(place, None, composition, problems, folder) for place in places}
+        composition.root = _scale_spacings(composition.root, heading.resolution, tank.dimension, notes)
+    places = _part_places(data)
+    parts = {place: _part_model(place, None, composition, problems, folder) for place in places}
     for place, node in composition.meant.items():  # the other keys of a part whose kind is misspelled
         validated(config_of(slot_of(place), node.data["kind"].data), node, (place,), problems, folder)
     there = {place: part for place, part in parts.items() if isinstance(part, PartConfig)}
-    named_in = {place for place in places if _node(data, place) is not None}
+    named_in = {place for place in places if _place_node(data, place) is not None}
     wrong = composition.failed | named_in - set(there)
     observers = _observers(data, root, problems, folder)
-    problems += _lacking(observers, there, wrong, data, root)
-    problems += _unsuited(there, data, tank is not None and tank.dimension == 2)
+    problems += _missing_needs(observers, there, wrong, data, root)
+    problems += _kind_mismatches(there, data, tank is not None and tank.dimension == 2)
     if tank_config is None or tank is None or runtime is None or heading is None:
         return None
     sea = there.get("sea")
     patch = tank_config.build(sea) if isinstance(sea, SeaConfig) else tank
-    preflight = Preflight(there | observers, patch, WORD[runtime.precision], heading.duration, runtime.arch)
-    problems += _located("basin", tank_config.problems(tank, heading.duration), root)
+    preflight = Preflight(there | observers, patch, WORD_BYTES[runtime.precision], heading.duration, runtime.arch)
+    problems += _locate_problems("basin", tank_config.problems(tank, heading.duration), root)
     for name, part in (there | observers).items():
-        problems += _located(name, part.problems(preflight), root)
+        problems += _locate_problems(name, part.problems(preflight), root)
     afloat = {name: part for name, part in there.items() if isinstance(part, ShipConfig)}
     others = {name: part for name, part in (there | observers).items() if name not in afloat}
     for asked in (afloat, others):  # the others count the particles around what floats
         if not problems:
             for name, part in asked.items():
-                problems += _located(name, part.mismatches(preflight), root)
+                problems += _locate_problems(name, part.mismatches(preflight), root)
     if not problems:
-        problems += _overlapping(preflight, root)
+        problems += _overlapping_ships(preflight, root)
     if problems:
         return None
     values = {key: getattr(heading, key) for key in headings} | {slot: parts[slot] for slot in SLOTS if slot != ALONE}
@@ -297,20 +297,20 @@ def _checked(composition: Composition, problems: list[Problem], folder: Path | N
     return config
 
 
-def _places(data: dict[str, Node]) -> list[str]:
+def _part_places(data: dict[str, Node]) -> list[str]:
     """The places where a part may stand, in the order of the slots."""
     ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
     return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
 
 
-def _node(data: dict[str, Node], place: str) -> Node | None:
+def _place_node(data: dict[str, Node], place: str) -> Node | None:
     """The node in a place, or of an observer; None where there is none."""
     slot, _, name = place.partition(".")
     node = data.get(slot)
     return node.child(name) if node is not None and name else node
 
 
-def _overlapping(preflight: Preflight, root: Node) -> list[Problem]:
+def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
     """Ships that begin in one another."""
     if len(preflight.ships) < 2:
         return []
@@ -322,24 +322,24 @@ def _overlapping(preflight: Preflight, root: Node) -> list[Problem]:
             depth = max(one.overlap(image) for image in other.images(one, preflight.repeats))
         if depth > 0.0:
             sentence = f"the hulls of {first} and {second} reach {depth:.3g} m into each other"
-            problems += _located(key_of(second), [(("position",), f"{sentence}; move one")], root)
+            problems += _locate_problems(key_of(second), [(("position",), f"{sentence}; move one")], root)
     return problems
 
 
-def _unknown(root: Node, headings: tuple[str, ...]) -> list[Problem]:
+def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     """Unknown keys at the top level."""
     known, problems = (*headings, "basin", *SLOTS, *BESIDE, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
-            end, suggestion = _below(key, root.data)
+            end, suggestion = _suggest_below(key, root.data)
             end, suggestion = (end, suggestion) if end else key_sentence(key, known)
             problems.append(problem_at(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
 
 
-def _below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
+def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     """The end of a refusal of a key that is one of a part, and the suggestion: first what the chosen kinds have."""
-    from ocean_sim.reading.keys import elsewhere, example_path, named_so  # they read scenes
+    from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:
         slot, kind, *_ = path.split(".")
@@ -348,14 +348,14 @@ def _below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     paths = sorted(
         (example_path(path) for path in named_so(key) if "." in path and here(path)), key=lambda p: p.count(".")
     )
-    return choice_sentence(paths[0], paths[:1]) if paths else (elsewhere(key), None)
+    return choice_sentence(paths[0], paths[:1]) if paths else (keys_elsewhere(key), None)
 
 
-def _model(
+def _part_model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
     """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
-    node = _node(composition.root.data, name)
+    node = _place_node(composition.root.data, name)
     if node is not None and node.data is not None:
         if model is not None:
             return validated(model, node, (name,), problems, folder)
@@ -368,7 +368,7 @@ def _model(
     return RuntimeConfig() if name == "runtime" else None
 
 
-def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
+def _kind_mismatches(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
     """Parts whose kinds do not go together, whatever their keys; `flat`: in 2-D, where a surface helps no ship."""
     fluid, surface = parts.get("fluid"), parts.get("surface")
     if not isinstance(fluid, FluidConfig):
@@ -384,7 +384,7 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool
     for place, ship in parts.items():
         if not isinstance(ship, ShipConfig):
             continue
-        kind, location = ship.kind, (_node(data, place) or data["fluid"]).location
+        kind, location = ship.kind, (_place_node(data, place) or data["fluid"]).location
         if "surface" not in parts and fluid.made_of_particles and ship.needs_surface and not flat:
             sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
             problems.append(problem_at(location, place, sentence))
@@ -395,7 +395,7 @@ def _unsuited(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool
     return problems
 
 
-def _lacking(
+def _missing_needs(
     observers: Mapping[str, ObserverConfig],
     parts: Mapping[str, PartConfig],
     wrong: set[str],
@@ -433,7 +433,7 @@ def _observers(
     return dict(sorted(observers.items(), key=lambda item: (item[1].turn, item[0])))
 
 
-def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
+def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
     """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
     by what that leaves out. What `--set` gives stays as it is given."""
 
@@ -441,7 +441,11 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
-        if isinstance(value, bool) or not isinstance(value, int | float) or node.location.file.startswith(OVERRIDE):
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or node.location.file.startswith(OVERRIDE_NAME)
+        ):
             return node
         if path[-1] in ("particles", "cap") and isinstance(value, int):
             number = max(1, round(value / factor**dimension))
@@ -457,11 +461,11 @@ def _scaled(root: Node, factor: float, dimension: int, notes: list[str]) -> Node
     return root.with_data(root.data | {slot: scaled(node, (slot,)) for slot, node in slots.items()})
 
 
-def _located(name: str, found: Problems, root: Node) -> list[Problem]:
+def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
     """The problems that a part reports, each at its location in the file."""
     problems = []
     for path, sentence in found:
-        inner = _node(root.data, name) or root
+        inner = _place_node(root.data, name) or root
         for step in path:
             inner = inner.child(step) or inner
         problems.append(problem_at(inner.location, dotted((name, *path)), sentence))

@@ -17,12 +17,12 @@ from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading import Heading
-from ocean_sim.reading.composition import chosen, known
-from ocean_sim.reading.sentences import opening, sentence
+from ocean_sim.reading.composition import choice_of, known_names
+from ocean_sim.reading.sentences import opening_sentence, part_sentence
 from ocean_sim.runtime import RuntimeConfig
 
 
-def schema() -> dict[str, Any]:
+def scene_schema() -> dict[str, Any]:
     """JSON Schema, draft 2020-12; descriptions as editors show them, with unit and default."""
     observers = {name: import_module(f"ocean_sim.observers.{name}") for name in kinds("observers")}
     models = [Heading, basin.Config, RuntimeConfig, *(module.Config for module in observers.values())]
@@ -31,7 +31,7 @@ def schema() -> dict[str, Any]:
     definitions = whole["$defs"]
     properties = definitions.pop(Heading.__name__)["properties"]
     properties["basin"] = references[basin.Config, "validation"]
-    properties |= {slot: _slot(slot, definitions) for slot in SLOTS}
+    properties |= {slot: _slot_schema(slot, definitions) for slot in SLOTS}
     properties[SEVERAL] = {
         "description": "Several ships by name, in place of `ship`.",
         "anyOf": [{"type": "object", "additionalProperties": properties[ALONE]}, {"type": "null"}],
@@ -42,7 +42,7 @@ def schema() -> dict[str, Any]:
     properties["runtime"] = references[RuntimeConfig, "validation"]
     for name, module in observers.items():
         choices = [references[module.Config, "validation"], {"type": "null"}]
-        properties[name] = {"description": opening(module.__doc__ or ""), "anyOf": choices}
+        properties[name] = {"description": opening_sentence(module.__doc__ or ""), "anyOf": choices}
     found = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Ocean Sim scene",
@@ -55,20 +55,20 @@ def schema() -> dict[str, Any]:
     }
     for node in (found, *definitions.values()):
         for inner in node.get("properties", {}).values():
-            _explain(inner, definitions)
+            _add_explanation(inner, definitions)
     return found
 
 
-def text() -> str:
+def schema_text() -> str:
     """The schema as a file that editors read."""
-    return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(scene_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
-def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
+def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """A name, a mapping with `kind`, or null."""
     module = import_module(f"ocean_sim.{slot}")
-    words = known(slot)
-    told = [sentence(slot, word) for word in words]
+    words = known_names(slot)
+    told = [part_sentence(slot, word) for word in words]
     choices: list[dict[str, Any]] = [{"enum": words, "markdownEnumDescriptions": told}]
     for kind in kinds(slot):
         choices.append({"$ref": f"#/$defs/{slot}.{kind}"})
@@ -76,26 +76,26 @@ def _slot(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
             definition = definitions[f"{slot}.{kind}"]
             definition["required"] = ["kind", *definition.get("required", [])]
     presets = sorted(set(named(slot)) - set(kinds(slot)))
-    choices += [_preset(slot, name, definitions) for name in presets]
+    choices += [_preset_schema(slot, name, definitions) for name in presets]
     return {"description": (module.__doc__ or "").split(":")[0], "anyOf": [*choices, {"type": "null"}]}
 
 
-def _preset(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
+def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
     """A preset with some keys of its own: those of its kind, none of them required."""
-    kind = chosen(slot, node_of(name, Location(name))).kind
+    kind = choice_of(slot, node_of(name, Location(name))).kind
     properties = definitions[f"{slot}.{kind}"]["properties"] | {
-        "kind": {"const": name, "description": sentence(slot, name)}
+        "kind": {"const": name, "description": part_sentence(slot, name)}
     }
     return {
         "type": "object",
-        "description": sentence(slot, name),
+        "description": part_sentence(slot, name),
         "properties": properties,
         "required": ["kind"],
         "additionalProperties": False,
     }
 
 
-def _explain(node: dict[str, Any], definitions: dict[str, Any]) -> None:
+def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
     """Append unit and default to a description, which is what editors show; `meaning` keeps it without."""
     if "meaning" in node or "const" in node:
         return
@@ -138,21 +138,21 @@ def _docstrings(model: type[BaseModel]) -> dict[str, str]:
     """The text under each key of a model, in its own class or the last above it that declares the key."""
     found: dict[str, str] = {}
     for above in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
-        for node, after in pairwise([*_body(above), None]):
+        for node, after in pairwise([*_class_body(above), None]):
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
                 text = after.value if isinstance(after, ast.Expr) else None
                 found[node.target.id] = cleandoc(str(text.value)) if isinstance(text, ast.Constant) else ""
     return found
 
 
-def _body(model: type) -> list[ast.stmt]:
+def _class_body(model: type) -> list[ast.stmt]:
     """The statements of a class."""
-    body: list[ast.stmt] = _module(model.__module__).body
+    body: list[ast.stmt] = _module_tree(model.__module__).body
     for name in model.__qualname__.split("."):
         body = next(node.body for node in body if isinstance(node, ast.ClassDef) and node.name == name)
     return body
 
 
 @lru_cache
-def _module(name: str) -> ast.Module:
+def _module_tree(name: str) -> ast.Module:
     return ast.parse(getsource(sys.modules[name]))

@@ -20,8 +20,8 @@ NAME_RULE = "letters, digits and _, a letter first"  # what a name that a scene 
 MAX_ERRORS = 200  # errors of one part beyond which the rest is of the same kind
 SHOWN_KEYS = 2  # keys of a mapping that a sentence shows where none is required
 MAX_CHOICES = 24  # choices that still fit in a sentence
-BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
-SHAPES = {
+BOUND_WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+SHAPE_WORDS = {
     "float_type": "a number",
     "float_parsing": "a number",
     "int_type": "a whole number",
@@ -35,10 +35,12 @@ SHAPES = {
     "tuple_type": "a list",
     "none_required": "null",
 }
-TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
+SHAPE_TYPES = {"a mapping": "object", "a list": "array"}  # of JSON Schema
 
-MEASURE = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?")  # a number and its unit
-UNITS = {  # what people write, in units of scenes
+MEASURE_PATTERN = re.compile(
+    r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*\[?([^\s\[\]]*)\]?"
+)  # a number and its unit
+UNIT_FACTORS = {  # what people write, in units of scenes
     "mm": ("m", 1e-3),
     "cm": ("m", 1e-2),
     "km": ("m", 1e3),
@@ -56,7 +58,7 @@ MIN_PREFIX = 3  # letters of the beginning of a word by which it is known
 SLIP_SIMILARITY, NEAR_SIMILARITY = 0.9, 0.6  # shares of letters that a mistyped word, and one like it, have in common
 
 # Names in other programs, and what each may be called here; the first that there is counts.
-SYNONYMS = {
+KEY_SYNONYMS = {
     word: tuple(meant.split())
     for words, meant in {
         "speed wind_speed u windspeed": "u10 velocity wind_speed reference_speed",
@@ -112,22 +114,22 @@ def validated(
 ) -> Model | None:
     """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
     default the working directory."""
-    beyond = list(islice(absurd(node, path), MAX_ERRORS))
+    beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
         found = model.model_validate(node.plain(), context={SCENE_FOLDER_KEY: folder})
     except ValidationError as error:
-        wrong = translated(error, model, node, path)
+        wrong = translate_errors(error, model, node, path)
     told = {each.key for each in wrong}
     problems += [*wrong, *(each for each in beyond if each.key not in told)]
     return None if beyond else found
 
 
-def absurd(node: Node, path: Path) -> Iterator[Problem]:
+def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
     """Numbers so large or small that no product of a few of them could be computed."""
     if isinstance(node.data, dict | list):
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
-            yield from absurd(inner, (*path, key))
+            yield from out_of_range(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
         if not MIN_NUMBER <= abs(node.data) <= MAX_NUMBER and abs(node.data) < inf:
             message = f"{describe_value(node.data)} is out of range: 0, or between {MIN_NUMBER:g} and {MAX_NUMBER:g}"
@@ -142,19 +144,19 @@ def dotted(path: Path) -> str:
 def likeliest(word: str, choices: Any) -> str | None:
     """The choice that a word most likely meant: one but for a slip, one that begins it, another word for the same, one
     that it begins, or one that is spelled almost so."""
-    by_lower = {lowered(str(choice)): str(choice) for choice in choices}
-    lower = lowered(word)
+    by_lower = {normal_form(str(choice)): str(choice) for choice in choices}
+    lower = normal_form(word)
     if lower in by_lower:
         return by_lower[lower]
     begun = [choice for choice in by_lower if lower.startswith(f"{choice}_")]
-    others = [choice for choice in SYNONYMS.get(lower, ()) if choice in by_lower]
+    others = [choice for choice in KEY_SYNONYMS.get(lower, ()) if choice in by_lower]
     longer = [choice for choice in by_lower if choice.startswith(lower) and len(lower) >= MIN_PREFIX]
     slip, close = (get_close_matches(lower, by_lower, n=1, cutoff=part) for part in (SLIP_SIMILARITY, NEAR_SIMILARITY))
     found = next(iter([*slip, *sorted(begun, key=len), *others, *sorted(longer, key=len), *close]), None)
     return by_lower[found] if found is not None else None
 
 
-def lowered(word: str) -> str:
+def normal_form(word: str) -> str:
     """A word in the form in which words are compared."""
     return word.lower().replace("-", "_").replace(" ", "_")
 
@@ -176,12 +178,12 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
     return choice_sentence(word, choices)
 
 
-def translated(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
+def translate_errors(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
     """Every problem in a validation error; of each union only those of its likeliest member."""
-    found = [_located(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
-    problems = [_sentence(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
+    found = [_locate_error(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
+    problems = [_problem_of(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
-        problems += _of_union([f for f in found if f.union == union], prefix)
+        problems += _union_problems([f for f in found if f.union == union], prefix)
     return problems
 
 
@@ -202,13 +204,13 @@ class _Found(NamedTuple):
 
 
 @cache
-def _schema(model: type[BaseModel]) -> dict[str, Any]:
+def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
     return model.model_json_schema()
 
 
-def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
-    definitions = _schema(model).get("$defs", {})
-    node, places, keys = root, [*opened(_schema(model), definitions)], tuple[str, ...]()
+def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
+    definitions = _model_schema(model).get("$defs", {})
+    node, places, keys = root, [*open_union(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
     union: Path | None = None
     member, unit = "", ""
@@ -223,32 +225,32 @@ def _located(error: Any, model: type[BaseModel], root: Node) -> _Found:
             continue
         keys = tuple(dict.fromkeys(name for place in places for name in place.get("properties", ())))
         path = (*path, step)
-        below = [_below(place, step) for place in places]
+        below = [_schema_below(place, step) for place in places]
         if step in keys:
             unit = next((in_brackets(schema["unit"]) for schema in below if "unit" in schema), "")
-        places = [member for schema in below for member in opened(schema, definitions)]
+        places = [member for schema in below for member in open_union(schema, definitions)]
         node = inner if inner is not None else node
-    shape = error["type"] in SHAPES or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
+    shape = error["type"] in SHAPE_WORDS or (error["type"] == "literal_error" and isinstance(node.data, dict | list))
     shape = shape and union == path
-    fitting = [place for place in places if place.get("type") == TYPES.get(SHAPES.get(error["type"], ""))]
-    form = _form(fitting[0], definitions) if fitting else ""
+    fitting = [place for place in places if place.get("type") == SHAPE_TYPES.get(SHAPE_WORDS.get(error["type"], ""))]
+    form = _value_form(fitting[0], definitions) if fitting else ""
     return _Found(error["type"], error["msg"], error.get("ctx", {}), path, node, unit, keys, form, union, member, shape)
 
 
-def members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """The members of a union of JSON Schema, or the schema itself."""
     union = schema.get("anyOf", schema.get("oneOf"))
     if union is None:
         yield schema
     for member in union or ():
-        yield from members(member)
+        yield from union_members(member)
 
 
-def opened(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """The members of a union, each as its definition."""
-    for member in members(schema):
+    for member in union_members(schema):
         if "$ref" in member:
-            yield from opened(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
+            yield from open_union(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
         else:
             yield member
 
@@ -259,7 +261,7 @@ def _is_meant(place: dict[str, Any], tag: str) -> bool:
     return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
-def _below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
+def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
     """The schema of what stands under a key or an index."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
@@ -280,30 +282,30 @@ def _is_short(found: _Found) -> bool:
     return found.kind == "missing" and isinstance(found.node.data, list)
 
 
-def _of_union(found: list[_Found], prefix: Path) -> list[Problem]:
+def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
     members: dict[str, list[_Found]] = {}
     for f in found:
         members.setdefault(f.member, []).append(f)
     fitting = [errors for errors in members.values() if not any(f.shape for f in errors)]
     if fitting:
         best = min(fitting, key=len)
-        return [_sentence(f, prefix) for f in best if not _is_extra_item(f, best)]
-    wanted = list(dict.fromkeys(_wanted(errors[0]) for errors in members.values()))
+        return [_problem_of(f, prefix) for f in best if not _is_extra_item(f, best)]
+    wanted = list(dict.fromkeys(_expected_form(errors[0]) for errors in members.values()))
     first = found[0]
-    hint = next(filter(None, (_hint(errors[0]) for errors in members.values())), "")
+    hint = next(filter(None, (_number_hint(errors[0]) for errors in members.values())), "")
     message = f"expected {' or '.join(wanted)}, got {describe_value(first.node.plain())}{hint}"
     return [problem_at(first.node.location, dotted(prefix + first.path), message)]
 
 
-def _wanted(found: _Found) -> str:
-    return SHAPES.get(found.kind) or f"one of {found.context.get('expected', '')}"
+def _expected_form(found: _Found) -> str:
+    return SHAPE_WORDS.get(found.kind) or f"one of {found.context.get('expected', '')}"
 
 
-def _sentence(found: _Found, prefix: Path) -> Problem:
+def _problem_of(found: _Found, prefix: Path) -> Problem:
     """One error as a problem."""
     key, location = dotted(prefix + found.path), found.node.location
     value, context, suggestion = describe_value(found.node.plain()), found.context, None
-    bound = next((name for name in BOUNDS if name in context), None)
+    bound = next((name for name in BOUND_WORDS if name in context), None)
     if found.member == "[key]":
         key, location = dotted(prefix + found.path[:-1]), found.node.key_location
         message = f"{found.path[-1]!r} is not a name: {NAME_RULE}"
@@ -312,15 +314,15 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         message, location = f"unknown key{message}", found.node.key_location
     elif _is_short(found):
         key = dotted(prefix + found.path[:-1])
-        message = f"expected {_entries(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
+        message = f"expected {_entry_count(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
     elif found.kind == "missing":
         message = "missing key"
     elif found.kind in ("too_long", "too_short") and isinstance(found.node.data, list | dict):
         wanted = context["max_length"] if found.kind == "too_long" else context["min_length"]
         word = "most" if found.kind == "too_long" else "least"
-        message = f"expected at {word} {_entries(wanted)}, got {len(found.node.data)}"
+        message = f"expected at {word} {_entry_count(wanted)}, got {len(found.node.data)}"
     elif bound is not None:
-        message = f"{value} is not {BOUNDS[bound]} {_number(context[bound])}{found.unit}"
+        message = f"{value} is not {BOUND_WORDS[bound]} {_bound_text(context[bound])}{found.unit}"
     elif found.kind == "finite_number":
         message = f"{value} is not a finite number"
     elif found.kind == "literal_error":
@@ -336,10 +338,9 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
         location = found.node.data[name].location if found.kind == "union_tag_invalid" else location
         end, suggestion = choice_sentence(str(context.get("tag", "")), choices)
         message = "missing key" if found.kind == "union_tag_not_found" else f"{context['tag']!r} is not a choice{end}"
-    elif found.kind in SHAPES:
-        message = (
-            f"expected {SHAPES[found.kind]}, got {value}{_hint(found)}{f', as in {found.form}' if found.form else ''}"
-        )
+    elif found.kind in SHAPE_WORDS:
+        form = f", as in {found.form}" if found.form else ""
+        message = f"expected {SHAPE_WORDS[found.kind]}, got {value}{_number_hint(found)}{form}"
     elif found.kind in ("value_error", "assertion_error"):
         message = str(context.get("error", found.message))
     else:
@@ -347,21 +348,21 @@ def _sentence(found: _Found, prefix: Path) -> Problem:
     return problem_at(location, key, message, suggestion)
 
 
-def _hint(found: _Found) -> str:
+def _number_hint(found: _Found) -> str:
     """The number that a text means: YAML 1.2 reads one in quotes, with a comma or with a unit as text."""
     text, numbers = found.node.data, ("float_type", "int_type")
-    measure = MEASURE.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
+    measure = MEASURE_PATTERN.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
     if measure is None:
         return ""
     written, unit = measure[2].replace("^", ""), found.unit.strip(" []")
-    of, factor = UNITS.get(written, (written, 1.0))
+    of, factor = UNIT_FACTORS.get(written, (written, 1.0))
     if of not in ("", unit or "1"):
         return f"; a number stands without its unit{f', which is {unit} here' if unit else ''}"
     number = float(measure[1].replace(",", ".")) * factor
     return f"; did you mean {number:.12g}?" if found.kind == "float_type" or number.is_integer() else ""
 
 
-def _form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
+def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
     """The form of a value: a mapping with the keys that it must have, else its first ones; a list with an entry."""
     if "properties" in place:
         names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
@@ -370,14 +371,14 @@ def _form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
         return f"[{', '.join('...' for _ in place['prefixItems'])}]"
     if place.get("type") not in ("array", "object"):
         return ""
-    inside = next(opened(_below(place, 0 if place["type"] == "array" else ""), definitions))
-    entry = _form(inside, definitions) or "..."
+    inside = next(open_union(_schema_below(place, 0 if place["type"] == "array" else ""), definitions))
+    entry = _value_form(inside, definitions) or "..."
     return f"[{entry}, ...]" if place["type"] == "array" else f"{{NAME: {entry}}}"
 
 
-def _entries(count: int) -> str:
+def _entry_count(count: int) -> str:
     return "1 entry" if count == 1 else f"{count} entries"
 
 
-def _number(bound: Any) -> str:
+def _bound_text(bound: Any) -> str:
     return f"{bound:g}" if isinstance(bound, float) else str(bound)

@@ -3,7 +3,7 @@
 from ocean_sim.parts import config_of, kinds
 
 
-def heeds(scheme: str, key: str) -> bool:
+def reads_key(scheme: str, key: str) -> bool:
     """True if a setting of this key can change the results of a scheme."""
     slot, _, name = key.partition(".")
     return scheme not in kinds(slot) or name not in config_of(slot, scheme).unheeded

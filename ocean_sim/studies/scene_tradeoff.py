@@ -21,10 +21,17 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_
 from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, motion_tables, of, ordered, waves
+from ocean_sim.studies.shared.scene_run import (
+    CLOCK_COLUMNS,
+    PICTURE_OBSERVERS,
+    motion_tables,
+    run_order,
+    unwrapped_table,
+    wave_heights,
+)
 
-PROFILES = ("ci", "interactive", "thesis", "reference")
-SEEDS = {True: 2, False: 5}  # quick or not
+PROFILE_NAMES = ("ci", "interactive", "thesis", "reference")
+SEED_COUNTS = {True: 2, False: 5}  # quick or not
 MOST_SETTINGS = 200
 CLOCKS_APART = 1.5  # ratio of wall and processor time from which on it is told
 MORE_IS_FINER = (
@@ -37,7 +44,7 @@ MORE_IS_FINER = (
     "max_divergence_iterations",
 )
 FROM_COARSE = {  # what can be named, from the coarsest to the finest
-    "profile": PROFILES,
+    "profile": PROFILE_NAMES,
     "runtime.precision": ("f32", "f64"),
 }
 Varied = dict[str, list[Node]]
@@ -100,14 +107,14 @@ class Repeat:
 
     def order(self) -> dict[str, Any]:
         """Its run."""
-        return ordered(self.setting.scenes[self.k]) | ({"again": True} if self.again else {})
+        return run_order(self.setting.scenes[self.k]) | ({"again": True} if self.again else {})
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its answer, and the folder of its run under `run`."""
         return [answer | {"run": run}]
 
 
-def varied(texts: list[str]) -> Varied:
+def vary_setting(texts: list[str]) -> Varied:
     """The values of each KEY=A,B,C; raises SceneError."""
     found: Varied = {}
     for text in texts:
@@ -122,7 +129,7 @@ def varied(texts: list[str]) -> Varied:
     return found
 
 
-def finest(key: str, values: list[Any]) -> Any:
+def finest_setting(key: str, values: list[Any]) -> Any:
     """The value that costs most and errs least: by its name, or the smallest, or for some keys the greatest."""
     place, _, name = key.rpartition(".")
     if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
@@ -133,7 +140,7 @@ def finest(key: str, values: list[Any]) -> Any:
     return values[-1]
 
 
-def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
+def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
     """Every combination, each with a seed more than the study needs, for the trial of the answer; raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
@@ -141,7 +148,7 @@ def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varie
         raise SceneError(
             [problem_at(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")]
         )
-    best = {key: finest(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
+    best = {key: finest_setting(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []
     for nodes in product(*vary.values()):
@@ -150,7 +157,7 @@ def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varie
         own = str(values["profile"]) if "profile" in values else profile
         laid = sets | {key: node for key, node in chosen.items() if key != "profile"}
         try:
-            scenes = _seeded(scene, own, laid, SEEDS[quick] + 1)
+            scenes = _with_seed(scene, own, laid, SEED_COUNTS[quick] + 1)
             found.append(Setting(values, scenes, values == best))
         except SceneError as error:
             problems += error.problems
@@ -159,9 +166,9 @@ def settings(scene: str, profile: str | None, sets: dict[str, Node], vary: Varie
     return found
 
 
-def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
+def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
     """The scene with its own seed and those after it, without pictures, and with a gauge if nothing else is seen."""
-    quiet: dict[str, Any] = dict.fromkeys(PICTURES) | sets
+    quiet: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
         middle = [0.0, 0.0] if first.basin.width is not None else [0.0]
@@ -169,7 +176,7 @@ def _seeded(scene: str, profile: str | None, sets: dict[str, Node], count: int) 
     return tuple(load(scene, quiet | {"seed": first.seed + k}, profile) for k in range(count))
 
 
-def errors(result: Result, reference: Result) -> dict[str, float | None]:
+def errors_against(result: Result, reference: Result) -> dict[str, float | None]:
     """Errors of a run by the quantities that a user sees, against the reference."""
     found: dict[str, float | None] = {}
     legs = []
@@ -180,12 +187,12 @@ def errors(result: Result, reference: Result) -> dict[str, float | None]:
         *((table, motions) for table in afloat),
         ("platform", [f"leg{k}_m" for k in range(1, 7)]),
     ):
-        own, other = of(result, table), of(reference, table)
+        own, other = unwrapped_table(result, table), unwrapped_table(reference, table)
         for name in columns or [key for key in other if key.endswith("_m")]:
             if not (len(own.get(name, ())) and len(other.get(name, ()))):
                 continue
             whole = 2.0 * np.pi if name.endswith("_rad") else np.inf
-            apart = rms(own["time_s"], own[name], other["time_s"], other[name], whole)
+            apart = rms_difference(own["time_s"], own[name], other["time_s"], other[name], whole)
             if table == "platform":
                 legs.append(apart)
             else:
@@ -198,11 +205,11 @@ def errors(result: Result, reference: Result) -> dict[str, float | None]:
 
 def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
     """Differences of heights and period at a gauge; None where a record holds no wave."""
-    a, b = (waves(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
+    a, b = (wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
 
-def rms(
+def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
     """Distance of two records over the time that they share; values that are so far apart are the same."""
@@ -213,7 +220,9 @@ def rms(
     return float(np.sqrt(np.mean(gap**2))) if len(shared) else float("nan")
 
 
-def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]) -> dict[str, Any]:
+def tradeoff_summary(
+    setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
+) -> dict[str, Any]:
     """A setting over its seeds: costs by the median, errors by mean and standard deviation; none where a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
@@ -222,7 +231,7 @@ def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[st
         "outcome": "done" if lost is None else lost["outcome"],
         "reason": "" if lost is None else lost["reason"],
     }
-    for key in (*CLOCKS, "particles", "threads"):
+    for key in (*CLOCK_COLUMNS, "particles", "threads"):
         known = [answer[key] for answer in answers if answer.get(key) is not None]
         row[key] = median(known) if known else None
     names = dict.fromkeys(name for found in apart for name in found)
@@ -233,7 +242,7 @@ def summary(setting: Setting, answers: list[dict[str, Any]], apart: list[dict[st
     return row
 
 
-def measures(rows: list[dict[str, Any]]) -> list[str]:
+def measure_names(rows: list[dict[str, Any]]) -> list[str]:
     """The names of all errors, felt ones before seen ones: leg lengths, motions, elevations, heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
@@ -241,7 +250,7 @@ def measures(rows: list[dict[str, Any]]) -> list[str]:
     return sorted(dict.fromkeys(names), key=lambda name: next((k for k, word in enumerate(order) if word in name), 99))
 
 
-def best(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
+def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
     """The most accurate row within the budget; of those that differ from it by less than the spread of the seeds, the
     cheapest."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]

@@ -16,24 +16,24 @@ from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
-from ocean_sim.studies import heeds
-from ocean_sim.studies.shared.scene_run import PICTURES, of, ordered
+from ocean_sim.studies import reads_key
+from ocean_sim.studies.shared.scene_run import PICTURE_OBSERVERS, run_order, unwrapped_table
 from ocean_sim.time_step import Known
 
-COLUMN: dict[str, Any] = {
+COLUMN_SCENE: dict[str, Any] = {
     "title": "A collapsing column",
     "duration": 0.5,
     "basin": {"length": 1.0, "depth": 0.5},
     "fluid": {"spacing": 0.05, "kinematic_viscosity": 1e-3, "fill": [{"min": [-0.5, -0.5], "max": [0.0, 0.0]}]},
     "accuracy": {"every": 0.02},
 }
-BOX = {"shape": {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}, "mass": 320.0}
-AFLOAT = {
+BOX_HULL = {"shape": {"kind": "box", "length": 1.0, "breadth": 0.8, "height": 0.8}, "mass": 320.0}
+AFLOAT_SCENE = {
     "title": "A box afloat in 2-D, carried by the pressure of the water",
     "duration": 0.5,
     "basin": {"length": 3.2, "depth": 1.2},
     "fluid": {"kind": "delta_sph", "spacing": 0.1, "compression": 0.02, "artificial_viscosity": 0.1},
-    "ship": {"kind": "pressure", "hull": BOX | {"centre_of_mass": [0.0, 0.3, 0.0]}},
+    "ship": {"kind": "pressure", "hull": BOX_HULL | {"centre_of_mass": [0.0, 0.3, 0.0]}},
     "accuracy": {"every": 0.02},
 }
 STEP_FACTORS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # over courant's own
@@ -41,7 +41,7 @@ QUICK_STEP_FACTORS = (0.5, 1.0, 2.0, 4.0)
 MIN_STEPS, MAX_STEPS = 20, {True: 4000, False: 20_000}  # steps of a run
 MAX_ENERGY_GAIN, MAX_COMPRESSION, MAX_OVER_ALLOWED = 0.01, 0.05, 3.0
 MAX_RUN_SECONDS = {True: 300.0, False: 3600.0}  # wall time [s] of a run
-VERDICTS = ("stable", "degraded", "stopped", "none")
+VERDICT_WORDS = ("stable", "degraded", "stopped", "none")
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class Axis:
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
             return {"wind": {"kind": "gusts", "volumes": [volume]}} if value else {}
         if self.name == "mass ratio":
-            return {"ship.hull": BOX | {"mass": value * 0.8 * 0.8 * 1000.0, "centre_of_mass": [0.0, 0.3, 0.0]}}
+            return {"ship.hull": BOX_HULL | {"mass": value * 0.8 * 0.8 * 1000.0, "centre_of_mass": [0.0, 0.3, 0.0]}}
         return {self.key: value}
 
 
-AXES = (
+EXTREME_AXES = (
     Axis(
         "compression",
         "fluid.compression",
@@ -108,20 +108,22 @@ class Spot:
 
     def order(self) -> dict[str, Any]:
         """Its run, on one thread."""
-        return ordered(self.scene, 1)
+        return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its line in the table."""
-        outcome, why, numbers = verdict(answer, of(run, "accuracy"), self.scene, self.axis.name == "wind")
+        outcome, why, numbers = verdict_of(
+            answer, unwrapped_table(run, "accuracy"), self.scene, self.axis.name == "wind"
+        )
         point = {"map": self.axis.name, "scheme": self.scheme, "key": self.axis.key, "value": self.value}
         steps = {"dt_over_courant": self.factor, "dt_s": self.dt} | {f"{k}_s": v for k, v in self.limits.items()}
         clock = {"simulated_s": answer.get("simulated_s"), "wall_s": answer.get("wall_s")}
         return [point | steps | {"verdict": outcome, "reason": why} | numbers | clock]
 
 
-def spots(quick: bool, scene: str | None = None) -> list[Spot]:
+def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
     """All points, of the study's own scenes or of a user's; raises SceneError."""
-    return [spot for axis in AXES for spot in _of_axis(axis, quick, scene)]
+    return [spot for axis in EXTREME_AXES for spot in _of_axis(axis, quick, scene)]
 
 
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
@@ -129,9 +131,11 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
     schemes = ("delta_sph",) if afloat else compared("fluid") if theirs is None else (theirs.kind,)
-    for scheme in (scheme for scheme in schemes if heeds(scheme, axis.key)):
-        base: Any = scene or (AFLOAT if afloat else COLUMN | {"fluid": COLUMN["fluid"] | {"kind": scheme}})
-        own: dict[str, Any] = dict.fromkeys(PICTURES) | {"time_step": {"kind": "courant"}}
+    for scheme in (scheme for scheme in schemes if reads_key(scheme, axis.key)):
+        base: Any = scene or (
+            AFLOAT_SCENE if afloat else COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": scheme}}
+        )
+        own: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | {"time_step": {"kind": "courant"}}
         for value in axis.quick if quick else axis.full:
             try:
                 calm = load(base, own | axis.settings(value))
@@ -157,11 +161,14 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                 )
 
 
-def verdict(
+def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
     """Verdict, why, and the numbers it was found by: energy gained over the scale, greatest mean compression."""
-    gain, dense = gained(accuracy, scene, driven), float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0))
+    gain, dense = (
+        energy_gain(accuracy, scene, driven),
+        float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
+    )
     numbers = {"energy_gain": gain, "compression_mean": dense}
     if answer["outcome"] not in ("done", "stopped"):
         return "none", answer["reason"], numbers
@@ -179,7 +186,7 @@ def verdict(
     return "stable", "", numbers
 
 
-def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
+def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
     """Energy from nowhere over mass times the square of the reference speed; NaN where undefined. Walls at rest
     give none, whatever a scheme's accounts hold of its single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
@@ -193,7 +200,7 @@ def gained(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) ->
     return float(excess.max()) / (mass * fluid.speed(tank) ** 2)
 
 
-def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """For every value of every map: the longest step that was stable, the shortest that was not, and the limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):

@@ -22,7 +22,7 @@ from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
 from ocean_sim.result import Result
-from ocean_sim.studies.shared.scene_run import CLOCKS, PICTURES, ordered
+from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, PICTURE_OBSERVERS, run_order
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]
@@ -62,11 +62,11 @@ class Planned:
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its line in the table; times stand last, for they are the only ones that change from call to call."""
         head = {"run": run.folder.name} | self.settings
-        facts = {key: value for key, value in answer.items() if key not in CLOCKS}
-        return [head | facts | {key: answer.get(key) for key in CLOCKS}]
+        facts = {key: value for key, value in answer.items() if key not in CLOCK_COLUMNS}
+        return [head | facts | {key: answer.get(key) for key in CLOCK_COLUMNS}]
 
 
-def planned(path: Path, threads: int | None = None) -> list[Planned]:
+def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     """The runs of a plan in its own order, on `threads` where a scene leaves them open; raises SceneError, which holds
     everything that is wrong."""
     node = read_mapping(path)
@@ -80,13 +80,13 @@ def planned(path: Path, threads: int | None = None) -> list[Planned]:
         raise SceneError([problem_at(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
     shared = node.data["set"].data if "set" in node.data else {}
     runs = []
-    for settings in _combinations(node):
+    for settings in _grid_settings(node):
         try:
-            scene = load(plan.scene, _quiet({**shared, **settings}) | shared | settings, plan.profile)
+            scene = load(plan.scene, _without_pictures({**shared, **settings}) | shared | settings, plan.profile)
             plain = {key: value.plain() for key, value in settings.items()}
-            runs.append(Planned(plain, scene, ordered(scene, threads)))
+            runs.append(Planned(plain, scene, run_order(scene, threads)))
         except SceneError as error:
-            problems += [_at(node, shared | settings, found) for found in error.problems]
+            problems += [_run_order(node, shared | settings, found) for found in error.problems]
     if problems:
         raise SceneError(problems)
     return runs
@@ -100,7 +100,7 @@ def _empty(node: Node) -> list[Problem]:
     return [problem_at(inner.location, key, "this list is empty") for key, inner in lists if inner.data == []]
 
 
-def _combinations(node: Node) -> Iterator[Settings]:
+def _grid_settings(node: Node) -> Iterator[Settings]:
     """The settings of every run, each value with its location."""
     listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
     groups = [group.data for group in listed.data] if listed is not None else [{}]
@@ -111,13 +111,13 @@ def _combinations(node: Node) -> Iterator[Settings]:
         yield {**group, **dict(zip(keys, combination)), **seed}
 
 
-def _quiet(settings: Settings) -> Settings:
+def _without_pictures(settings: Settings) -> Settings:
     """No pictures, unless a setting names them."""
     named = {key.split(".")[0] for key in settings}
-    return {name: node_of(None, Location("sweep")) for name in PICTURES if name not in named}
+    return {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
 
 
-def _at(plan: Node, settings: Settings, found: Problem) -> Problem:
+def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
     """A problem of a scene: without a file, or in a part that the plan sets, it is a problem of the plan."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:

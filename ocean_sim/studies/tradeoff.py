@@ -15,10 +15,12 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
-from ocean_sim.studies import heeds
-from ocean_sim.studies.shared.case_run import ordered, problem_of
+from ocean_sim.studies import reads_key
+from ocean_sim.studies.shared.case_run import problem_of, run_order
 
-AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the default of a scheme is run in any case
+SETTING_AXES: dict[
+    str, dict[str, tuple]
+] = {  # by what a scheme is a kind of; the default of a scheme is run in any case
     "fluid": {
         "fluid.support_ratio": (2.0, 2.5, 3.0, 4.0),
         "time_step.courant_number": (0.3, 1.0),
@@ -28,8 +30,13 @@ AXES: dict[str, dict[str, tuple]] = {  # by what a scheme is a kind of; the defa
     "ship": {"ship.cells_per_draught": (2, 4, 8, 16), "time_step.dt": (0.01, 0.02, 0.08)},
     "surface": {"surface.spacing": (0.05, 0.1, 0.2, 0.4)},
 }
-RESOLVED = ("fluid", "surface")  # slots whose cases are run coarse and fine
-LEVELS = ((True, 1.0), (True, 0.5), (False, 1.0), (False, 0.5))  # coarse set-up or not, and the resolution over it
+RESOLVED_SLOTS = ("fluid", "surface")  # slots whose cases are run coarse and fine
+RESOLUTION_LEVELS = (
+    (True, 1.0),
+    (True, 0.5),
+    (False, 1.0),
+    (False, 0.5),
+)  # coarse set-up or not, and the resolution over it
 QUICK_LEVELS = 2
 QUICK_VARIED = ("standing_wave", "taylor_green", "ship_rao", "surface_slab")
 QUICK_VALUES: dict[str, tuple] = {
@@ -68,7 +75,7 @@ class Trial:
     @property
     def peers(self) -> list["Peer"]:
         """The errors that other programs reached, measured separately."""
-        return [peer for peer in peers() if peer.case == self.case]
+        return [peer for peer in peer_points() if peer.case == self.case]
 
 
 class Peer(NamedTuple):
@@ -81,14 +88,14 @@ class Peer(NamedTuple):
 
 
 @cache
-def peers() -> list[Peer]:
+def peer_points() -> list[Peer]:
     """Those of validation/data/peers.csv."""
     text = (files("ocean_sim.validation") / "data" / "peers.csv").read_text(encoding="utf-8")
     rows = csv_file.read_records(text)
     return [Peer(row["case"], row["program"], int(row["particles"]), float(row["error"])) for row in rows]
 
 
-TRIALS = (
+TRIAL_CASES = (
     Trial("hydrostatic", "pressure, L2 over rho g H"),
     Trial("standing_wave", "Re 250: decay rate [1/s]", "Re 250"),
     Trial(
@@ -125,12 +132,14 @@ class Point:
     def order(self) -> dict[str, Any]:
         """Its run."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
-        return ordered(*given)
+        return run_order(*given)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """A line for every error of the case; one without an error where the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
-        head = names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied())}
+        head = (
+            names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied_points())}
+        )
         facts = {key: value for key, value in answer.items() if key != "errors"}
         errors = answer.get("errors") or [{"quantity": self.trial.quantity, "error": None}]
         return [head | facts | error for error in errors]
@@ -142,44 +151,44 @@ class Point:
         return ", ".join(f"{key}={value}" for key, value in rest.items())
 
 
-def varied() -> list[str]:
+def varied_points() -> list[str]:
     """The keys of all axes."""
-    return [key for axes in AXES.values() for key in axes]
+    return [key for axes in SETTING_AXES.values() for key in axes]
 
 
-def points(quick: bool) -> list[Point]:
+def study_points(quick: bool) -> list[Point]:
     """All runs of the study; the cheap ones of every case come first."""
-    found = [point for trial in TRIALS if trial.quick or not quick for point in _of_trial(trial, quick)]
+    found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _of_trial(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
 def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
-        for coarse, factor in _levels(trial, quick) if slot in RESOLVED else [(True, 1.0)]:
+        for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
             yield Point(
                 trial, scheme, coarse, {} if factor == 1.0 else {"resolution": factor}, MAX_TIMED_SECONDS[quick]
             )
         if trial.case in QUICK_VARIED or not quick:
-            for key, values in AXES[slot].items():
+            for key, values in SETTING_AXES[slot].items():
                 for value in QUICK_VALUES.get(key, ()) if quick else values:
                     point = Point(trial, scheme, True, {key: value}, MAX_TIMED_SECONDS[quick])
-                    if _differs(point):
+                    if _is_other_setting(point):
                         yield point
 
 
-def _levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
+def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
     """Resolutions of a case, from coarse to fine, each spacing once."""
     spacings: dict[float, tuple[bool, float]] = {}
-    for coarse, factor in LEVELS[:QUICK_LEVELS] if quick else LEVELS:
+    for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
         spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
         spacings.setdefault(round(spacing, 9), (coarse, factor))
     return list(spacings.values())
 
 
-def _differs(point: Point) -> bool:
+def _is_other_setting(point: Point) -> bool:
     """True if the scheme has the setting, heeds it, and has another default."""
-    if not all(heeds(point.scheme, key) for key in point.settings):
+    if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
     problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
     try:
@@ -188,14 +197,14 @@ def _differs(point: Point) -> bool:
         return False
 
 
-def clock(rows: list[dict[str, Any]]) -> str:
+def clock_column(rows: list[dict[str, Any]]) -> str:
     """The column by which speed is compared: wall time, or processor time where a busy machine spoils the other."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
 
 
-def front(pairs: list[tuple[float, float]]) -> list[int]:
+def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
     """The Pareto front of (cost, error): no other is as cheap and as accurate, and better in one."""
     order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
@@ -205,7 +214,7 @@ def front(pairs: list[tuple[float, float]]) -> list[int]:
     return kept
 
 
-def equals(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
+def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
     """The schemes at equal time, by the column `speed`, and at equal number of particles; a row holds one error.
 
     At equal time stands the least error of each scheme within the time of the slowest scheme's cheapest run; at equal

@@ -20,7 +20,7 @@ from math import atanh, log, sqrt
 
 import numpy as np
 
-from ocean_sim.basin import GRAINS, KARMAN
+from ocean_sim.basin import GRAINS_PER_Z0, KARMAN_CONSTANT
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.state import particle_state, sampled_states, set_state
@@ -57,13 +57,13 @@ def problems(coarse: bool) -> list[Problem]:
 
 def bed_stress(speed: float, height: float) -> float:
     """Stress of the bed [Pa] by the logarithmic law, for a speed [m/s] at a height [m]."""
-    return DENSITY * (KARMAN * speed / log(GRAINS * height / ROUGHNESS)) ** 2
+    return DENSITY * (KARMAN_CONSTANT * speed / log(GRAINS_PER_Z0 * height / ROUGHNESS)) ** 2
 
 
 def steady_profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
     """Speed [m/s] of the steady flow at heights z [m], with the lowest row at half a spacing [m]."""
     z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
-    lowest_speed = sqrt(STRESS / DENSITY) / KARMAN * log(GRAINS * lowest / ROUGHNESS)
+    lowest_speed = sqrt(STRESS / DENSITY) / KARMAN_CONSTANT * log(GRAINS_PER_Z0 * lowest / ROUGHNESS)
     return lowest_speed + SLOPE_GRAVITY / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))
 
 

@@ -130,9 +130,9 @@ def surface_samples(simulation: Simulation, order: int) -> tuple[np.ndarray, np.
     times, of a nonlinear one at each cell at its start."""
     fluid = sea_of(simulation)
     if fluid.steep is not None:
-        from ocean_sim.fluid.spectral_sea import DRAWN, snapped
+        from ocean_sim.fluid.spectral_sea import SPECTRUM_COMPONENTS, snapped
 
-        sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, DRAWN), fluid.tile))
+        sea = fluid.nonlinear(snapped(fluid.config.sea_of(simulation.basin, SPECTRUM_COMPONENTS), fluid.tile))
         tile = sea.tile
         e, p = tile.to_modes(sea.eta), tile.to_modes(sea.phi)
         modes = np.array([e, tile.k * np.tanh(tile.k * tile.depth) * p, *tile.slopes(e)])

@@ -19,15 +19,14 @@ import typer
 from ocean_sim.files.yaml_file import Problem, SceneError
 from ocean_sim.parts import PACKAGE
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-DEFAULT = ("bench/dam_break_6k", "bench/dam_break_50k")
-WARM_UP = 20  # steps
-BLOCK = 0.5  # wall time of a block of steps, at least [s]
+DEFAULT_SCENES = ("bench/dam_break_6k", "bench/dam_break_50k")
+WARM_UP_STEPS = 20  # steps
+MIN_BLOCK_SECONDS = 0.5  # wall time of a block of steps, at least [s]
 
 
 def bench(
@@ -59,19 +58,19 @@ def bench(
     if peer_python and not peers:
         raise typer.BadParameter("--peer-python goes with --peers")
     pythons = peer_python or []
-    console.settings(sets)
+    console.set_values(sets)
     others = peer_programs() if peers else None
     if others is not None:
         others.must_have_one(pythons)
     rows = []
-    for scene in scenes or (() if others else DEFAULT):
+    for scene in scenes or (() if others else DEFAULT_SCENES):
         order = {"scene": scene, "profile": profile, "sets": sets or [], "threads": threads, "repeats": repeats}
-        row = measured(order, cold)
+        row = measure_in_child(order, cold)
         times = history.slowdown(order, row)
         rows.append(row | {"times_before": times})
         slower = history.slowdown_warning(scene, times) if times is not None else None
         if not as_json:
-            console.say(sentence(row))
+            console.say(measurement_lines(row))
         if slower is not None:
             console.complain(slower)
     if others is not None:
@@ -96,7 +95,7 @@ def peer_programs() -> ModuleType:
     return import_module("benchmarks.peers")
 
 
-def measured(order: dict[str, Any], cold: bool) -> dict[str, Any]:
+def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
     """One scene, measured in a child process; its failure is raised here."""
     with tempfile.TemporaryDirectory() as empty:
         environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
@@ -127,18 +126,18 @@ def bench_one(order: str, as_json: Json = False) -> None:
     machine: dict[str, Any] = {"runtime.pin": True} | (
         {"runtime.threads": asked["threads"]} if asked["threads"] else {}
     )
-    config = load(asked["scene"], {**quiet, **machine, **console.settings(asked["sets"])}, asked["profile"])
-    must_compute_with(config.runtime.library)
+    config = load(asked["scene"], {**quiet, **machine, **console.set_values(asked["sets"])}, asked["profile"])
+    console.must_compute_with(config.runtime.library)
     with Simulation(config) as simulation:
         simulation.step()
         first_step = monotonic() - asked["spawned"]
         clock = next(observer for observer in simulation.observers if isinstance(observer, Timings))
-        for _ in range(WARM_UP):
+        for _ in range(WARM_UP_STEPS):
             simulation.step()
         clock.sync()
-        before = clock.mark(perf_counter())
-        blocks = [block(simulation, clock.sync) for _ in range(asked["repeats"])]
-        stages = clock.means(before, clock.mark(perf_counter()))[1]
+        before = clock.take_mark(perf_counter())
+        blocks = [time_block(simulation, clock.sync) for _ in range(asked["repeats"])]
+        stages = clock.stage_means(before, clock.take_mark(perf_counter()))[1]
         particles = simulation.fluid.count
         threads = simulation.backend.threads
     per_step = [1e3 * wall / steps for steps, wall, _, _ in blocks]
@@ -161,17 +160,17 @@ def bench_one(order: str, as_json: Json = False) -> None:
     )
 
 
-def block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
+def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
     """Steps, wall time [s], processor time [s] and simulated time [s] of at least BLOCK seconds of stepping."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
-    while perf_counter() - wall < BLOCK:
+    while perf_counter() - wall < MIN_BLOCK_SECONDS:
         simulation.step()
         sync()
         steps += 1
     return steps, perf_counter() - wall, process_time() - cpu, simulation.time - simulated
 
 
-def sentence(row: dict[str, Any]) -> str:
+def measurement_lines(row: dict[str, Any]) -> str:
     """A measurement in two lines, for people."""
     stages = ", ".join(f"{name} {ms:.3g}" for name, ms in row["stages"].items())
     return (

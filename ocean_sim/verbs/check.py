@@ -13,7 +13,6 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 from ocean_sim.verbs.shared.progress import kernel_notice
@@ -38,7 +37,7 @@ def check(
 ) -> None:
     """Report the needs of a scene, and its problems."""
     try:
-        config = load(scene, console.settings(sets), profile)
+        config = load(scene, console.set_values(sets), profile)
     except SceneError as error:
         if not as_json:
             raise
@@ -46,7 +45,7 @@ def check(
         console.answer(
             {
                 "ok": False,
-                "error": console.counted(problems),
+                "error": console.problem_count(problems),
                 "problems": problems,
                 "warnings": [],
                 **UNKNOWN_FACTS,
@@ -55,26 +54,26 @@ def check(
         )
         raise typer.Exit(2) from None
     if time:
-        must_compute_with(config.runtime.library)
+        console.must_compute_with(config.runtime.library)
         if not as_json:
             console.say(kernel_notice())
         measure_step_time(config)
     found = preflight(config)
     if as_json:
-        console.answer(found | {"ledger": ledger(found, config)})
+        console.answer(found | {"ledger": ledger_rows(found, config)})
     else:
-        long(found, config)
+        print_preflight(found, config)
 
 
 def measure_step_time(config: SceneConfig) -> None:
     """Take steps of a scene for half a second, and keep their mean wall time for estimates; nothing is written."""
-    from ocean_sim.observers.timings import waiting
+    from ocean_sim.observers.timings import synchronization
     from ocean_sim.simulation import Simulation
-    from ocean_sim.verbs.bench import block
+    from ocean_sim.verbs.bench import time_block
 
     with Simulation(config) as simulation:
         simulation.step()  # it compiles kernels
-        steps, wall, _, _ = block(simulation, waiting(simulation.backend.arch))
+        steps, wall, _, _ = time_block(simulation, synchronization(simulation.backend.arch))
     keep_step_time(config, wall / steps)
 
 
@@ -108,14 +107,14 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "particles": particles,
         "memory_mb": memory / 1e6,
         "pictures_mb": sum(row.bytes for row in rows if row.part in config.observers) / 1e6,
-        **room(config, rows, particles),
+        **particle_room(config, rows, particles),
         "time_step": dt,
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
         "estimated_wall_s": None if steps is None else steps + pictures,
         "estimated_by_part": {"steps_s": steps, "pictures_s": pictures},
-        "ships": ships(config),
+        "ships": ship_facts(config),
         "ledger": rows,
     }
 
@@ -125,7 +124,7 @@ def picture_time(config: SceneConfig) -> float:
     return sum(part.picture_time(config.preflight) for part in config.observers.values())
 
 
-def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
+def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
     into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
     nothing, into CARD_BYTES."""
@@ -146,7 +145,7 @@ def room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
 
-def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
+def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
     """Draught, metacentric heights and natural periods of every ship that a hull carries, by its name."""
     found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
     return {
@@ -163,7 +162,7 @@ def ships(config: SceneConfig) -> dict[str, dict[str, Any]]:
     }
 
 
-def ledger(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
+def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
     """The ledger by rows; the kernels of a whole part stand in its first row."""
     from ocean_sim.runtime import kernels_in
 
@@ -194,7 +193,7 @@ def memory_taken(found: dict[str, Any]) -> str:
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
-def fitting(found: dict[str, Any], config: SceneConfig) -> str:
+def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
     """Memory of a particle, and the number that fits."""
     from ocean_sim.runtime import GRAPHICS_CARD_CHOICES
 
@@ -209,7 +208,7 @@ def fitting(found: dict[str, Any], config: SceneConfig) -> str:
     return f"{found['bytes_a_particle']} bytes a particle: {fit}"
 
 
-def short(found: dict[str, Any], config: SceneConfig) -> str:
+def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
     """The preflight in a few lines, for `run`."""
     lines = [
         f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
@@ -221,7 +220,7 @@ def short(found: dict[str, Any], config: SceneConfig) -> str:
     )
 
 
-def long(found: dict[str, Any], config: SceneConfig) -> None:
+def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
     """The preflight in full, for people."""
     console.say(config.title or "untitled")
     console.table(
@@ -230,7 +229,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
         [
             ["particles", f"{found['particles']}"],
             ["memory", f"about {memory_taken(found)} at the peak"],
-            ["room", fitting(found, config)],
+            ["room", room_sentence(found, config)],
             ["time step", f"{found['time_step']:.4g} s in still water, limited by: {found['limited_by']}"],
             ["stable", f"{found['stable_time_step']:.4g} s in still water, limited by: {found['stable_limited_by']}"],
             [
@@ -247,7 +246,7 @@ def long(found: dict[str, Any], config: SceneConfig) -> None:
             "" if row["kernels"] is None else f"{len(row['kernels'])}",
             row["why"],
         ]
-        for row in ledger(found, config)
+        for row in ledger_rows(found, config)
     ]
     heads = ["part", "fields", "MB", "kernels", "why"]
     console.table("\nwhat is allocated and compiled (kernels: at most), and why", heads, rows)

@@ -12,32 +12,32 @@ from ocean_sim import machine
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 
-PACKAGES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
-BACKENDS = ("cpu", "cuda", "vulkan", "metal")
-BACKEND = """
+PACKAGE_NAMES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
+BACKEND_NAMES = ("cpu", "cuda", "vulkan", "metal")
+BACKEND_PROBE = """
 from ocean_sim.machine import cache_directory
 from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
 print(cache_directory())
 """
-PREVIEW = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
-FILM = """
+PREVIEW_PROBE = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
+FILM_PROBE = """
 import subprocess
 from imageio_ffmpeg import get_ffmpeg_exe
 print(subprocess.run([get_ffmpeg_exe(), "-version"], check=True, capture_output=True, text=True).stdout.split("\\n")[0])
 """
-WIDTH = """
+VECTOR_PROBE = """
 from ocean_sim.kernel_library import NAME
 from ocean_sim.runtime import vector_width
 print(NAME, vector_width())
 """
-USUAL = 8  # numbers at once that will do: many processors are no faster with more, and compilers know which
-PATIENCE = 90.0  # [s] for one probe
+USUAL_VECTOR_WIDTH = 8  # numbers at once that suffice: many processors are no faster with more
+PROBE_SECONDS = 90.0  # [s] for one probe
 
 
 def doctor(as_json: Json = False) -> None:
     """Report what the machine can do; what is missing is not an error."""
-    found = examined()
+    found = examine_machine()
     if as_json:
         console.answer(found)
         return
@@ -58,41 +58,41 @@ def _row(fact: dict[str, Any]) -> list[str]:
     return ["yes" if fact["ok"] else "no", fact["detail"]]
 
 
-def examined() -> dict[str, Any]:
+def examine_machine() -> dict[str, Any]:
     """Everything that `doctor` answers."""
-    backends = {arch: probed(BACKEND.format(arch=arch)) for arch in BACKENDS}
+    backends = {arch: run_probe(BACKEND_PROBE.format(arch=arch)) for arch in BACKEND_NAMES}
     cache = backends["cpu"]["detail"] if backends["cpu"]["ok"] else None
     for fact in backends.values():
         fact["detail"] = "" if fact["ok"] else fact["detail"].split(";")[0]
     return {
         "backends": backends,
-        "vectors": vectors(),
-        "ggui": probed(PREVIEW),
-        "opengl": opengl(),
-        "video": probed(FILM),
+        "vectors": vector_row(),
+        "ggui": run_probe(PREVIEW_PROBE),
+        "opengl": opengl_row(),
+        "video": run_probe(FILM_PROBE),
         "machine": f"{platform.system()} {platform.machine()}",
         "cores": machine.available_cores(),
         "memory_gb": machine.memory_limit() / 1e9,
         "python": platform.python_version(),
         "executable": sys.executable,
-        "versions": {name: number for name in PACKAGES if (number := machine.installed_version(name)) is not None},
+        "versions": {name: number for name in PACKAGE_NAMES if (number := machine.installed_version(name)) is not None},
         "cache": cache,
     }
 
 
-def probed(script: str) -> dict[str, Any]:
+def run_probe(script: str) -> dict[str, Any]:
     """Success of a script in a child process, and the last line that it printed."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],
             capture_output=True,
             text=True,
-            timeout=PATIENCE,
+            timeout=PROBE_SECONDS,
             check=False,
             env=os.environ | {"ENABLE_TAICHI_HEADER_PRINT": "False"},
         )
     except subprocess.TimeoutExpired:
-        return {"ok": False, "detail": f"no answer within {PATIENCE:.0f} s"}
+        return {"ok": False, "detail": f"no answer within {PROBE_SECONDS:.0f} s"}
     if child.returncode < 0:
         return {"ok": False, "detail": f"the process that tried it died (signal {-child.returncode})"}
     lines = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
@@ -102,24 +102,24 @@ def probed(script: str) -> dict[str, Any]:
     return {"ok": child.returncode == 0, "detail": re.sub(r"^[\w.]+Missing: ", "", last)}
 
 
-def opengl() -> dict[str, Any]:
+def opengl_row() -> dict[str, Any]:
     """Fact about drawing pictures without a screen."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
-    fact = probed(f"import json; {script}")
+    fact = run_probe(f"import json; {script}")
     if not fact["ok"]:
         return fact
     problem, window = json.loads(fact["detail"])
     return {"ok": problem is None, "detail": problem or window}
 
 
-def vectors() -> dict[str, Any]:
+def vector_row() -> dict[str, Any]:
     """Fact about the vector width of kernels: the compiler in Taichi 1.7 takes a processor newer than itself for the
     first of its kind."""
-    fact, room = probed(WIDTH), machine.max_vector_width()
+    fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact
     library, width = fact["detail"].split()
-    if room is None or int(width) >= min(room, USUAL):
+    if room is None or int(width) >= min(room, USUAL_VECTOR_WIDTH):
         return {"ok": True, "detail": f"{library} works on {width} numbers at once"}
     after = "" if machine.installed_version("quadrants") else ", after `pip install quadrants`"
     cure = f"; particles are quicker with runtime.library=quadrants{after}"

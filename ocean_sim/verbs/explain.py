@@ -8,9 +8,9 @@ import typer
 from ocean_sim.files.yaml_file import Location, in_yaml, node_of
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import ALONE, SEVERAL, SLOTS
-from ocean_sim.reading.composition import chosen, kind_named, known
-from ocean_sim.reading.keys import Key, elsewhere, found, keys
-from ocean_sim.reading.sentences import sentence
+from ocean_sim.reading.composition import choice_of, kind_named, known_names
+from ocean_sim.reading.keys import Key, keys_at, keys_elsewhere, scene_keys
+from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
@@ -21,7 +21,7 @@ MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their mean
 
 def complete_key(begun: str) -> list[str]:
     """Paths of keys that begin so."""
-    return [key.path for key in keys() if key.path.startswith(begun)]
+    return [key.path for key in scene_keys() if key.path.startswith(begun)]
 
 
 def explain(
@@ -38,33 +38,36 @@ def explain(
     if asked in (*SLOTS, SEVERAL):
         list_choices(ALONE if asked == SEVERAL else asked, as_json)
         return
-    same = grouped(found(by_kind(asked)) or [each for each in keys() if each.path.split(".")[-1] == asked])
-    part = None if same and "." not in asked else choice(asked)
+    same = group_alike(keys_at(by_kind(asked)) or [each for each in scene_keys() if each.path.split(".")[-1] == asked])
+    part = None if same and "." not in asked else preset_choice(asked)
     if part is not None:
-        same = [(over(each, *part), paths) for each, paths in grouped(found(f"{part[0]}.{kind_named(*part)}"))]
+        same = [
+            (with_preset_value(each, *part), paths)
+            for each, paths in group_alike(keys_at(f"{part[0]}.{kind_named(*part)}"))
+        ]
     if not same and part is None:
-        raise console.Refused(f"there is no key {key!r}{meant(asked)}")
+        raise console.Refused(f"there is no key {key!r}{refusal_end(asked)}")
     if as_json:
-        console.answer([answer(each, paths) for each, paths in same])
+        console.answer([key_answer(each, paths) for each, paths in same])
         return
     if part is not None:
-        console.say(f"{'.'.join(part)}: {sentence(*part)}\n")
+        console.say(f"{'.'.join(part)}: {part_sentence(*part)}\n")
     if len(same) <= MAX_AT_LENGTH:
         for each, paths in same:
-            console.say("\n".join(lines(each, paths)) + "\n")
+            console.say("\n".join(key_lines(each, paths)) + "\n")
     else:
-        console.table("", ["key", "default", "meaning"], [row(each, paths) for each, paths in same])
+        console.table("", ["key", "default", "meaning"], [key_row(each, paths) for each, paths in same])
 
 
-def choice(word: str) -> tuple[str, str] | None:
+def preset_choice(word: str) -> tuple[str, str] | None:
     """The slot and the name of a preset or a kind: of `ship.yacht`, or of `yacht` alone."""
     slot, _, name = word.rpartition(".")
-    return next(((each, name) for each in SLOTS if slot in ("", each) and name in known(each)), None)
+    return next(((each, name) for each in SLOTS if slot in ("", each) and name in known_names(each)), None)
 
 
-def over(key: Key, slot: str, name: str) -> Key:
+def with_preset_value(key: Key, slot: str, name: str) -> Key:
     """A key of the kind of a preset, with the preset's own value as its default."""
-    own = chosen(slot, node_of(name, Location(name))).base.plain()
+    own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
@@ -73,30 +76,30 @@ def by_kind(word: str) -> str:
     """A path with the kind in place of the preset: `ship.dynamic.position` for `ship.yacht.position`."""
     slot, _, rest = word.partition(".")
     name, dot, below = rest.partition(".")
-    if choice(f"{slot}.{name}") is None:
+    if preset_choice(f"{slot}.{name}") is None:
         return word
     return f"{slot}.{kind_named(slot, name)}{dot}{below}"
 
 
-def meant(word: str) -> str:
+def refusal_end(word: str) -> str:
     """The end of a refusal: what the word most likely means, else where there is more."""
-    whole = {key.path for key in keys()}
+    whole = {key.path for key in scene_keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
-    end = elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
-    return among(word) or end or "; `ocean-sim list` shows all there is to choose from"
+    end = keys_elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
+    return likeliest_beside(word) or end or "; `ocean-sim list` shows all there is to choose from"
 
 
-def among(word: str) -> str:
+def likeliest_beside(word: str) -> str:
     """The likeliest of what lies beside a wrong one: the key `wind.u10` for `wind.speed`, the kind `wind.stress`."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
-    there = {key.path.rpartition(".")[2] for key in found(beside)} - {beside.rpartition(".")[2]} if above else set()
-    names = known(above) if above in SLOTS else []
+    there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
+    names = known_names(above) if above in SLOTS else []
     likely = likeliest(last, sorted({*there, *names}))
     return f"; did you mean '{above}.{likely}'?" if likely else ""
 
 
-def grouped(found: list[Key]) -> list[tuple[Key, list[str]]]:
+def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
     """Keys that several kinds have alike, once, with the paths of all."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
@@ -106,7 +109,7 @@ def grouped(found: list[Key]) -> list[tuple[Key, list[str]]]:
     return list(same.values())
 
 
-def lines(key: Key, paths: list[str]) -> list[str]:
+def key_lines(key: Key, paths: list[str]) -> list[str]:
     """A key at length."""
     bounds = f", {key.range}" if key.range else ""
     slot = paths[0].partition(".")[0]
@@ -121,11 +124,11 @@ def lines(key: Key, paths: list[str]) -> list[str]:
     ]
 
 
-def row(key: Key, paths: list[str]) -> list[str]:
+def key_row(key: Key, paths: list[str]) -> list[str]:
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
     return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
 
 
-def answer(key: Key, paths: list[str]) -> dict[str, Any]:
+def key_answer(key: Key, paths: list[str]) -> dict[str, Any]:
     shown = ("meaning", "takes", "unit", "default", "range", "example")
     return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

@@ -20,8 +20,8 @@ from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.options import Json
 
-SHARE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
-ALL = "all"  # of the thesis, and its errata; our own studies are drawn by their names
+PROGRESS_LINE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
+ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn by their names
 
 
 class Outcome(NamedTuple):
@@ -34,22 +34,22 @@ class Outcome(NamedTuple):
     error: str
 
 
-def scripts() -> dict[str, Path]:
+def figure_scripts() -> dict[str, Path]:
     """The script of every figure, in the order of the thesis: `6-3` is figures/fig6_3.py, `errata` is errata.py."""
-    found = {named(path.stem): path for path in library("figures").glob("[!_]*.py")}
-    return {name: found[name] for name in sorted(found, key=order)}
+    found = {scripts_named(path.stem): path for path in library("figures").glob("[!_]*.py")}
+    return {name: found[name] for name in sorted(found, key=figure_order)}
 
 
-def named(stem: str) -> str:
+def scripts_named(stem: str) -> str:
     return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem).replace("_", "-")
 
 
-def order(name: str) -> tuple[list[int], str]:
+def figure_order(name: str) -> tuple[list[int], str]:
     """Sort key of a figure: chapter and number; what has none comes last."""
     return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
 
 
-def sentence(path: Path) -> str:
+def figure_sentence(path: Path) -> str:
     """First paragraph of a script's docstring."""
     text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
     return " ".join(text.split("\n\n")[0].split())
@@ -57,7 +57,7 @@ def sentence(path: Path) -> str:
 
 def complete_figure(begun: str) -> list[str]:
     """Figures that begin so."""
-    return [name for name in (*scripts(), ALL) if name.startswith(begun)]
+    return [name for name in (*figure_scripts(), ALL_FIGURES) if name.startswith(begun)]
 
 
 def figure(
@@ -73,23 +73,25 @@ def figure(
 ) -> int:
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
     with console.claim(out):
-        known = scripts()
+        known = figure_scripts()
         if missing := missing_extra("pictures"):
             raise console.Lacking(f"figures are pictures: {missing}")
         for name in names:
-            if name not in known and name != ALL:
-                raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL])[0]}")
-        theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL in names else []
-        wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL)]))
+            if name not in known and name != ALL_FIGURES:
+                raise console.Refused(f"there is no figure {name!r}{choice_sentence(name, [*known, ALL_FIGURES])[0]}")
+        theirs = [name for name in known if name[0].isdigit() or name == "errata"] if ALL_FIGURES in names else []
+        wanted = list(dict.fromkeys([*theirs, *(name for name in names if name != ALL_FIGURES)]))
         bar = Bar(len(wanted), as_json)
         done: list[Outcome] = []
         try:
             for name in wanted:
                 if not as_json:
-                    console.say(f"[{len(done) + 1}/{len(wanted)}] {sentence(known[name])}")
-                done.append(drawn(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text)))
+                    console.say(f"[{len(done) + 1}/{len(wanted)}] {figure_sentence(known[name])}")
+                done.append(
+                    draw_figure(name, known[name], fast, out, lambda share, text: bar.show(len(done) + share, text))
+                )
                 if not as_json:
-                    console.say(report(done[-1]))
+                    console.say(report_figure(done[-1]))
         finally:
             bar.close()
         failed = [outcome.figure for outcome in done if not outcome.ok]
@@ -100,13 +102,13 @@ def figure(
         return 1 if failed else 0
 
 
-def report(outcome: Outcome) -> str:
+def report_figure(outcome: Outcome) -> str:
     """An outcome, for people."""
     what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
     return f"      {console.duration(outcome.wall_s)}  {what}"
 
 
-def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
+def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
     """One figure, in a child process, so that Taichi starts fresh; its files are moved to `out` when all are whole."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -118,7 +120,7 @@ def drawn(name: str, script: Path, fast: bool, out: Path, show: Callable[[float,
         with subprocess.Popen(command, text=True, errors="replace", env=environment, **streams) as child:
             try:
                 for line in child.stderr or ():
-                    share = SHARE.fullmatch(line.rstrip("\n"))
+                    share = PROGRESS_LINE.fullmatch(line.rstrip("\n"))
                     if share is not None:
                         show(int(share[1]) / 100.0, f"{name}: {share[2]}")
                     elif line.strip():

@@ -26,10 +26,10 @@ from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 
-LIST, STAMPS = "gallery.yaml", "stamps.json"
-SIZE, QUALITY = "1280x720", 88  # of a picture, and as a JPEG
-LAWS = ("sea", "wind", "fluid", "surface", "ship")  # slots whose kinds make what a picture shows
-RUN = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
+LIST_FILE, STAMP_FILE = "gallery.yaml", "stamps.json"
+PICTURE_SIZE, JPEG_QUALITY = "1280x720", 88  # of a picture, and as a JPEG
+LAW_SLOTS = ("sea", "wind", "fluid", "surface", "ship")  # slots whose kinds make what a picture shows
+UNUSED_OBSERVERS = ("render", "report", "accuracy", "timings")  # observers that a run for pictures does without
 
 
 class Entry(Model):
@@ -45,7 +45,7 @@ class Entry(Model):
 
     def files(self) -> list[Path]:
         """Code that the picture is older than when it changes: of the kinds that the scene uses, and its own."""
-        kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in laws(self.scene).items()}
+        kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in law_files(self.scene).items()}
         return [path for pattern in [*sorted(kinds), *self.code] for path in sorted(PACKAGE.glob(pattern))]
 
     @property
@@ -54,28 +54,28 @@ class Entry(Model):
         one calls for another picture."""
         scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
-        asked += [part.model_dump(mode="json", exclude_defaults=True) for part in laws(self.scene).values()]
-        asked += [computes(path.read_text(encoding="utf-8")) for path in self.files()]
+        asked += [part.model_dump(mode="json", exclude_defaults=True) for part in law_files(self.scene).values()]
+        asked += [is_computing(path.read_text(encoding="utf-8")) for path in self.files()]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
         """Words after `ocean-sim` that simulate, and those that draw."""
         verb, *options = shlex.split(self.draw)
-        left_out = [word for name in RUN for word in ("--set", f"{name}=null")]
+        left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
         drawing = [verb, run, *options] + (
-            ["--no-film", "--quality", "final", "--size", SIZE] if verb == "render" else []
+            ["--no-film", "--quality", "final", "--size", PICTURE_SIZE] if verb == "render" else []
         )
         return ["run", self.scene, "--until", f"{self.until:g}", *left_out, "--out", run], drawing
 
 
 @cache
-def laws(scene: str) -> dict[str, KindConfig]:
+def law_files(scene: str) -> dict[str, KindConfig]:
     """The parts of a packaged scene whose laws its pictures show, by where they are written."""
     parts = load(scene).parts().items()
-    return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAWS}
+    return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 
 
-def computes(code: str) -> list[str]:
+def is_computing(code: str) -> list[str]:
     """The lines of Python code that compute: no docstrings, no lines of comment, no empty ones."""
     texts = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Expr)]
     said = {
@@ -88,17 +88,19 @@ def computes(code: str) -> list[str]:
     return [line for n, line in lines if line and not line.startswith("#") and n not in said]
 
 
-def entries() -> list[Entry]:
-    listed = read_mapping(library("figures") / "gallery" / LIST).plain()["pictures"]
+def gallery_entries() -> list[Entry]:
+    listed = read_mapping(library("figures") / "gallery" / LIST_FILE).plain()["pictures"]
     return [Entry.model_validate(row) for row in listed]
 
 
-def stale(folder: Path) -> list[Entry]:
+def stale_entries(folder: Path) -> list[Entry]:
     """Entries whose picture is missing from a folder, or older than what draws it."""
-    stamps = folder / STAMPS
+    stamps = folder / STAMP_FILE
     known = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
     return [
-        entry for entry in entries() if not (folder / entry.picture).exists() or known.get(entry.picture) != entry.stamp
+        entry
+        for entry in gallery_entries()
+        if not (folder / entry.picture).exists() or known.get(entry.picture) != entry.stamp
     ]
 
 
@@ -116,19 +118,19 @@ def gallery(
     """Make pictures that are old, or those named; `check`: only list them. The exit code is 1 where some are old."""
     folder = out or library("figures") / "gallery"
     names = names or []
-    known = {entry.picture.split(".")[0]: entry for entry in entries()}
+    known = {entry.picture.split(".")[0]: entry for entry in gallery_entries()}
     for name in names:
         if name not in known:
             raise console.Refused(f"there is no picture {name!r}{choice_sentence(name, list(known))[0]}")
     if check:
-        old = stale(folder)
+        old = stale_entries(folder)
         if as_json:
-            console.answer([{"picture": entry.picture, "commands": shown(entry)} for entry in old])
+            console.answer([{"picture": entry.picture, "commands": show_entry(entry)} for entry in old])
         for entry in [] if as_json else old:
-            console.say("\n  ".join([f"{entry.picture} is older than what draws it", *shown(entry)]))
+            console.say("\n  ".join([f"{entry.picture} is older than what draws it", *show_entry(entry)]))
         return int(bool(old))
     folder.mkdir(parents=True, exist_ok=True)
-    wanted = [known[name] for name in names] or (list(known.values()) if every else stale(folder))
+    wanted = [known[name] for name in names] or (list(known.values()) if every else stale_entries(folder))
     made = []
     with TemporaryDirectory() as place:
         for entry in wanted:
@@ -136,11 +138,11 @@ def gallery(
             simulate, draw = entry.commands(str(run))
             if not run.exists():
                 console.say(f"{entry.scene} until {entry.until:g} s")
-                called(simulate)
+                command_line(simulate)
             drawn = Path(place, entry.picture)
-            called([*draw, "--out", str(drawn)])
-            keep(drawn, folder / entry.picture)
-            stamped(folder, entry)
+            command_line([*draw, "--out", str(drawn)])
+            keep_picture(drawn, folder / entry.picture)
+            read_stamps(folder, entry)
             made.append(folder / entry.picture)
             console.say(str(made[-1]))
     if as_json:
@@ -148,13 +150,13 @@ def gallery(
     return 0
 
 
-def shown(entry: Entry) -> list[str]:
+def show_entry(entry: Entry) -> list[str]:
     """The commands of an entry, for a person."""
     run = f"runs/{entry.scene.split('/')[-1]}"
     return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
 
 
-def called(words: list[str]) -> None:
+def command_line(words: list[str]) -> None:
     """A command of ours, in a process of its own."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])}
     command = [sys.executable, "-m", "ocean_sim", *words]
@@ -164,20 +166,20 @@ def called(words: list[str]) -> None:
         raise Failed(f"`ocean-sim {shlex.join(words)}` failed: {lines[-1]}")
 
 
-def keep(drawn: Path, path: Path) -> None:
+def keep_picture(drawn: Path, path: Path) -> None:
     """The picture of a command, as the README shows it."""
     from PIL import Image
 
     found = sorted(drawn.glob("still_*.png")) or [drawn / "motion.png"]
     with Image.open(found[0]) as image, atomic_write(path) as draft:
         if path.suffix == ".jpg":
-            image.convert("RGB").save(draft, "JPEG", quality=QUALITY, optimize=True)
+            image.convert("RGB").save(draft, "JPEG", quality=JPEG_QUALITY, optimize=True)
         else:
             image.save(draft, "PNG", optimize=True)
 
 
-def stamped(folder: Path, entry: Entry) -> None:
-    path = folder / STAMPS
+def read_stamps(folder: Path, entry: Entry) -> None:
+    path = folder / STAMP_FILE
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     with atomic_write(path) as draft:
         words = json.dumps(known | {entry.picture: entry.stamp}, indent=1, sort_keys=True)

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from ocean_sim.ship.naval.hydrostatics import Hydrostatics
     from ocean_sim.ship.naval.stability import Loading, Stability
 
-HALF = 0.5  # of the water's density: what a hull without a mass is taken to weigh
-SWINGS = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
-DRAWN = (".png", ".svg", ".pdf")  # as what a picture is written
-FROUDE = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
-EMPTY = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
+ASSUMED_DENSITY_RATIO = 0.5  # of the water's density: what a hull without a mass is taken to weigh
+ROLL_AMPLITUDES_DEG = (5.0, 10.0, 20.0)  # [deg] amplitudes of roll
+PICTURE_SUFFIXES = (".png", ".svg", ".pdf")  # as what a picture is written
+SQUAT_FROUDE_NUMBERS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # speeds over that of the fastest wave, for squat
+EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m", "bm_m", "gm_m"))
 
 
 class Asked(NamedTuple):
@@ -114,28 +114,30 @@ def hull(
     plates = None if keels is None else (keels[0], keels[1])
     asked = Asked(mass, draught, kg, centre, density, cells, cross, plates, depth, up, bow, scale)
     asked.agree(loading)
-    if out is not None and out.suffix.lower() not in DRAWN:
-        raise console.Refused(f"--out: {out} is no picture's name: end it in {', '.join(DRAWN[:-1])} or {DRAWN[-1]}")
+    if out is not None and out.suffix.lower() not in PICTURE_SUFFIXES:
+        raise console.Refused(
+            f"--out: {out} is no picture's name: end it in {', '.join(PICTURE_SUFFIXES[:-1])} or {PICTURE_SUFFIXES[-1]}"
+        )
     condition = None if loading is None else condition_of(loading)
     try:
         shape, of_water, fitted = found_hull(name, ship, asked)
         asked = asked._replace(density=asked.density or of_water, bilge_keels=asked.bilge_keels or fitted)
-        found, notes = report(shape, asked, condition)
+        found, notes = hull_report(shape, asked, condition)
     except ValueError as error:
         if isinstance(error, console.Refused):
             raise
         problems = error.problems if isinstance(error, BadMesh) else [f"{name}: {error_sentence(error)}"]
         if not as_json:
             raise console.Refused("\n".join(problems)) from None
-        console.answer({"error": problems[0], **EMPTY, "gz": [], "periods_s": {}, "problems": problems})
+        console.answer({"error": problems[0], **EMPTY_ANSWER, "gz": [], "periods_s": {}, "problems": problems})
         return 2
     picture = out or Path("runs/hull") / f"{Path(name).stem}.png" if out or not as_json else None
     if picture is not None:
-        picture = picture if console.drawn(draw, picture, shape, found) else None
+        picture = picture if console.draw_if_able(draw_hull, picture, shape, found) else None
     if as_json:
         console.answer(found)
     else:
-        show(name, found, notes, picture)
+        print_report(name, found, notes, picture)
     return 0
 
 
@@ -197,7 +199,7 @@ def condition_of(path: Path) -> "Loading":
     return found
 
 
-def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
+def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
     """The hull with its mass and its centre as asked for; what is said of neither is told in the notes."""
     from ocean_sim.ship.hull.voxels import voxels
 
@@ -213,8 +215,10 @@ def loaded(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list
     if mass is None:
         from ocean_sim.ship.hull.hull import FIRST_GUESS_CUBES
 
-        mass = HALF * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
-        notes.append(f"no mass is given: taken as {HALF:g} of the water's density (--mass sets another)")
+        mass = ASSUMED_DENSITY_RATIO * density_of(asked) * voxels(shape.shape, height / FIRST_GUESS_CUBES).volume
+        notes.append(
+            f"no mass is given: taken as {ASSUMED_DENSITY_RATIO:g} of the water's density (--mass sets another)"
+        )
     if asked.cg is not None:
         centre = asked.cg
     if asked.kg is not None:
@@ -242,7 +246,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
     return density_of(asked) * float(still.wet_volumes(UPRIGHT, still.keel + asked.draught).sum())
 
 
-def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
+def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
     """Answer of `hull`, and sentences for people."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
@@ -254,9 +258,9 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     solid = shape.shape.closed_mesh()
     if solid is not None:
         notes += [solid.size_sentence(), *solid.remarks]
-    whole = loaded(shape, asked, condition, notes)
+    whole = load_ship(shape, asked, condition, notes)
     afloat = whole.in_still_water(asked.cells, density_of(asked), GRAVITY)
-    notes += outlying(shape, afloat, condition)
+    notes += outlying_parts(shape, afloat, condition)
     cubes, weight = afloat.voxels, afloat.matter.mass
     if solid is not None:
         off = cubes.volume / solid.volume - 1.0
@@ -266,7 +270,7 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     facts: dict[str, Any] = {"volume_m3": cubes.volume, "displacement_kg": weight}
     if isinf(afloat.draught):
         problems.append(f"{figures(weight)} kg is more than {figures(cubes.volume)} m3 can carry: it sinks")
-        return facts | {**EMPTY, **facts, "gz": [], "periods_s": {}, "notes": notes, "problems": problems}, notes
+        return facts | {**EMPTY_ANSWER, **facts, "gz": [], "periods_s": {}, "notes": notes, "problems": problems}, notes
     resolved = afloat.draught / float(cubes.size[1])
     if resolved < 0.9 * asked.cells:
         most = f"no more than {CUBE_BUDGET:g} cubes are made"
@@ -278,16 +282,16 @@ def report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> t
     heights = metacentric_heights(shape.shape, afloat)
     if heights is not None:
         notes.append(f"GM by the faces of the hull is {heights[0]:.4g} m; what follows is by its cubes")
-    problems += troubles(stability)
-    damped, beyond = rolling(afloat, asked)
-    sunk, blunt = squatting(afloat, asked.depth)
+    problems += stability_problems(stability)
+    damped, beyond = roll_damping_rows(afloat, asked)
+    sunk, blunt = squat_rows(afloat, asked.depth)
     notes += [*beyond, *blunt]
-    found = stated(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
+    found = stated_balance(afloat, stability, asked.cross) | {"roll_damping": damped, "squat": sunk}
     facts["gm_of_faces_m"] = None if heights is None else heights[0]
     return facts | found | {"notes": notes, "problems": problems}, notes
 
 
-def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
+def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
     """Sentences on a weight, an opening or a centre of mass outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
@@ -298,7 +302,7 @@ def outlying(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None")
     return found
 
 
-def troubles(stability: "Stability") -> list[str]:
+def stability_problems(stability: "Stability") -> list[str]:
     """Why a ship would not stay as she is put into the water, in words."""
     from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
 
@@ -316,7 +320,7 @@ def troubles(stability: "Stability") -> list[str]:
     return found
 
 
-def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
+def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
     """Roll damping by components (Ikeda) at some amplitudes, as shares of critical, and where the hull is beyond their
     regressions."""
     from ocean_sim.ship.forces.added_mass import by_rule
@@ -337,12 +341,12 @@ def rolling(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]
             **{part: scale * b for part, b in found.parts[a]._asdict().items()},
             "sum": found.critical_share(a),
         }
-        for a in SWINGS
+        for a in ROLL_AMPLITUDES_DEG
     ]
     return rows, found.warnings
 
 
-def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
+def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
     """Sinkage of a ship at some speeds over a bed at this depth [m], nothing without one, and warnings where the
     theory is not for her. Raises Refused."""
     from math import degrees, sqrt
@@ -355,7 +359,7 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
         raise console.Refused(f"--depth: she draws {afloat.draught:.3g} m, more than the water has")
     law, rows = slender_squat(afloat), []
     names = ("froude", "speed_m_s", "sinkage_m", "trim_deg", "bow_m", "under_keel_m")
-    for froude in FROUDE:
+    for froude in SQUAT_FROUDE_NUMBERS:
         speed = froude * sqrt(GRAVITY * depth)
         at = law.at_speed(speed, depth)
         bow = bow_squat(afloat.needed_volume, afloat.length, speed, depth)
@@ -365,7 +369,7 @@ def squatting(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[st
     return rows, [blunt] if law.blunt else []
 
 
-def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
+def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
     """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
@@ -381,7 +385,7 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
     angle, opening = stability.flooding_heel
     found: dict[str, Any] = {
         "draught_m": afloat.draught,
-        **resting(afloat),
+        **balance_at_rest(afloat),
         "kb_m": kb,
         "bm_m": stability.gm + afloat.lost[0] + kg - kb,
         "gm_m": stability.gm,
@@ -407,7 +411,7 @@ def stated(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[
     return found
 
 
-def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
+def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
     """Trim and heel at rest [deg], and draughts at both ends of the waterline [m], amidships of her breadth; null where
     she has no pose at rest."""
     from math import asin, degrees
@@ -424,7 +428,7 @@ def resting(afloat: "Hydrostatics") -> dict[str, float | None]:
     return dict(zip(names, [*map(float, ends), trim, heel]))  # bow down, starboard down
 
 
-def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
+def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
     """Print the answer of `hull` for people."""
     from ocean_sim.ship.naval.stability import LAST_HEEL
 
@@ -479,7 +483,7 @@ def show(name: str, found: dict[str, Any], notes: list[str], picture: Path | Non
         console.say(str(picture))
 
 
-def draw(path: Path, shape: Any, found: dict[str, Any]) -> None:
+def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     """Three views of the hull with its waterline, and its righting lever."""
     from matplotlib.figure import Figure
 

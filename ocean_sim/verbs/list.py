@@ -5,19 +5,19 @@ from typing import Annotated
 import typer
 
 from ocean_sim.parts import PACKAGE, SLOTS, kinds, library, named
-from ocean_sim.reading.sentences import of_file, of_module
+from ocean_sim.reading.sentences import file_sentence, module_sentence
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json
 
-SECTIONS = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
+SECTION_NAMES = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
 
 
 def complete_section(begun: str) -> list[str]:
     """Sections that begin so."""
-    return [name for name in SECTIONS if name.startswith(begun)]
+    return [name for name in SECTION_NAMES if name.startswith(begun)]
 
 
 def list_choices(
@@ -30,9 +30,9 @@ def list_choices(
     as_json: Json = False,
 ) -> None:
     """Print every slot, or one of them."""
-    if slot is not None and slot not in SECTIONS:
-        raise console.Refused(f"there is nothing called {slot!r} to list{choice_sentence(slot, SECTIONS)[0]}")
-    rows = [row for name in ([slot] if slot else SECTIONS) for row in entries(name)]
+    if slot is not None and slot not in SECTION_NAMES:
+        raise console.Refused(f"there is nothing called {slot!r} to list{choice_sentence(slot, SECTION_NAMES)[0]}")
+    rows = [row for name in ([slot] if slot else SECTION_NAMES) for row in section_rows(name)]
     if as_json:
         console.answer(rows)
         return
@@ -41,27 +41,36 @@ def list_choices(
         console.table(f"\n{name}", ["name", "", ""], shown)
 
 
-def entries(section: str) -> list[dict[str, str]]:
+def section_rows(section: str) -> list[dict[str, str]]:
     """Name, what it is and a sentence, for everything in a section."""
     if section == "scenes":
         folder = library("scenes")
         return [
-            row(section, path.relative_to(folder).with_suffix("").as_posix(), "scene", of_file(path))
+            entry_row(section, path.relative_to(folder).with_suffix("").as_posix(), "scene", file_sentence(path))
             for path in sorted(folder.rglob("*.yaml"))
         ]
     if section == "profiles":
         folder = library("configs") / "run"
-        return [row(section, name, "profile", of_file(folder / f"{name}.yaml")) for name in named("run")]
+        return [entry_row(section, name, "profile", file_sentence(folder / f"{name}.yaml")) for name in named("run")]
     if section == "cases":
-        return [row(section, name, "case", of_module(PACKAGE / "validation" / f"{name}.py")) for name in case_names()]
+        return [
+            entry_row(section, name, "case", module_sentence(PACKAGE / "validation" / f"{name}.py"))
+            for name in case_names()
+        ]
     if section == "figures":
-        return [row(section, name, "figure", figure.sentence(path)) for name, path in figure.scripts().items()]
+        return [
+            entry_row(section, name, "figure", figure.figure_sentence(path))
+            for name, path in figure.figure_scripts().items()
+        ]
     parts = [
-        row(section, name, "preset", of_file(library("configs") / section / f"{name}.yaml")) for name in named(section)
+        entry_row(section, name, "preset", file_sentence(library("configs") / section / f"{name}.yaml"))
+        for name in named(section)
     ]
     what = "observer" if section == "observers" else "kind"
-    return parts + [row(section, name, what, of_module(PACKAGE / section / f"{name}.py")) for name in kinds(section)]
+    return parts + [
+        entry_row(section, name, what, module_sentence(PACKAGE / section / f"{name}.py")) for name in kinds(section)
+    ]
 
 
-def row(section: str, name: str, what: str, sentence: str) -> dict[str, str]:
+def entry_row(section: str, name: str, what: str, sentence: str) -> dict[str, str]:
     return {"slot": section, "name": name, "what": what, "sentence": sentence}

@@ -1,6 +1,7 @@
-"""`ocean-sim new`: a scene of one's own to start from, every key with a comment."""
+"""`ocean-sim new` and `schema`: a scene to start from, every key with a comment, and the JSON Schema for editors."""
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -12,11 +13,11 @@ from ocean_sim.files.yaml_file import Node, in_yaml, read_mapping
 from ocean_sim.machine import cache_directory
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import PACKAGE, SLOTS
-from ocean_sim.reading.composition import kind_named, known
-from ocean_sim.reading.keys import keys
+from ocean_sim.reading.composition import kind_named, known_names
+from ocean_sim.reading.keys import scene_keys
 from ocean_sim.reading.scene import load, scene_path
-from ocean_sim.reading.schema import text
-from ocean_sim.reading.sentences import sentence
+from ocean_sim.reading.schema import schema_text
+from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, complete_scene
 
@@ -41,7 +42,7 @@ def new(
     load(source)  # what is wrong with it is reported first
     scene = read_mapping(scene_path(source))
     with atomic_write(file) as draft:
-        draft.write_text("\n".join(lines(scene, file)) + "\n", encoding="utf-8")
+        draft.write_text("\n".join(scene_lines(scene, file)) + "\n", encoding="utf-8")
     load(file)
     if as_json:
         console.answer({"file": file})
@@ -49,21 +50,23 @@ def new(
         console.say(f"{file}: try `ocean-sim check {file}`, then `ocean-sim run {file}`")
 
 
-def lines(scene: Node, file: Path) -> Iterator[str]:
+def scene_lines(scene: Node, file: Path) -> Iterator[str]:
     """The text of a scene with comments."""
     schema, here = schema_file(), file.absolute().parent
     near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
     yield "# SI units and radians unless a key says otherwise; `ocean-sim explain KEY` says more of each."
-    first = {key: key.meaning.split("; ")[0].split(". ")[0].rstrip(".") for key in keys()}
-    yield from block(scene.data, {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()})
+    first = {key: key.meaning.split("; ")[0].split(". ")[0].rstrip(".") for key in scene_keys()}
+    yield from section_lines(
+        scene.data, {key.path: f"{meaning}{in_brackets(key.unit)}" for key, meaning in first.items()}
+    )
     absent = [slot for slot in SLOTS if slot not in scene.data and slot != "time_step"]
     if "ships" in scene.data:
         absent.remove("ship")
     if absent:
         yield "\n# It may also have:"
     for slot in absent:
-        names = known(slot)
+        names = known_names(slot)
         more = ", ..." if len(names) > MAX_NAMES else ""
         yield f"# {slot}: one of {', '.join(names[:MAX_NAMES])}{more}  (`ocean-sim list {slot}`)"
 
@@ -74,7 +77,7 @@ def schema_file() -> Path:
     of_package = PACKAGE / "scene.schema.json"
     if of_package.is_file():
         return of_package
-    kept, wanted = cache_directory() / "scene.schema.json", text()
+    kept, wanted = cache_directory() / "scene.schema.json", schema_text()
     if not kept.is_file() or kept.read_text(encoding="utf-8") != wanted:
         kept.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(kept) as draft:
@@ -82,20 +85,34 @@ def schema_file() -> Path:
     return kept
 
 
-def block(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
+def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
     """The lines of a scene, each key of a part on one of its own."""
     for key, node in data.items():
         name = isinstance(node.data, str) and key in SLOTS
-        comment = sentence(key, node.data) if name else meanings.get(key, "")
+        comment = part_sentence(key, node.data) if name else meanings.get(key, "")
         if not node.is_mapping or not node.data:
-            yield commented(f"{key}: {in_yaml(node.plain())}", comment)
+            yield with_comment(f"{key}: {in_yaml(node.plain())}", comment)
             continue
-        yield commented(f"{key}:", comment)
+        yield with_comment(f"{key}:", comment)
         kind = node.data.get("kind")
         place = key if kind is None or key not in SLOTS else f"{key}.{kind_named(key, kind.data)}"
         for inner, value in node.data.items():
-            yield commented(f"  {inner}: {in_yaml(value.plain())}", meanings.get(f"{place}.{inner}", ""))
+            yield with_comment(f"  {inner}: {in_yaml(value.plain())}", meanings.get(f"{place}.{inner}", ""))
 
 
-def commented(text: str, comment: str) -> str:
+def with_comment(text: str, comment: str) -> str:
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
+
+
+def print_schema(
+    out: Annotated[Path | None, typer.Option(help="A file to write instead of standard output.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The output is always JSON.")] = True,
+) -> None:
+    """Print the schema, or write it into a file."""
+    if out is None:
+        with console.NAMED_OUTPUT:
+            sys.stdout.write(schema_text())
+            sys.stdout.flush()
+    else:
+        with atomic_write(out) as draft:
+            draft.write_text(schema_text(), encoding="utf-8")

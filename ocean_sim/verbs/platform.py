@@ -15,18 +15,18 @@ from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merge
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
-from ocean_sim.platform import COLUMNS, LEGS, Commands, Cue
+from ocean_sim.platform import LEG_NUMBERS, PLATFORM_COLUMNS, Commands, Cue
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared import datagrams, motion_log
 from ocean_sim.platform.shared import packets as wire
-from ocean_sim.platform.shared.metrics import Metric, metrics
-from ocean_sim.platform.shared.motion_log import AXES, MotionLog
+from ocean_sim.platform.shared.metrics import Metric, ride_metrics
+from ocean_sim.platform.shared.motion_log import FRAME_AXES, MotionLog
 from ocean_sim.reading.translation import choice_sentence, validated
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared import platform_pictures as pictures
 from ocean_sim.verbs.shared.options import Json
 
-WITHIN = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
+FELT_COLUMNS = ("force_x", "force_y", "force_z", "rate_x", "rate_y", "rate_z")
 
 
 def platform(
@@ -58,26 +58,26 @@ def platform(
 ) -> None:
     """Follow a log and report; everything is computed before anything is written."""
     with console.claim(out, "platform.csv", ".platform-*"):
-        for what, name, known in (("frame", frame or "flu", AXES), ("packets", packets, wire.FORMATS)):
+        for what, name, known in (("frame", frame or "flu", FRAME_AXES), ("packets", packets, wire.FORMAT_NAMES)):
             if name not in known:
                 raise console.Refused(f"--{what}: there is no {name!r}{choice_sentence(name, known)[0]}")
         laid = [*(sets or []), *([] if ramp is None else [f"ramp={ramp!r}"])]
-        config = configured(geometry, washout, laid)
-        sender = opened(stream, packets, key) if stream is not None else None
+        config = platform_config(geometry, washout, laid)
+        sender = open_log(stream, packets, key) if stream is not None else None
         ride = opened_log(log, frame)
         machine = config.build(ride.every)
-        done = joined([machine.follow(rows) for rows in ride.ride.chunks()])
-        found = metrics(ride.ride, done, machine.hexapod, ride.every)
-        files = written(out, ride, done, found, config, machine, frame, film)
+        done = join_words([machine.follow(rows) for rows in ride.ride.chunks()])
+        found = ride_metrics(ride.ride, done, machine.hexapod, ride.every)
+        files = write_commands(out, ride, done, found, config, machine, frame, film)
         warnings = config.cut_short(float(done.time[-1] - done.time[0]))
         if not as_json:
-            show(done, found, files)
+            print_report(done, found, files)
             for sentence in warnings:
                 console.say(f"warning: {sentence}")
         jitter = latency = None
         if sender is not None:
-            jitter, latency = streamed(sender, done, machine, frame or "flu"), sender.latency()
-            files += reported(out, sender)
+            jitter, latency = stream_ride(sender, done, machine, frame or "flu"), sender.latency()
+            files += report_ride(out, sender)
         if as_json:
             answer: dict[str, Any] = {"log": log, "rows": len(done.time), "every_s": ride.every, "files": files}
             answer["metrics"] = [metric._asdict() for metric in found]
@@ -87,17 +87,17 @@ def platform(
             console.answer(answer)
         elif jitter is not None:
             console.say(f"{stream}: {jitter}")
-            for told in (latency, sender.stopped() if sender is not None else ""):
+            for told in (latency, sender.stop_report() if sender is not None else ""):
                 if told:
                     console.say(f"{stream}: {told}")
 
 
-def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
+def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
     """The platform of a geometry and a washout, each a name or a file, and of what is set over them; raises SceneError
     or Refused."""
-    nodes = {"geometry": chosen("geometry", geometry), "washout": chosen("washout", washout)}
+    nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
-    for key, value in console.settings([*sets]).items():
+    for key, value in console.set_values([*sets]).items():
         for part in reversed(key.split(".")):
             value = node_of({part: value}, value.location)
         whole = merge_nodes(whole, value)
@@ -108,7 +108,7 @@ def configured(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
     return config
 
 
-def chosen(what: str, name: str) -> Node:
+def platform_choice(what: str, name: str) -> Node:
     """Content of a name in configs/<what>/, or of a file."""
     if name in named(what):
         return read_mapping(library("configs") / what / f"{name}.yaml")
@@ -117,9 +117,9 @@ def chosen(what: str, name: str) -> Node:
     raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
 
 
-def opened(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
+def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
     try:
-        secret = b"" if key is None else datagrams.key_in(str(key))
+        secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
     except Unreadable as error:
         raise console.Refused(f"--key {error}") from None
@@ -138,28 +138,28 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
     if several:
         raise console.Refused(f"{log} holds the logs of several ships; name one of {', '.join(several)}")
     try:
-        found = motion_log.read(path)
+        found = motion_log.read_log(path)
         if frame is not None:
-            motion_log.convertible(found)
+            motion_log.check_convertible(found)
         return found
     except ValueError as error:
         raise console.Refused(str(error)) from None
 
 
-def joined(parts: Sequence[Commands]) -> Commands:
+def join_words(parts: Sequence[Commands]) -> Commands:
     """Commands that follow each other, as one."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
     return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
 
 
-def turned(done: Commands, frame: str) -> Commands:
+def to_log_frame(done: Commands, frame: str) -> Commands:
     """Commands along the axes of another frame."""
-    force, rate = done.felt_force @ AXES[frame].T, done.felt_rate @ AXES[frame].T
-    return done._replace(pose=wire.in_frame(done.pose, frame), felt_force=force, felt_rate=rate)
+    force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
+    return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
 
-def written(
+def write_commands(
     out: Path,
     log: MotionLog,
     done: Commands,
@@ -175,57 +175,59 @@ def written(
         head = heading(log.every, frame or "flu") | (
             {"seed": log.table.head["seed"]} if "seed" in log.table.head else {}
         )
-        table(folder / "platform.csv", head, COLUMNS, turned(done, frame or "flu").rows())
+        commands_table(folder / "platform.csv", head, PLATFORM_COLUMNS, to_log_frame(done, frame or "flu").rows())
         rows = [[metric.quantity, metric.value, metric.unit] for metric in found]
-        table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
+        commands_table(folder / "metrics.csv", {}, ("quantity", "value", "unit"), rows)
         if frame is not None:
             changed = log.table.head | {"frame": frame, "axes": motion_log.AXES_IN_WORDS[frame]}
-            table(folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.converted(log, frame))
-        console.drawn(pictures.draw, folder, done, config, machine, film)
+            commands_table(
+                folder / f"motion_{frame}.csv", changed, log.table.names, motion_log.convert_rows(log, frame)
+            )
+        console.draw_if_able(pictures.draw_pictures, folder, done, config, machine, film)
         return [path.replace(out / path.name) for path in sorted(folder.iterdir())]
 
 
-def reported(out: Path, sender: datagrams.Sender) -> list[Path]:
+def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
     """legs.csv: where the legs were, by the platform's own reports, and when they came; nothing where there are
     none."""
     if not sender.readings:
         return []
     begin = sender.sent[0]
     head = {"time": "since the first packet went out", "leg": "lengths that the platform reports"}
-    names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEGS), "stopped")
+    names = ("time_s", "seq", *(f"leg{k}_actual_m" for k in LEG_NUMBERS), "stopped")
     rows = [[came - begin, found.seq, *found.legs, int(found.stopped)] for came, found in sender.readings]
-    table(out / "legs.csv", head, names, rows)
+    commands_table(out / "legs.csv", head, names, rows)
     return [out / "legs.csv"]
 
 
-def table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
+def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
     """A CSV file as a run writes it."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
-def streamed(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
+def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
     """Send every row at its time, and then the way back to neutral, also when a person stops it."""
     try:
-        for packet in wire.packets(done, frame):
+        for packet in wire.row_packets(done, frame):
             sender.send(packet)
     finally:
         last = max(0, len(sender.sent) - 1)
         past = done.pose[[max(0, last - 1), last]]
-        back = machine.settled(past, float(done.time[last]), int(done.seq[last]))
-        for packet in wire.packets(back, frame):
+        back = machine.return_home(past, float(done.time[last]), int(done.seq[last]))
+        for packet in wire.row_packets(back, frame):
             sender.send(packet)
         sender.close()
     return sender.jitter()
 
 
-def show(done: Commands, found: list[Metric], files: list[Path]) -> None:
+def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None:
     """The summary of a ride, for people."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
-    numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in WITHIN]
-    rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(WITHIN, numbers)]
+    numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]
+    rows = [[name, *("-" if np.isnan(n) else f"{n:.4g}" for n in row)] for name, row in zip(FELT_COLUMNS, numbers)]
     console.table(
         "specific force [m/s2] and rates [rad/s]: scaled, and felt on the platform",
         ["", *(kind.replace("_", " ") for kind in kinds)],

@@ -20,7 +20,6 @@ from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.simulation import Simulation
 from ocean_sim.verbs.serve import serve
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.bar import Bar
 from ocean_sim.verbs.shared.options import Json, Profile, Scene, Sets
 
@@ -52,7 +51,7 @@ def preview(
             raise typer.BadParameter("--browser takes neither --frames nor --camera nor --content")
         serve([scene], profile, sets, out=out, as_json=as_json)
         return
-    overrides: dict[str, Any] = dict(console.settings(sets))
+    overrides: dict[str, Any] = dict(console.set_values(sets))
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
 
     def scene_in_wind(wind: str) -> SceneConfig:
@@ -62,7 +61,7 @@ def preview(
         return load(scene, kept | {"wind": wind}, profile)
 
     config = scene_in_wind(SCENE_WIND)
-    must_compute_with(config.runtime.library)
+    console.must_compute_with(config.runtime.library)
     folder = out or Path("runs") / f"{scene_path(scene).stem}-preview"
     if frames is not None and (folder / picture_name(0)).exists():
         raise console.Refused(f"--out {folder}: there are pictures here already; name another folder")

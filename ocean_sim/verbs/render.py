@@ -48,7 +48,7 @@ def render(
     asked = {
         "camera": camera,
         "quality": quality,
-        "size": pixels(size),
+        "size": picture_size(size),
         "stills": number_list("--stills", stills),
         "strip": strip,
         "film": film,
@@ -64,7 +64,7 @@ def render(
     if fps is not None and not 0.1 <= fps <= 240.0:
         raise console.Refused(f"--fps {fps:g}: choose 0.1 to 240 pictures a second")
     given = {key: value for key, value in asked.items() if value is not None}
-    nodes = {key: node_of(value, Location(f"--{key} {shown(value)}")) for key, value in given.items()}
+    nodes = {key: node_of(value, Location(f"--{key} {shown_files(value)}")) for key, value in given.items()}
     problems: list[Problem] = []
     config = validated(drawing.Config, Node(nodes, Location("--camera"), Location("--camera")), (), problems)
     if config is None:
@@ -82,9 +82,9 @@ def render(
         finally:
             progress.close()
         if out is None and (run / "report.html").exists():
-            from ocean_sim.observers import report
+            from ocean_sim.observers.shared import run_report
 
-            files = [*files, report.write_report(run)]  # with the new pictures
+            files = [*files, run_report.write_report(run)]  # with the new pictures
         run_files.add_to_manifest(run, files)
     list_files(files, as_json)
     replaced = [file.name for file in files if file in before]
@@ -92,7 +92,7 @@ def render(
         console.complain(f"replaced in {out or run}: {', '.join(replaced)}")
 
 
-def pixels(text: str | None) -> list[int] | None:
+def picture_size(text: str | None) -> list[int] | None:
     """A size as `1280x720`; raises Refused."""
     if text is None:
         return None
@@ -102,7 +102,7 @@ def pixels(text: str | None) -> list[int] | None:
     return [int(word) for word in words]
 
 
-def shown(value: Any) -> str:
+def shown_files(value: Any) -> str:
     """A value as it was given on the command line."""
     return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 

@@ -17,16 +17,15 @@ from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import FIRST_FILE, Result, simulate
 from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.run import report, until_node
+from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Quiet
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
 
-SHOWN = 3  # differences that are named
+MAX_SHOWN_DIFFERENCES = 3  # differences that are named
 
 
 def resume(
@@ -42,23 +41,23 @@ def resume(
             raise console.Refused(f"{run}: this run ended before its first step; `run --overwrite` starts it again")
         raise console.Refused(f"{run}: this is not a run folder (there is no {MANIFEST_FILE})")
     with Claim(run):
-        resumed(run, until, anyway, as_json, quiet)
+        resume_claimed(run, until, anyway, as_json, quiet)
 
 
-def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
+def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
     """Go on with a run whose folder is claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
-        finished(folder, manifest, as_json)
+        report_finished(folder, manifest, as_json)
         return
     must_have_the_files_of(folder, manifest, config)
-    must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
+    console.must_compute_with(library_of(manifest, config), f"{folder}, by what its kernels were compiled with", "")
     if never_begun(folder, config):
         kept, changed = None, ""
     else:
-        kept = newest(folder, config)
-        changed = check(folder, kept, manifest["scene"], until, anyway)
+        kept = newest_checkpoint(folder, config)
+        changed = check_checkpoint(folder, kept, manifest["scene"], until, anyway)
     progress = Progress(config.duration, as_json or quiet, 0.0 if kept is None else kept.time)
     if not (as_json or quiet):
         nothing = "it ended before its first checkpoint: it starts at t = 0"
@@ -68,12 +67,12 @@ def resumed(folder: Path, until: float | None, anyway: bool, as_json: bool, quie
     def made() -> Result:
         if kept is None:
             return simulate(config, folder, (progress,))
-        return gone_on(config, kept, folder, progress, changed)
+        return continue_run(config, kept, folder, progress, changed)
 
-    report(made, progress, config, folder, as_json, quiet)
+    report_run(made, progress, config, folder, as_json, quiet)
 
 
-def gone_on(
+def continue_run(
     config: SceneConfig, kept: checkpoint_file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
 ) -> Result:
     """The run from a checkpoint on; `changed`: how the program has. Its parts are built in another folder: its own
@@ -146,7 +145,7 @@ def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
     return config.runtime.library or next(iter(known), None)
 
 
-def finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
+def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
     """Print that the run is finished already."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
@@ -159,15 +158,18 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
     """True if a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
-    return not any(len(rows(path)) > 1 for path in folder.glob("*.csv")) and len([*folder.glob("frames/frame_*")]) < 2
+    return (
+        not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
+        and len([*folder.glob("frames/frame_*")]) < 2
+    )
 
 
-def rows(path: Path) -> list[str]:
+def recorded_rows(path: Path) -> list[str]:
     """The lines of numbers in a CSV file of a run."""
     return [line for line in input_file.read_text(path).splitlines() if line and line[0] != "#"][1:]
 
 
-def newest(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
+def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
     paths, reason = [*checkpoint_file.checkpoint_files(folder)], ""
     if not paths:
@@ -186,18 +188,18 @@ def newest(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
     raise console.Refused(f"{folder}: {reason}; there is no other")
 
 
-def check(
+def check_checkpoint(
     folder: Path, kept: checkpoint_file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
 ) -> str:
     """Changes of this program since a checkpoint was made, which is refused unless a person goes on `anyway`. Refuses a
     checkpoint of another scene, but for its duration, or one beyond the time asked for."""
-    changed = changes(kept.made)
+    changed = program_changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
         if other_library(kept.made):
             cure = f"{cure}; without {LIBRARY_VARIABLE} it goes on as it began"
         raise console.Refused(f"{folder}: the checkpoint is of {changed}; {cure}")
-    other = differences(kept.scene | {"duration": None}, scene | {"duration": None})
+    other = scene_differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:
         raise console.Refused(f"{folder}: the checkpoint belongs to another scene than manifest.json: {other}")
     if until is not None and until < kept.time:
@@ -205,22 +207,24 @@ def check(
     return changed
 
 
-def changes(made: dict[str, Any]) -> str:
+def program_changes(made: dict[str, Any]) -> str:
     """The versions and the files in which this program differs from the one that made a checkpoint, in words."""
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
     compared = [name for name in now if name != LIBRARY_NAME or not library]
-    versions_differ = differences({name: made.get(name) for name in compared}, {name: now[name] for name in compared})
+    versions_differ = scene_differences(
+        {name: made.get(name) for name in compared}, {name: now[name] for name in compared}
+    )
     files = [name for name in sorted({*then, *source_hashes()}) if then.get(name) != source_hashes().get(name)]
-    more = f" and {len(files) - SHOWN} more" if len(files) > SHOWN else ""
+    more = f" and {len(files) - MAX_SHOWN_DIFFERENCES} more" if len(files) > MAX_SHOWN_DIFFERENCES else ""
     differ = (
         [f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"]
         if library
         else []
     )
     differ += [f"another version: {versions_differ}"] if versions_differ else []
-    differ += [f"other sources: {', '.join(files[:SHOWN])}{more}"] if files else []
+    differ += [f"other sources: {', '.join(files[:MAX_SHOWN_DIFFERENCES])}{more}"] if files else []
     return ", and of ".join(differ)
 
 
@@ -232,17 +236,17 @@ def other_library(made: dict[str, Any]) -> str:
     )
 
 
-def differences(kept: Any, now: Any) -> str:
+def scene_differences(kept: Any, now: Any) -> str:
     """The differences of two descriptions in words; empty where there are none."""
-    found = list(differing(kept, now, ""))
-    more = f", and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-    return ", ".join(found[:SHOWN]) + more
+    found = list(differing_keys(kept, now, ""))
+    more = f", and {len(found) - MAX_SHOWN_DIFFERENCES} more" if len(found) > MAX_SHOWN_DIFFERENCES else ""
+    return ", ".join(found[:MAX_SHOWN_DIFFERENCES]) + more
 
 
-def differing(kept: Any, now: Any, key: str) -> Any:
+def differing_keys(kept: Any, now: Any, key: str) -> Any:
     """Each key in which they differ."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
-            yield from differing(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))
+            yield from differing_keys(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))
     elif kept != now:
         yield f"{key} is {json.dumps(kept):.60} in the checkpoint and {json.dumps(now):.60} here"

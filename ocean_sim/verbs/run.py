@@ -13,16 +13,15 @@ from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
 from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
 from ocean_sim.state import checkpoint_file
-from ocean_sim.verbs.check import picture_time, preflight, short
+from ocean_sim.verbs.check import picture_time, preflight, preflight_lines
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.history import keep_step_time
 from ocean_sim.verbs.shared.options import Json, Out, Profile, Quiet, Scene, Sets
 from ocean_sim.verbs.shared.progress import Progress, kernel_notice
 
 OFFSET_STATED = 0.1  # [spacings] by which a surface has left the highest particles, from which on it is said
 RESIDUAL_STATED = 0.2  # of the work of what drives the water that is in no energy, from which on it is said
-DRIVING = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
+DRIVING_TERMS = ("wind", "walls", "sea", "obstacles", "ship", "emitter")
 
 
 def run(
@@ -38,23 +37,23 @@ def run(
 ) -> None:
     """Simulate a scene and write its run folder."""
     axes = [] if frame is None else [f"motion.frame={frame}"]
-    overrides = console.settings([*(sets or []), *axes])
+    overrides = console.set_values([*(sets or []), *axes])
     if until is not None:
         overrides["duration"] = until_node(until)
     config = load(scene, overrides, profile)
-    must_compute_with(config.runtime.library)
+    console.must_compute_with(config.runtime.library)
     with run_folder(scene_path(scene).stem, out, overwrite, config.files()) as folder:
         silent = as_json or quiet
         progress = Progress(config.duration, silent)
         if not silent:
-            console.say(short(preflight(config), config))
+            console.say(preflight_lines(preflight(config), config))
             console.say(f"writing {folder}")
             console.say(kernel_notice())
-            pictures(config)
-        report(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
+            announce_pictures(config)
+        report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
-def pictures(config: SceneConfig) -> None:
+def announce_pictures(config: SceneConfig) -> None:
     """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
     seconds = picture_time(config)
     if seconds:
@@ -62,7 +61,7 @@ def pictures(config: SceneConfig) -> None:
         console.say(f"its pictures, drawn during the run or after it, take {time}; --set render=null leaves them out")
 
 
-def report(
+def report_run(
     made: Callable[[], Result],
     progress: Progress,
     config: SceneConfig,
@@ -74,18 +73,18 @@ def report(
     try:
         result = made()
     except KeyboardInterrupt:
-        raise stopped(progress, folder) from None
+        raise stopped_run(progress, folder) from None
     if progress.step_time is not None:
         keep_step_time(config, progress.step_time)
     facts = progress.summary() | {"outcome": result.manifest.get("outcome"), "warnings": config.warnings()}
-    facts |= written(result, config)
+    facts |= run_facts(result, config)
     if as_json:
         console.answer(facts)
     else:
-        console.say(str(folder) if quiet else summary(facts))
+        console.say(str(folder) if quiet else run_summary(facts))
 
 
-def stopped(progress: Progress, folder: Path) -> console.Stopped:
+def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
     """The message for a run that was interrupted."""
     progress.close()
     if progress.over:
@@ -107,16 +106,16 @@ def until_node(until: float) -> Node:
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
     """The folder of a run: never that of another one, unless overwriting is asked for, nor one of other things."""
     if out is None:
-        return next(filter(None, map(unused, folders(stem))))
+        return next(filter(None, map(unused_folder, run_folders(stem))))
     return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
-def folders(stem: str) -> Iterator[Path]:
+def run_folders(stem: str) -> Iterator[Path]:
     """Where the runs of a scene go, one after the other."""
     return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 
-def unused(folder: Path) -> Claim | None:
+def unused_folder(folder: Path) -> Claim | None:
     """A claim on a folder; None where there is a run, or one begins, or other things are."""
     try:
         claim = None if (folder / MANIFEST_FILE).exists() or foreign_names(folder, FIRST_FILE) else Claim(folder)
@@ -128,14 +127,14 @@ def unused(folder: Path) -> Claim | None:
     return claim
 
 
-def written(result: Any, config: SceneConfig) -> dict[str, Any]:
+def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
     """The main results in the files of a run, and the names of the files."""
     accuracy = result.accuracy if "accuracy" in config.observers else {}
     columns = {name: f"compression_{name}" for name in ("mean", "max")}
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
     return {
         "worst_compression": worst,
-        "remarks": remarks(accuracy, config.preflight.spacing) if accuracy else [],
+        "remarks": balance_remarks(accuracy, config.preflight.spacing) if accuracy else [],
         "events": [
             event for event in result.events if event.get("event") not in ("start", "limit", "end", "stop", "done")
         ],
@@ -145,7 +144,7 @@ def written(result: Any, config: SceneConfig) -> dict[str, Any]:
     }
 
 
-def remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
+def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
     """Sentences on books that do not close at the end of a run, from the columns of accuracy.csv."""
     found, offset = [], columns.get("surface_offset_m", [0.0])
     apart = abs(offset[-1] - offset[0])
@@ -154,7 +153,7 @@ def remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
             f"the surface lies {offset[-1]:.3g} m over the highest particles in the mean, at the start {offset[0]:.3g} "
             f"m: it has left them by {apart / spacing:.2g} spacings (surface_offset_m in accuracy.csv)"
         )
-    driving = sum(abs(columns[name][-1]) for term in DRIVING if (name := f"work_{term}_J") in columns)
+    driving = sum(abs(columns[name][-1]) for term in DRIVING_TERMS if (name := f"work_{term}_J") in columns)
     residual = columns.get("energy_residual_J", [0.0])[-1]
     if driving > 0.0 and abs(residual) > RESIDUAL_STATED * driving:
         found.append(
@@ -164,7 +163,7 @@ def remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
     return found
 
 
-def summary(facts: dict[str, Any]) -> str:
+def run_summary(facts: dict[str, Any]) -> str:
     """The last lines of a run, for people."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
@@ -184,12 +183,12 @@ def summary(facts: dict[str, Any]) -> str:
         if count
     ]
     lines += facts["remarks"]
-    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {_described(e)}" for e in facts["events"][:5]]
+    lines += [f"event at t = {e.get('time_s', 0.0):.3f} s: {describe_event(e)}" for e in facts["events"][:5]]
     if len(facts["events"]) > 5:
         lines.append(f"... and {len(facts['events']) - 5} more events in events.jsonl")
     return "\n".join([*lines, f"{facts['folder']}: {' '.join(facts['files'])}"])
 
 
-def _described(event: dict[str, Any]) -> str:
+def describe_event(event: dict[str, Any]) -> str:
     rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
     return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

@@ -33,7 +33,7 @@ def sea(
     point = number_list("--at", at)
     if point is None or len(point) != 2:
         raise Refused("--at is not like 0,0: x and z [m]")
-    config = load(scene, console.settings(sets))
+    config = load(scene, console.set_values(sets))
     field = wave_field(config)
     waves, files = field.sea, []
     title = " ".join((config.title or scene).split())  # one line of a file

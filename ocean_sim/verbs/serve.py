@@ -14,13 +14,12 @@ import typer
 from ocean_sim.files import run_files
 from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.machine import stoppable
-from ocean_sim.verbs.list import entries
+from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.anew import must_compute_with
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
 
-HTML, BYTES, JSON = "text/html; charset=utf-8", "application/octet-stream", "application/json"
+HTML_TYPE, BYTES_TYPE, JSON_TYPE = "text/html; charset=utf-8", "application/octet-stream", "application/json"
 
 
 def serve(
@@ -50,12 +49,12 @@ def serve(
             raise console.Refused("a finished run is only shown: --profile and --set are for scenes")
         watch_runs(runs, host, port, show, as_json)
     elif len(targets) == 1:
-        play(targets[0], profile, sets, host, port, show, out, as_json)
+        serve_play(targets[0], profile, sets, host, port, show, out, as_json)
     else:
         raise console.Refused("give one scene, or one or two run folders")
 
 
-def play(
+def serve_play(
     scene: str,
     profile: str | None,
     sets: list[str] | None,
@@ -69,13 +68,13 @@ def play(
     from ocean_sim.viewer.server import Server
     from ocean_sim.viewer.session import Session, Source
 
-    source = Source.of(scene, profile, console.settings(sets))
-    must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
-    with stoppable(), Server(live_files(source.name), host, port, token(host), {"drives": True}) as server:
-        announce(server, as_json, show, "building; the page shows the water as soon as it is there")
+    source = Source.of(scene, profile, console.set_values(sets))
+    console.must_compute_with(source.load().runtime.library)  # what is wrong is told before anything is opened
+    with stoppable(), Server(live_files(source.name), host, port, access_token(host), {"drives": True}) as server:
+        announce_page(server, as_json, show, "building; the page shows the water as soon as it is there")
         with suppress(KeyboardInterrupt):
             folder = out or Path("runs") / f"{source.name}-browser"
-            with Session(source, server, folder, lambda: entries("scenes")) as session:
+            with Session(source, server, folder, lambda: section_rows("scenes")) as session:
                 session.play()
     if not as_json:
         console.say("stopped")
@@ -83,13 +82,13 @@ def play(
 
 def live_files(title: str) -> dict[str, Any]:
     """The addresses of a page that shows a simulation."""
-    from ocean_sim.reading.schema import schema
-    from ocean_sim.viewer.still import page, sky_packet
+    from ocean_sim.reading.schema import scene_schema
+    from ocean_sim.viewer.still import page_document, sky_packet
 
     return {
-        "/": (HTML, lambda: page(f"{title} · Ocean Sim", {"mode": "live"})),
-        "/sky": (BYTES, sky_packet),
-        "/schema": (JSON, lambda: json.dumps(schema()).encode()),
+        "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
+        "/sky": (BYTES_TYPE, sky_packet),
+        "/scene_schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
     }
 
 
@@ -97,39 +96,42 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
     """One finished run, or two side by side."""
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
-    from ocean_sim.viewer.still import page, sky_packet
+    from ocean_sim.viewer.still import page_document, sky_packet
 
     found = [Recorded(run) for run in runs]
     start = {"mode": "replay", "held": False, "runs": [{"title": run.title, "name": run.folder.name} for run in found]}
-    files: dict[str, Any] = {"/": (HTML, lambda: page("Ocean Sim", start)), "/sky": (BYTES, sky_packet)}
+    files: dict[str, Any] = {
+        "/": (HTML_TYPE, lambda: page_document("Ocean Sim", start)),
+        "/sky": (BYTES_TYPE, sky_packet),
+    }
     for k, run in enumerate(found):
-        files |= {f"/still/{k}": (BYTES, run.still), f"/replay/{k}": (BYTES, run.stream)}
-    with stoppable(), Server(files, host, port, token(host), {"drives": False}) as server:
-        announce(server, as_json, show, "")
+        files |= {f"/still/{k}": (BYTES_TYPE, run.still), f"/replay/{k}": (BYTES_TYPE, run.stream)}
+    with stoppable(), Server(files, host, port, access_token(host), {"drives": False}) as server:
+        announce_page(server, as_json, show, "")
         with suppress(KeyboardInterrupt):
             Event().wait()
 
 
-def token(host: str) -> str:
+def access_token(host: str) -> str:
     """Secret part of an address that other machines can reach."""
-    from ocean_sim.viewer.server import LOCAL
+    from ocean_sim.viewer.server import LOCAL_HOSTS
 
-    return "" if host in LOCAL else secrets.token_urlsafe(24)
+    return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
-def announce(server: Any, as_json: bool, show: bool, more: str) -> None:
+def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
     """Print the address, and open the browser where there is one."""
     if as_json:
         console.answer({"address": server.address})
     else:
         console.say(f"{server.address}\nCtrl-C stops" + (f"; {more}" if more else ""))
-    if show and not as_json and screen():
+    if show and not as_json and has_screen():
         import webbrowser
 
         webbrowser.open(server.address)
 
 
-def screen() -> bool:
+def has_screen() -> bool:
     """True if a person may sit at this machine."""
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
@@ -140,7 +142,7 @@ def report(
     as_json: Json = False,
 ) -> None:
     """One page with the replay of a run, or of two, that needs no server; and report.html anew."""
-    from ocean_sim.observers import report
+    from ocean_sim.observers.shared import run_report
     from ocean_sim.viewer.replay import replay_file
 
     if len(runs) > 2:
@@ -154,7 +156,7 @@ def report(
         replay_file(runs, path)
         files = [path]
         if len(runs) == 1 and out is None:
-            files.append(report.write_report(runs[0]))
+            files.append(run_report.write_report(runs[0]))
         run_files.add_to_manifest(runs[0], files)
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})

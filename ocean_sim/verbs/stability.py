@@ -7,11 +7,11 @@ import typer
 
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared import maps
-from ocean_sim.studies.shared.study import Study, write
-from ocean_sim.studies.stability import AXES, MAX_RUN_SECONDS, VERDICTS, spots, summary
+from ocean_sim.studies.shared.study import Study, write_table
+from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.shared.study import rows_of, text
 
 
 def stability(
@@ -23,7 +23,7 @@ def stability(
 ) -> int:
     """Maps of all settings; leaves stability.csv, limits.csv and a picture a map; 1 where a point has no verdict."""
     with console.claim(out, "stability.csv", "runs"):
-        plan = spots(quick, scene)
+        plan = grid_points(quick, scene)
         if not plan:
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         if not as_json:
@@ -32,22 +32,25 @@ def stability(
             plan, out / "runs", workers or available_cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick]
         )
         table = rows_of(study, as_json)
-        lines = summary(table)
-        write(out / "limits.csv", lines)
-        for axis in AXES:
+        lines = map_summary(table)
+        write_table(out / "limits.csv", lines)
+        for axis in EXTREME_AXES:
             here = [row for row in table if row["map"] == axis.name]
             if here:
-                console.drawn(
-                    maps.draw, out / f"stability_{axis.name.replace(' ', '_')}.png", f"{axis.name} [{axis.unit}]", here
+                console.draw_if_able(
+                    maps.draw_maps,
+                    out / f"stability_{axis.name.replace(' ', '_')}.png",
+                    f"{axis.name} [{axis.unit}]",
+                    here,
                 )
         if as_json:
             console.answer(table)
         else:
-            show(lines, table, out)
+            print_map(lines, table, out)
         return 1 if any(row["verdict"] == "none" for row in table) else 0
 
 
-def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
+def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
     """The limits of stability, and the number of points of each verdict."""
     names = list(lines[0])
     title = (
@@ -58,6 +61,6 @@ def show(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) ->
         if row["verdict"] in ("degraded", "none"):
             where = f"{row['map']} {row['value']:g}, {row['scheme']}, {row['dt_over_courant']:g} x the step"
             console.say(f"{'no verdict' if row['verdict'] == 'none' else row['verdict']}: {where}: {row['reason']}")
-    counts = {name: sum(row["verdict"] == name for row in table) for name in VERDICTS}
+    counts = {name: sum(row["verdict"] == name for row in table) for name in VERDICT_WORDS}
     outcomes = ", ".join(f"{count} {name}" for name, count in counts.items() if name != "none")
     console.say(f"{outcomes}; {counts['none']} without a verdict; {out / 'stability.csv'}, limits.csv and pictures")

@@ -8,10 +8,10 @@ import typer
 from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
-from ocean_sim.studies.sweep import planned
+from ocean_sim.studies.sweep import read_plan
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json
-from ocean_sim.verbs.shared.study import rows_of, text
 
 FACT_COLUMNS = ("outcome", "simulated_s", "particles", "wall_s", "reason")
 
@@ -31,24 +31,24 @@ def sweep(
 ) -> None:
     """Run what a plan asks for and has not been run yet; the table is whole after every run."""
     at_once = workers or available_cores()
-    runs = planned(plan, max(1, available_cores() // at_once))
+    runs = read_plan(plan, max(1, available_cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
     with console.claim(folder, "results.csv", ADDRESS_PATTERN):
         table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler), as_json)
     if as_json:
         console.answer(table)
     else:
-        show(table, list(dict.fromkeys(key for run in runs for key in run.settings)))
-        console.say(summary(table, folder))
+        print_rows(table, list(dict.fromkeys(key for run in runs for key in run.settings)))
+        console.say(sweep_summary(table, folder))
 
 
-def show(rows: list[dict[str, Any]], keys: list[str]) -> None:
+def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
     """The table for people: what was set, and how it went."""
     names = ["run", *keys, *FACT_COLUMNS]
     console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 
 
-def summary(rows: list[dict[str, Any]], folder: Path) -> str:
+def sweep_summary(rows: list[dict[str, Any]], folder: Path) -> str:
     """Sentence with the number of runs of each outcome."""
     counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
     sentence = f"{counts['done']} of {len(rows)} runs done"

@@ -9,29 +9,29 @@ import typer
 from ocean_sim.machine import available_cores
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.studies.scene_tradeoff import (
-    PROFILES,
-    SEEDS,
+    PROFILE_NAMES,
+    SEED_COUNTS,
     Budget,
     Repeat,
     Setting,
-    best,
+    best_setting,
     clocks_differ,
-    errors,
-    measures,
-    settings,
-    summary,
-    varied,
+    errors_against,
+    measure_names,
+    setting_grid,
+    tradeoff_summary,
+    vary_setting,
 )
 from ocean_sim.studies.shared import pareto
-from ocean_sim.studies.shared.runs import address
-from ocean_sim.studies.shared.scene_run import CLOCKS
-from ocean_sim.studies.shared.study import Study, write
-from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
+from ocean_sim.studies.shared.runs import run_address
+from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
+from ocean_sim.studies.shared.study import Study, write_table
+from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.verbs.shared import console
+from ocean_sim.verbs.shared.bar import rows_of, text
 from ocean_sim.verbs.shared.options import Json, Profile, Sets
-from ocean_sim.verbs.shared.study import rows_of, text
 
-EVERY_PROFILE = f"profile={','.join(PROFILES)}"
+EVERY_PROFILE = f"profile={','.join(PROFILE_NAMES)}"
 STUDY_FILES = ("tradeoff.csv", "runs")  # in its folder; tables and pictures come later
 CASE_COLUMNS = ("scheme", "particles", "neighbours", "wall_per_s", "cpu_per_s", "error", "unit", "changed", "")
 
@@ -71,22 +71,24 @@ def tradeoff(
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
     """Study the validation cases; leaves tradeoff.csv, equal.csv and a picture a case."""
-    plan = points(quick)
+    plan = study_points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
     table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"), as_json)
     drawn = {
         trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
-        for trial in TRIALS
+        for trial in TRIAL_CASES
     }
-    speed = clock(table)
-    fair = equals([row for here in drawn.values() for row in here], speed)
-    write(out / "equal.csv", fair)
-    for trial in TRIALS:
+    speed = clock_column(table)
+    fair = equal_cost_rows([row for here in drawn.values() for row in here], speed)
+    write_table(out / "equal.csv", fair)
+    for trial in TRIAL_CASES:
         if drawn[trial.case]:
-            console.drawn(pareto.draw, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed)
+            console.draw_if_able(
+                pareto.draw_pareto, out / f"tradeoff_{trial.case}.png", trial, drawn[trial.case], speed
+            )
             if not as_json:
-                show(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
+                print_settings(f"{trial.case}: {trial.quantity}", drawn[trial.case], speed)
     if as_json:
         console.answer(table)
         return
@@ -98,10 +100,10 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     console.say(f"{out / 'tradeoff.csv'}, equal.csv, pictures; wall_per_s: wall seconds of steps per simulated second")
 
 
-def show(title: str, rows: list[dict[str, Any]], speed: str) -> None:
+def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
     """Print the runs of a case, the cheapest first; a star is on the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
-    best = {id(done[k]) for k in front([(row[speed], abs(row["error"])) for row in done])}
+    best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
     lines = [
         [*(text(row.get(key)) for key in CASE_COLUMNS[:-1]), "*" if id(row) in best else row.get("reason", "")[:60]]
@@ -126,18 +128,18 @@ def of_scene(
         limit = None if budget is None else Budget.of(budget)
     except ValueError as why:
         raise console.Refused(str(why)) from None
-    plan = settings(scene, profile, console.settings(sets), varied(vary or [EVERY_PROFILE]), quick)
-    seeds = SEEDS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
+    plan = setting_grid(scene, profile, console.set_values(sets), vary_setting(vary or [EVERY_PROFILE]), quick)
+    seeds = SEED_COUNTS[quick] if any(setting.scenes[0].wind.is_random for setting in plan) else 1
     if not as_json:
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
     repeats = [Repeat(setting, k) for setting in plan for k in range(seeds)]
     found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
-    rows, single = compared(plan, seeds, found)
-    write(out / "seeds.csv", single)
-    write(out / "tradeoff.csv", rows)
-    known = measures(rows)
+    rows, single = compare_peers(plan, seeds, found)
+    write_table(out / "seeds.csv", single)
+    write_table(out / "tradeoff.csv", rows)
+    known = measure_names(rows)
     if not known:
         reason = next((row["reason"] for row in rows if row["reason"]), "nothing is logged that could be compared")
         raise console.Failed(f"there is nothing to compare: {reason}; {out / 'tradeoff.csv'}")
@@ -145,47 +147,52 @@ def of_scene(
         raise console.Refused(f"--by {by}: there is no such error{choice_sentence(by, known)[0]}")
     judge = by or known[0]
     known = [judge, *(name for name in known if name != judge)]
-    console.drawn(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
-    best_row = None if limit is None else answer(plan, rows, judge, limit, seeds, out, as_json)
+    console.draw_if_able(pareto.draw_scene, out / "tradeoff.png", rows, known[:6], limit)
+    best_row = None if limit is None else json_answer(plan, rows, judge, limit, seeds, out, as_json)
     if as_json:
         console.answer({"judged_by": judge, "rows": rows, "answer": best_row, "clocks": clocks_differ(rows)})
         return
     show_settings(rows, known)
     if limit is not None:
-        console.say(verdict(best_row, rows, judge, limit))
+        console.say(budget_verdict(best_row, rows, judge, limit))
         if told := clocks_differ(rows):
             console.say(told)
     console.say(f"{out / 'tradeoff.csv'}, seeds.csv and tradeoff.png")
 
 
-def compared(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
+def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
     """Rows of all settings, and those of all runs, each compared with the finest setting of the same seed."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []
     for setting, group in zip(plan, groups):
-        gaps = [errors(run["run"], best["run"]) if run["outcome"] == "done" else {} for run, best in zip(group, finest)]
+        gaps = [
+            errors_against(run["run"], best["run"]) if run["outcome"] == "done" else {}
+            for run, best in zip(group, finest)
+        ]
         for scene, run, gap in zip(setting.scenes, group, gaps):
-            facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCKS)}
+            facts = {key: run.get(key) for key in ("outcome", "reason", *CLOCK_COLUMNS)}
             single.append(dict(setting.values) | {"seed": scene.seed} | facts | gap)
-        rows.append(summary(setting, group, gaps))
+        rows.append(tradeoff_summary(setting, group, gaps))
     return rows, single
 
 
-def answer(
+def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
     """The best setting within the budget that also holds it, and its error, with a seed that was not used before."""
     left = list(rows)
     reference = next(setting for setting in plan if setting.finest)
-    while (row := best(left, judge, limit)) is not None:
+    while (row := best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
         points = [Repeat(one, seeds, again=True) for one in (setting, reference)]
         for point in points:
-            shutil.rmtree(out / "runs" / address(point.order()), ignore_errors=True)  # run again, whatever lies there
+            shutil.rmtree(
+                out / "runs" / run_address(point.order()), ignore_errors=True
+            )  # run again, whatever lies there
         own, finest = rows_of(Study(points, out / "runs", 1), quiet)
         done = own["outcome"] == finest["outcome"] == "done"
-        spent, error = limit.spent(own), errors(own["run"], finest["run"]).get(judge) if done else None
+        spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None
         bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)
         fits = spent is not None and spent <= limit.most
         if fits and error is not None and error <= bound * (1.0 + 1e-6):
@@ -197,7 +204,7 @@ def answer(
 
 def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
     """Print the settings for people, the cheapest first."""
-    names = ["setting", *CLOCKS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
+    names = ["setting", *CLOCK_COLUMNS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
         for row in sorted(rows, key=lambda row: row["wall_per_s"] or 0.0)
@@ -205,7 +212,7 @@ def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
     console.table("", [*names, ""], lines)
 
 
-def verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
+def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
     """The answer for people."""
     if found is not None:
         return (

@@ -74,7 +74,7 @@ def validate(
             for name in given:
                 if name not in known:
                     raise console.Refused(f"there is no {what} {name!r}{choice_sentence(name, known)[0]}")
-        overrides = console.settings(sets)
+        overrides = console.set_values(sets)
         plan = {case: pairs_of(case, schemes, slow, coarse) for case in wanted}
         for case in (name for name in cases if name in wanted):  # a pattern takes what there is
             if not problems(case, slow=slow, coarse=coarse):
@@ -86,11 +86,11 @@ def validate(
             problem.load(scheme, overrides)  # what is wrong is reported before anything runs
         rows: list[dict[str, Any]] = []
         orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
-        for found in answers(orders, workers or available_cores()):
+        for found in case_answers(orders, workers or available_cores()):
             rows += found
             if not as_json:
-                show(found[0]["case"], found)
-        write(out / "validate.csv", rows)
+                print_row(found[0]["case"], found)
+        write_tables(out / "validate.csv", rows)
         if junit is not None:
             write_junit(junit, rows)
         missed = [row for row in rows if not row["ok"]]
@@ -122,29 +122,29 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 """A case, its schemes, --slow, --coarse, --set and where its picture goes: plain data, for another process."""
 
 
-def answer(order: Order) -> list[dict[str, Any]]:
+def case_answer(order: Order) -> list[dict[str, Any]]:
     """Run a case, draw its picture, and return its rows."""
     case, schemes, slow, coarse, sets, out = order
-    overrides, rows, runs = console.settings(sets), [], []
+    overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in pairs_of(case, schemes, slow, coarse):
         found, finding = problem.run(case, scheme, overrides)
         rows += found
         runs.append((problem, scheme, finding))
-    console.drawn(draw, out / f"{case}.png", case, runs)
+    console.draw_if_able(draw, out / f"{case}.png", case, runs)
     return rows
 
 
-def answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
+def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
     """The rows of each case, in order; several cases at a time share the cores, each in a process that does one after
     the other. With one at a time this process does them."""
     workers = min(workers, len(orders))
     if workers < 2:
-        yield from map(answer, orders)
+        yield from map(case_answer, orders)
         return
     threads = f"runtime.threads={max(1, available_cores() // workers)}"
     shared = [(*order[:4], [threads, *order[4]], order[5]) for order in orders]
-    with ProcessPoolExecutor(workers, get_context("spawn"), begin) as pool:
-        futures = [pool.submit(answer, order) for order in shared]
+    with ProcessPoolExecutor(workers, get_context("spawn"), begin_table) as pool:
+        futures = [pool.submit(case_answer, order) for order in shared]
         try:
             for future in futures:
                 yield future.result()
@@ -157,7 +157,7 @@ def answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]
             raise
 
 
-def begin() -> None:
+def begin_table() -> None:
     """End a process that runs cases as soon as its parent ends, and without a word on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
@@ -187,23 +187,23 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
         yield f"left out, as {why} (--slow adds them): {', '.join(names)}"
 
 
-def show(case: str, rows: list[dict[str, Any]]) -> None:
+def print_row(case: str, rows: list[dict[str, Any]]) -> None:
     """The rows of a case, for people."""
     columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
-    console.table(f"\n{case}", columns, [line(row) for row in rows])
+    console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 
 
-def line(row: dict[str, Any]) -> list[str]:
+def row_line(row: dict[str, Any]) -> list[str]:
     """A row as it is printed."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
-    error = f"{number(row['error'])}{unit}" if row["error"] is not None else "-"
-    tolerance = number(row["tolerance"]) if row["tolerance"] is not None else ""
+    error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
+    tolerance = number_cell(row["tolerance"]) if row["tolerance"] is not None else ""
     return [
         row["scheme"],
         row["quantity"],
-        number(row["value"]),
-        number(row["reference"]),
+        number_cell(row["value"]),
+        number_cell(row["reference"]),
         error,
         tolerance,
         verdict,
@@ -211,7 +211,7 @@ def line(row: dict[str, Any]) -> list[str]:
     ]
 
 
-def number(value: float | None) -> str:
+def number_cell(value: float | None) -> str:
     """A number for people; one that could not be measured is a dash."""
     return "-" if value is None else f"{value:.4g}"
 
@@ -227,7 +227,7 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
         suite = SubElement(suites, "testsuite", name=case, tests=str(len(own)), failures=failures)
         for row in own:
             test = SubElement(suite, "testcase", classname=f"{case}.{row['scheme']}", name=row["quantity"])
-            shown = " ".join(filter(None, line(row)[2:]))
+            shown = " ".join(filter(None, row_line(row)[2:]))
             if row["tolerance"] is None:
                 SubElement(test, "skipped", message=shown)
             elif not row["ok"]:
@@ -238,7 +238,7 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
         ElementTree(suites).write(draft, encoding="utf-8", xml_declaration=True)
 
 
-def write(path: Path, rows: list[dict[str, Any]]) -> None:
+def write_tables(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows as a CSV file."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, ROW_KEYS, lineterminator="\n")

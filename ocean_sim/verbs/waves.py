@@ -36,7 +36,7 @@ from ocean_sim.waves.record import (
 )
 from ocean_sim.wind.shared.air_load import LAW, stated_speed
 
-COLUMNS = {
+WAVE_COLUMNS = {
     "H1/3": "hs_m",
     "4 sqrt m0": "hm0_m",
     "Hmax": "hmax_m",
@@ -46,7 +46,7 @@ COLUMNS = {
     "Tm02": "tm02_s",
     "waves": "waves",
 }
-ORBIT = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
+ORBIT_COLUMNS = ["particle", "level_m", "along_m", "up_m", "ratio", "drift_m_s"]
 
 
 def waves(
@@ -68,7 +68,7 @@ def waves(
     treatment = Treatment(detrend, hysteresis)
     if not isfinite(treatment.hysteresis):
         raise console.Refused(f"--hysteresis is a height in metres, not {treatment.hysteresis:g}")
-    path = record(run)
+    path = read_record(run)
     try:
         time, heights = gauge_elevations(path, begin)
         found = {name: measured_as(name, time, height, treatment) for name, height in heights.items()}
@@ -83,7 +83,7 @@ def waves(
     write_table(files[0], found, treatment.notes())
     frequency, densities = record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
-    if not console.drawn(draw, files[2], time, heights, frequency, densities):
+    if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
         files.pop()
     surface = surface_of(path.parent, begin, quiet=as_json)
     if surface is not None:
@@ -93,12 +93,14 @@ def waves(
     run_files.add_to_manifest(path.parent, files)
     treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
     if as_json:
-        whole_run = ({} if surface is None else surface.means()) | gain(path)
+        whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
         console.answer({name: sea.numbers() | treated[name] | whole_run for name, sea in found.items()})
         return
-    show(found, path, treatment, time)
+    print_waves(found, path, treatment, time)
     steady = [height for name, height in heights.items() if found[name].waves >= MIN_IRREGULAR_WAVES]
-    for sentence in sampling([sampling_error(treatment.deviation(even_samples(time, height)[1])) for height in steady]):
+    for sentence in sampling_facts(
+        [sampling_error(treatment.deviation(even_samples(time, height)[1])) for height in steady]
+    ):
         console.say(sentence)
     for name, done in treated.items():
         for warning in done.get("warnings", ()):
@@ -109,7 +111,7 @@ def waves(
         console.say(surface_sentence(surface))
     tracers = path.parent / "tracers.csv"
     if tracers.is_file():
-        files += orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
+        files += particle_orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
         run_files.add_to_manifest(path.parent, files)
     console.say("\n".join(str(file) for file in files))
 
@@ -142,7 +144,7 @@ def surface_sentence(surface: SurfaceRecord) -> str:
     return f"{mean}, on a circle of {surface.radius:.3g} m about the middle\n{cover}"
 
 
-def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
+def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
     """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
     file, where there is no period or there are no orbits."""
     if period is None:
@@ -154,15 +156,17 @@ def orbits(path: Path, folder: Path, begin: float, period: float | None) -> list
         console.say(f"{path}: no orbits: {error}")
         return []
     rows = orbit_rows(names, found)
-    write_rows(folder / "orbits.csv", ORBIT, rows)
+    write_rows(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
-    console.table(f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT, some)
+    console.table(
+        f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT_COLUMNS, some
+    )
     if found.decay_per_m is not None:
         console.say(f"orbits shrink with depth as exp({found.decay_per_m:.4g} y)")
     return [folder / "orbits.csv"]
 
 
-def record(run: Path) -> Path:
+def read_record(run: Path) -> Path:
     """The file with the records of a run."""
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
@@ -195,7 +199,7 @@ def wind_config(path: Path) -> dict[str, Any] | None:
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
-def gain(path: Path) -> dict[str, float]:
+def pressure_gain(path: Path) -> dict[str, float]:
     """The gain of a wind that is a physical stress, and that of its pressure where it has its own."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
@@ -220,13 +224,13 @@ def wind_of(path: Path) -> str | None:
     return "no wind" if wind["kind"] == "still" else f"wind: {wind['kind']}, a stylised force field"
 
 
-def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
+def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
     """The table for people."""
-    rows = [[name, *(cell(getattr(sea, key)) for key in COLUMNS.values())] for name, sea in found.items()]
-    heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in COLUMNS.items()]
+    rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
+    heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
     for name, sea in found.items():
-        for sentence in shortcomings(sea, treatment):
+        for sentence in record_shortcomings(sea, treatment):
             console.say(f"{name}: {sentence}")
     beyond = f" of waves that go {treatment.hysteresis:g} m below and above" if treatment.hysteresis else ""
     console.say(
@@ -236,7 +240,7 @@ def show(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarr
         console.say(wind)
 
 
-def sampling(errors: list[float]) -> list[str]:
+def sampling_facts(errors: list[float]) -> list[str]:
     """Sentences on the sampling error of records as long as these; none for regular waves."""
     irregular = sorted(error for error in errors if error < REGULAR_ERROR)
     if not irregular:
@@ -245,7 +249,7 @@ def sampling(errors: list[float]) -> list[str]:
     return [f"4 sqrt m0 of irregular waves has a standard error of {share} % in a record of this length"]
 
 
-def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
+def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
     """Sentences on what a record is too short for."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
@@ -262,7 +266,7 @@ def shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
     return found
 
 
-def cell(value: float | None) -> str:
+def table_cell(value: float | None) -> str:
     """A number of the table; one that could not be measured is a dash."""
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
@@ -276,9 +280,9 @@ def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], 
 
 def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
     """A row a gauge, under comment lines with notes."""
-    numbers = {name: [getattr(sea, key) for key in COLUMNS.values()] for name, sea in found.items()}
+    numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
     rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
-    write_rows(path, ["gauge", *COLUMNS.values()], rows, **notes)
+    write_rows(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
@@ -286,7 +290,7 @@ def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     write_rows(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
-def draw(
+def draw_waves(
     path: Path,
     time: np.ndarray,
     heights: dict[str, np.ndarray],

@@ -1,1 +1,1 @@
-"""The page in a browser: what it is sent and may ask, the server behind it, and replays that need none."""
+"""The page in a browser: its protocol, its server, and replays that need no server."""

@@ -11,12 +11,12 @@ from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer.replay import replay_file
 from ocean_sim.viewer.server import File, Server
-from ocean_sim.viewer.still import page, sky_packet
+from ocean_sim.viewer.still import page_document, sky_packet
 from ocean_sim.viewer.watch import Watch
 
 
 class View:
-    """What a notebook shows in place of this object; `address` opens the same in any browser."""
+    """The page as the output of a notebook cell; `address` opens it in any browser."""
 
     def __init__(self, source: str, height: int, address: str = "", server: Server | None = None) -> None:
         self.source, self.height, self.address, self.server = source, height, address, server
@@ -36,15 +36,15 @@ class View:
 
 
 def view(what: "Simulation | Result | str | Path", height: int = 560) -> View:
-    """The page of a simulation, which goes on as it is stepped, or the replay of a run folder; `height` [pixels].
+    """Page of a simulation, live as it is stepped, or replay of a run folder; `height` [pixels].
 
-    A live view has a server of its own on this machine until it is closed; its address holds a random token, since a
-    notebook at any address may show it in a frame. A replay lies in the notebook, whole, so it
-    is also there where no server can be reached, as on Colab, and when the notebook is opened again.
+    A live view has its own server on this machine until it is closed. Its address holds a random token, since a
+    notebook at any address may show it in a frame. A replay lies whole in the notebook: it needs no server, as on
+    Colab, and is there when the notebook is opened again.
     """
     number("height", height, "pixels", 1.0)
     if isinstance(what, Simulation):
-        document = page("Ocean Sim", {"mode": "live"})
+        document = page_document("Ocean Sim", {"mode": "live"})
         files: dict[str, tuple[str, File]] = {
             "/": ("text/html; charset=utf-8", lambda: document),
             "/sky": ("application/octet-stream", sky_packet),

@@ -1,4 +1,4 @@
-"""A finished run as a replay: its still and all of its frames in two packets, and a page that holds them."""
+"""Replay of a finished run: its static part and all of its frames in two packets, and a page that holds them."""
 
 import zlib
 from pathlib import Path
@@ -12,17 +12,17 @@ from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_json
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame, ship_keys
 from ocean_sim.pictures.water.foam import cell_means
-from ocean_sim.viewer.protocol import FULL, boxed, differences, packet
-from ocean_sim.viewer.still import Setting, Vessel, page, sky_packet
-from ocean_sim.viewer.watch import CELLS, elevation_gauges
+from ocean_sim.viewer.protocol import FULL_SCALE, box_positions, moment_differences, packet
+from ocean_sim.viewer.still import Setting, Vessel, page_document, sky_packet
+from ocean_sim.viewer.watch import MAX_CELLS, elevation_gauges
 from ocean_sim.waves import Components
 
-RATE = 20.0  # moments a second of simulated time, at most
-MOMENTS = 1600  # at most
-FINE = 0.001, 0.006  # [m] to which heights and positions of particles are kept
-FULL_SIZE = 2_150_000  # bytes of a stream that holds every particle; beyond it every second, third, ... is kept
-SHARE = 2  # moments from one in which particles are kept to the next
-PLOTTED = {
+MAX_MOMENT_RATE = 20.0  # [1/s] of simulated time
+MAX_MOMENTS = 1600
+RESOLUTIONS = 0.001, 0.006  # [m] of heights, and of positions of particles
+MAX_STREAM_BYTES = 2_150_000  # of a larger stream, every second, third, ... particle is kept
+PARTICLE_INTERVAL = 2  # moments between two with particles
+PLOTTED_COLUMNS = {
     "heave_m": ("heave", "heave", "m", 1.0),
     "roll_rad": ("roll", "angles", "deg", 57.29577951308232),
     "pitch_rad": ("pitch", "angles", "deg", 57.29577951308232),
@@ -34,7 +34,7 @@ PLOTTED = {
 
 
 class Recorded:
-    """A run folder, read for a replay; raises Refused where it is none, or kept no frames."""
+    """A run folder, read for a replay; raises Refused if it is none, or has no frames."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -47,23 +47,23 @@ class Recorded:
             raise Refused(f"{folder}: this run kept no frames to replay; run it without frames=null")
         with open_frame(folder / "frames" / "grid.npz") as file:
             self.grid = {name: file[name] for name in file.files}
-        self.files = thinned(files, float(self.grid.get("every", 0.033)))
+        self.files = thin_frames(files, float(self.grid.get("every", 0.033)))
         self.title = self.scene.get("title") or folder.name
 
     @property
     def strides(self) -> tuple[int, int]:
-        """Of the points of the heights that are kept, along x and z."""
-        return tuple(-(-len(self.grid[axis]) // CELLS) for axis in "xz")  # type: ignore[return-value]
+        """Strides of the points of the heights, along x and z."""
+        return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
-    def keys(self) -> list[str]:
+    def shown_ships(self) -> list[str]:
         return [key for key in ship_keys(self.grid, "_vertices") if f"{key}_look" in self.grid]
 
     def still(self) -> bytes:
-        """What is told once, with the names of what is plotted."""
-        return self.setting(self.numbers(np.zeros(1))[0]).packet()
+        """The packet `still` of this run."""
+        return self.setting(self.plotted_numbers(np.zeros(1))[0]).packet()
 
     def setting(self, scalars: list[dict[str, str]]) -> Setting:
-        """What is told once."""
+        """Static part of the replay, with names of the plotted numbers."""
         grid, (i, j) = self.grid, self.strides
         vessels = [
             Vessel(
@@ -74,7 +74,7 @@ class Recorded:
                 float(grid[f"{key}_submerged"]),
                 grid[f"{key}_helm"],
             )
-            for key in self.keys()
+            for key in self.shown_ships()
         ]
         waves = None
         if "sea_amplitude" in grid:
@@ -101,7 +101,7 @@ class Recorded:
         )
 
     def stream(self) -> bytes:
-        """All moments, deflated."""
+        """All moments: the packet `replay`, deflated."""
         setting, (i, j) = self.setting([]), self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
@@ -113,28 +113,28 @@ class Recorded:
             heights.append(frame.elevation[::i, ::j].ravel())
             if frame.foam is not None:
                 foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
-            poses.append([self.pose(*frame.ships[key]) for key in self.keys()])
-            if frame.position is not None and k % SHARE == 0:
+            poses.append([self.ship_pose(*frame.ships[key]) for key in self.shown_ships()])
+            if frame.position is not None and k % PARTICLE_INTERVAL == 0:
                 with open_frame(path) as file:
                     order = file["id"].astype(int)
-                particles.append(self.in_order(frame.position, order))
+                particles.append(self.sorted_by_id(frame.position, order))
                 assert frame.velocity is not None
-                speeds.append(self.in_order(np.linalg.norm(frame.velocity, axis=1)[:, None], order))
+                speeds.append(self.sorted_by_id(np.linalg.norm(frame.velocity, axis=1)[:, None], order))
         tall = np.nan_to_num(np.array(heights))
-        top = max(FULL * FINE[0], float(np.abs(tall).max()))
-        _, scalars = self.numbers(np.array(times))
+        top = max(FULL_SCALE * RESOLUTIONS[0], float(np.abs(tall).max()))
+        _, scalars = self.plotted_numbers(np.array(times))
         arrays = {
-            "height": differences(np.rint(tall * (FULL / top)).astype(np.int16)),
+            "height": moment_differences(np.rint(tall * (FULL_SCALE / top)).astype(np.int16)),
             "poses": np.array(poses, np.float32).reshape(len(times), -1),
             "origins": np.array(origins, np.float32),
             "scalars": np.nan_to_num(scalars).astype(np.float32),
         }
         boxes: dict[str, Any] = {"height": {"delta": True, "low": -top, "high": top}}
-        platform = self.platform(np.array(times))
+        platform = self.platform_commands(np.array(times))
         if platform is not None:
             arrays["platform"] = platform
         if foams:
-            arrays["foam"] = differences(np.rint(255.0 * np.clip(foams, 0.0, 1.0)).astype(np.int16))
+            arrays["foam"] = moment_differences(np.rint(255.0 * np.clip(foams, 0.0, 1.0)).astype(np.int16))
             boxes["foam"] = {"delta": True}
         header = {"times": [round(t, 6) for t in times], "fastest": 1.0}
         if particles:
@@ -145,39 +145,39 @@ class Recorded:
                 whole_run[k, : len(each)], pace[k, : len(each)] = each, np.nan_to_num(speeds[k][:, 0])
             fastest = max(0.5, float(np.quantile(pace, 0.999)))
             header["fastest"] = fastest
-            wide = np.maximum(0.5 * (high - low), FULL * FINE[1])
+            wide = np.maximum(0.5 * (high - low), FULL_SCALE * RESOLUTIONS[1])
             middle = 0.5 * (high + low)
             boxes["particles"] = {"delta": True, "low": (middle - wide).tolist(), "high": (middle + wide).tolist()}
-            boxes["particles"] |= {"every": SHARE}
-            boxes["speed"] = {"delta": True, "every": SHARE}
-            places = boxed(whole_run, (middle - wide).astype(np.float32), (middle + wide).astype(np.float32))
+            boxes["particles"] |= {"every": PARTICLE_INTERVAL}
+            boxes["speed"] = {"delta": True, "every": PARTICLE_INTERVAL}
+            places = box_positions(whole_run, (middle - wide).astype(np.float32), (middle + wide).astype(np.float32))
             tints = (np.minimum(pace / fastest, 1.0) * 31.0).astype(np.int16) * 8
             while True:
                 kept = slice(None, None, every)
-                arrays["particles"] = differences(places[:, kept].reshape(len(places), -1))
-                arrays["speed"] = differences(tints[:, kept])
+                arrays["particles"] = moment_differences(places[:, kept].reshape(len(places), -1))
+                arrays["speed"] = moment_differences(tints[:, kept])
                 data = zlib.compress(packet("replay", arrays, boxes, **header), 6)
-                if len(data) <= FULL_SIZE or arrays["particles"].size < 20_000:
+                if len(data) <= MAX_STREAM_BYTES or arrays["particles"].size < 20_000:
                     return data
-                every += max(1, round(every * (len(data) / FULL_SIZE - 1.0)))
+                every += max(1, round(every * (len(data) / MAX_STREAM_BYTES - 1.0)))
         return zlib.compress(packet("replay", arrays, boxes, **header), 6)
 
     @staticmethod
-    def in_order(values: np.ndarray, order: np.ndarray) -> np.ndarray:
-        """By identity; what is not there yet is no number."""
+    def sorted_by_id(values: np.ndarray, order: np.ndarray) -> np.ndarray:
+        """Values in the order of ids; NaN for particles that are not there yet."""
         found = np.full((int(order.max()) + 1 if len(order) else 0, values.shape[1]), np.nan, np.float32)
         found[order] = values
         return found
 
     @staticmethod
-    def pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
-        """Position and quaternion w, x, y, z of a matrix from body to world."""
+    def ship_pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
+        """Position, and quaternion w, x, y, z of a matrix from body to world."""
         from scipy.spatial.transform import Rotation
 
         return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
-    def numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
-        """What is plotted, and its numbers (moments, k) at some times."""
+    def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
+        """Rows that name the plotted numbers, and these (moments, k) at some times."""
         rows: list[dict[str, str]] = []
         columns: list[np.ndarray] = []
 
@@ -199,7 +199,7 @@ class Recorded:
             else {"": csv_file.read_columns_if_any(self.folder / "motion.csv")}
         )
         for name, log in logs.items():
-            for column, (label, group, unit, factor) in PLOTTED.items():
+            for column, (label, group, unit, factor) in PLOTTED_COLUMNS.items():
                 if column in log:
                     add(log, column, f"{label} {name}".strip(), unit, group, factor)
         platform = csv_file.read_columns_if_any(self.folder / "platform.csv")
@@ -216,8 +216,8 @@ class Recorded:
             add(timings, column, column.removesuffix("_ms_per_step"), "ms/step", "cost")
         return rows, np.array(columns).T.reshape(len(times), -1)
 
-    def platform(self, times: np.ndarray) -> np.ndarray | None:
-        """(moments, 12) pose and legs at some times."""
+    def platform_commands(self, times: np.ndarray) -> np.ndarray | None:
+        """(moments, 12) platform pose and legs at some times."""
         log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
@@ -225,14 +225,14 @@ class Recorded:
         return np.array([np.interp(times, log["time_s"], log[name]) for name in names], np.float32).T
 
 
-def thinned(files: list[Path], every: float) -> list[Path]:
-    """The frames that a replay holds: RATE a second, at most MOMENTS."""
-    step = max(1, round(1.0 / (RATE * max(every, 1e-9))), -(-len(files) // MOMENTS))
+def thin_frames(files: list[Path], every: float) -> list[Path]:
+    """The frames of a replay: at most MAX_MOMENT_RATE a second, and MAX_MOMENTS."""
+    step = max(1, round(1.0 / (MAX_MOMENT_RATE * max(every, 1e-9))), -(-len(files) // MAX_MOMENTS))
     return files[::step]
 
 
 def replay_file(folders: list[Path], path: Path) -> Path:
-    """Write one page that holds the replay of a run, or of two side by side, and needs nothing else."""
+    """Write one page that holds the replay of a run, or of two side by side, and needs no other file."""
     runs = [Recorded(folder) for folder in folders]
     data = {"sky": sky_packet()}
     for k, run in enumerate(runs):
@@ -240,5 +240,5 @@ def replay_file(folders: list[Path], path: Path) -> Path:
     title = " and ".join(run.title for run in runs)
     start = {"mode": "replay", "held": True, "runs": [{"title": run.title, "name": run.folder.name} for run in runs]}
     with atomic_write(path) as draft:
-        draft.write_bytes(page(title, start, data))
+        draft.write_bytes(page_document(title, start, data))
     return path

@@ -1,8 +1,8 @@
 """The server behind the page: a thread of its own that sends the newest frame to each watcher and takes commands.
 
-A watcher that cannot keep up gets fewer frames: each waits for its own socket alone, and only the newest frame is kept.
-What comes in is bounded in length, in rate and in number. A connection without a whole request is closed, after
-MAX_REQUEST_SECONDS or as soon as others need its place.
+A slow watcher gets fewer frames: each waits for its own socket alone, and only the newest frame is kept. Commands are
+bounded in length, rate and number. A connection without a whole request is closed after MAX_REQUEST_SECONDS, or as soon
+as others need its place.
 """
 
 import asyncio
@@ -20,105 +20,112 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.machine import resource_limit
-from ocean_sim.viewer.protocol import LONGEST, LOOKS, VERSION, BadMessage, Command, command
+from ocean_sim.viewer.protocol import (
+    MAX_MESSAGE_BYTES,
+    PROTOCOL_VERSION,
+    QUERY_NAMES,
+    BadMessage,
+    Command,
+    parse_command,
+)
 
 if TYPE_CHECKING:
     from aiohttp import web
 
-PORT = 8765
-LOCAL = ("127.0.0.1", "localhost", "::1")
-MOST_WATCHERS = 64
+DEFAULT_PORT = 8765
+LOCAL_HOSTS = ("127.0.0.1", "localhost", "::1")
+MAX_WATCHERS = 64
 MAX_CONNECTIONS = 256  # open at once, and of the files that this process may open at most
 MAX_FILE_SHARE = 0.25
 MAX_REQUEST_SECONDS = 10.0  # [s] until a whole request is there
-WAITING = 256  # commands that are not obeyed yet, and messages that are not sent to one watcher
-BURST, A_SECOND = 240, 120  # messages that one watcher may send
-STALLED = 30.0  # [s] that a watcher may take for one message, and who gets a file for some of it
-REASON = 120  # bytes of why a connection is closed; a frame that closes holds 123
-IDLE = 60.0  # [s] after which another may take the helm from who does not touch it
-POLICY = (
+QUEUE_LENGTH = 256  # of commands, and of messages to one watcher
+MESSAGE_BURST, MESSAGE_RATE = 240, 120  # of one watcher, at once and in a second
+MAX_SEND_SECONDS = 30.0  # [s] for one message to a watcher, or for some progress with a file
+REASON_BYTES = 120  # of the reason of a close; its frame holds 123
+HELM_IDLE_SECONDS = 60.0  # [s] without a command, until another page may take the helm
+SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "connect-src 'self' {socket}; base-uri 'none'; form-action 'none'"
 )
 NO_FRAMES = "; frame-ancestors 'none'"
-HEADERS = {
+ANSWER_HEADERS = {
     "Cache-Control": "no-cache",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
-}  # of every answer
+}
 NO_FILES = (errno.EMFILE, errno.ENFILE)
 
 File = Callable[[], bytes]  # the content of an address
 
 
 class Order(NamedTuple):
-    """A command, and who gave it."""
+    """A command and the number of its watcher."""
 
     watcher: int
     command: Command
 
 
 class Watcher:
-    """A page that is open."""
+    """An open page."""
 
     def __init__(self, number: int, socket: "web.WebSocketResponse") -> None:
         self.number, self.socket = number, socket
-        self.texts: deque[str] = deque(maxlen=WAITING)
+        self.texts: deque[str] = deque(maxlen=QUEUE_LENGTH)
         self.still: bytes | None = None  # the last that was sent
         self.frame: bytes | None = None
         self.woken = asyncio.Event()
-        self.allowance, self.asked = float(BURST), monotonic()
+        self.allowance, self.asked = float(MESSAGE_BURST), monotonic()
 
     def may_ask(self) -> bool:
-        """Whether one more message is within the rate."""
+        """True if one more message is within the rate."""
         now = monotonic()
-        self.allowance = min(BURST, self.allowance + A_SECOND * (now - self.asked))
+        self.allowance = min(MESSAGE_BURST, self.allowance + MESSAGE_RATE * (now - self.asked))
         self.asked = now
         self.allowance -= 1.0
         return self.allowance >= 0.0
 
 
-def ours(record: logging.LogRecord) -> bool:
-    """Whether what went wrong is this program's: what is no HTTP is answered, and nobody here has to know."""
+def is_own_failure(record: logging.LogRecord) -> bool:
+    """True unless a request was no HTTP, which is answered and needs no log."""
     from aiohttp.http_exceptions import HttpProcessingError
 
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class Connections:
-    """Factory of aiohttp's protocols, and the ones that are open."""
+    """Factory of aiohttp's protocols, with its open connections."""
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
         self.limit = max(1, min(MAX_CONNECTIONS, int(MAX_FILE_SHARE * resource_limit("RLIMIT_NOFILE"))))
-        self.answering: set[Any] = set()  # a whole request has come, and no answer is ready
-        self.progress: dict[Any, tuple[float, int]] = {}  # when anything was sent last [s], and bytes to be sent
+        self.answering: set[Any] = set()  # with a whole request, and no answer yet
+        self.progress: dict[Any, tuple[float, int]] = {}  # time of the last progress [s], and bytes to be sent
 
-    def waiting(self) -> list[Any]:
+    def incomplete_transports(self) -> list[Any]:
         """Transports of connections without a whole request, the oldest first."""
         lines = [one.transport for one in self.protocols.connections if one not in self.answering]
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of one more connection; beyond the limit the oldest that is waiting is closed, else this one."""
+        """Protocol of one more connection; beyond the limit the oldest without a request is closed, else this one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
-        if not (lines := self.waiting()):
+        if not (lines := self.incomplete_transports()):
             return Closing()
         min(lines, key=lambda line: line.get_write_buffer_size() > 0).abort()
         return self.protocols()
 
-    async def watch(self) -> None:
-        """Close those that take too long."""
+    async def close_slow(self) -> None:
+        """Close connections that take too long."""
         while True:
             await asyncio.sleep(0.1 * MAX_REQUEST_SECONDS)
             before, self.progress, now = self.progress, {}, monotonic()
-            for line in self.waiting():
+            for line in self.incomplete_transports():
                 unsent = line.get_write_buffer_size()
                 since, then = before.get(line, (now, unsent))
                 self.progress[line] = (since if unsent == then else now, unsent)
-                if unsent == then and now - since > (STALLED if unsent else MAX_REQUEST_SECONDS):
+                if unsent == then and now - since > (MAX_SEND_SECONDS if unsent else MAX_REQUEST_SECONDS):
                     line.abort()
 
 
@@ -141,28 +148,28 @@ class Server:
         hello: Mapping[str, Any] | None = None,
         framed: bool = False,
     ) -> None:
-        """`files`: type and content by path; `token`: what an address must hold, if anything; `hello`: what a page is
-        told first; `framed`: pages of others may show it inside of theirs. Raises Lacking where aiohttp is not
-        installed, and Refused where the port is taken."""
+        """`files`: type and content by path; `token`: secret of the address, if any; `hello`: first message to a page;
+        `framed`: other pages may show it in a frame. Raises Lacking without aiohttp, and Refused if the port is
+        taken."""
         try:
             import aiohttp.web  # noqa: F401
         except ImportError:
             raise Lacking("the page needs aiohttp: pip install 'ocean-sim[browser]'") from None
         self.files, self.host, self.token, self.hello = files, host, token, dict(hello or {})
-        self.policy, self.full = POLICY + ("" if framed else NO_FRAMES), False
+        self.policy, self.full = SECURITY_POLICY + ("" if framed else NO_FRAMES), False
         self.all: dict[int, Watcher] = {}
         self.inbox: deque[Order] = deque()
         self.arrived = threading.Event()  # a command, or a watcher
-        self.fresh = True  # whether the next frame is for somebody new
+        self.fresh = True  # True: a watcher has had no frame yet
         self.watchers, self.helm, self.touched = 0, 0, 0.0
         self.still: bytes | None = None
         self.frame: bytes | None = None
         self.panel: dict[str, Any] = {}
-        self.made: dict[str, asyncio.Future[bytes]] = {}  # contents by path, each made once
+        self.made: dict[str, asyncio.Future[bytes]] = {}  # contents by path, each built once
         self.count = self.refused = 0
         self.loop = asyncio.new_event_loop()
         self.ready, self.failure, self.port = threading.Event(), "", port
-        self.thread = threading.Thread(target=self.work, name="viewer", daemon=True)
+        self.thread = threading.Thread(target=self.run_loop, name="viewer", daemon=True)
         self.thread.start()
         self.ready.wait()
         if self.failure:
@@ -170,9 +177,9 @@ class Server:
             raise Refused(self.failure)
 
     @property
-    def local(self) -> bool:
-        """Whether only this machine can reach it."""
-        return self.host in LOCAL
+    def is_local(self) -> bool:
+        """True if only this machine can reach it."""
+        return self.host in LOCAL_HOSTS
 
     @property
     def address(self) -> str:
@@ -182,22 +189,22 @@ class Server:
     # in the thread of the simulation
 
     def begin(self, still: bytes) -> None:
-        self.loop.call_soon_threadsafe(self.take, still, None)
+        self.loop.call_soon_threadsafe(self.keep_packets, still, None)
 
     def show(self, frame: bytes) -> None:
         self.fresh = False
-        self.loop.call_soon_threadsafe(self.take, None, frame)
+        self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
-        """Text to one watcher, or to all; a `panel` is kept for those who come later."""
-        self.loop.call_soon_threadsafe(self.post, watcher, message)
+        """Send text to one watcher, or to all; watchers that come later get the last `panel`."""
+        self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:
         """The commands that have come in since the last call."""
         return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
-        """Say goodbye to all watchers, and stop."""
+        """Close all pages, and stop."""
         if self.thread.is_alive():
             with suppress(RuntimeError):
                 self.loop.call_soon_threadsafe(self.stopping.set)
@@ -211,7 +218,7 @@ class Server:
 
     # in its own thread
 
-    def work(self) -> None:
+    def run_loop(self) -> None:
         asyncio.set_event_loop(self.loop)
         try:
             self.loop.run_until_complete(self.serve())
@@ -226,29 +233,29 @@ class Server:
 
         @web.middleware
         async def guard(request: web.Request, handler: Any) -> Any:
-            return await self.guarded(request, handler)
+            return await self.guard_request(request, handler)
 
         async def protect(request: web.Request, response: web.StreamResponse) -> None:
-            response.headers.update(HEADERS)
+            response.headers.update(ANSWER_HEADERS)
             response.headers["Content-Security-Policy"] = self.policy.format(socket=f"ws://{request.host}")
 
         app = web.Application(middlewares=[guard])
         app.on_response_prepare.append(protect)
-        app.router.add_get("/watch", self.watched)
+        app.router.add_get("/watch", self.serve_socket)
         for path in self.files:
-            app.router.add_get(path, self.given)
+            app.router.add_get(path, self.serve_file)
         self.log = logging.getLogger("aiohttp.server.ocean_sim")
-        self.log.addFilter(ours)
-        self.loop.set_exception_handler(self.handle)
+        self.log.addFilter(is_own_failure)
+        self.loop.set_exception_handler(self.handle_loop_failure)
         runner = web.AppRunner(app, access_log=None, logger=self.log, shutdown_timeout=1.0)
         await runner.setup()
         assert runner.server is not None
         self.connections = Connections(runner.server)
         async with AsyncExitStack() as last:
             last.push_async_callback(runner.cleanup)
-            for port in [self.port] if self.port is not None else [PORT, 0]:
+            for port in [self.port] if self.port is not None else [DEFAULT_PORT, 0]:
                 try:
-                    most = max(1, self.connections.limit // 8)  # taken at once, up to three times before any is closed
+                    most = max(1, self.connections.limit // 8)  # accepted at once, before any is closed
                     make = self.loop.create_server
                     line = await make(self.connections, self.host, port, reuse_address=True, backlog=most)
                     break
@@ -259,17 +266,17 @@ class Server:
             last.callback(line.close)
             for each in line.sockets:
                 with socket.fromfd(each.fileno(), each.family, each.type) as own:
-                    own.listen(self.connections.limit)  # that many wait to be taken
+                    own.listen(self.connections.limit)  # that many wait to be accepted
             self.port, self.failure = line.sockets[0].getsockname()[1], ""
             self.ready.set()
-            last.callback(asyncio.create_task(self.connections.watch()).cancel)
+            last.callback(asyncio.create_task(self.connections.close_slow()).cancel)
             await self.stopping.wait()
             for watcher in [*self.all.values()]:
                 with suppress(Exception):
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
 
-    def handle(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Say once that no more files can be opened; asyncio tries again, and reports anything else."""
+    def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Log once that no more files can be opened, since asyncio tries again; anything else as asyncio does."""
         failure = context.get("exception")
         if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
             loop.default_exception_handler(context)
@@ -277,8 +284,8 @@ class Server:
             self.full = True
             self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
-    async def guarded(self, request: "web.Request", handler: Any) -> Any:
-        """Refuse who has not the token; where there is none, pages of other sites, and names of other machines."""
+    async def guard_request(self, request: "web.Request", handler: Any) -> Any:
+        """Refuse requests without the token; without a token, those of other sites or by other host names."""
         from aiohttp import web
 
         if self.token:
@@ -287,7 +294,7 @@ class Server:
         else:
             name = request.host.rsplit(":", 1)[0].strip("[]")
             origin = request.headers.get("Origin")
-            if name not in LOCAL or origin not in (None, f"{request.scheme}://{request.host}"):
+            if name not in LOCAL_HOSTS or origin not in (None, f"{request.scheme}://{request.host}"):
                 raise web.HTTPForbidden(text="This server answers only pages of its own, on this machine.\n")
         self.connections.answering.add(request.protocol)
         try:
@@ -295,7 +302,7 @@ class Server:
         finally:
             self.connections.answering.discard(request.protocol)
 
-    async def given(self, request: "web.Request") -> Any:
+    async def serve_file(self, request: "web.Request") -> Any:
         from aiohttp import web
 
         kind, content = self.files[request.path]
@@ -308,30 +315,32 @@ class Server:
             raise web.HTTPNotFound(text=error.sentence) from None
         return web.Response(body=body, headers={"Content-Type": kind})
 
-    async def watched(self, request: "web.Request") -> Any:
-        """The socket of one page."""
+    async def serve_socket(self, request: "web.Request") -> Any:
+        """Serve the socket of one page."""
         from aiohttp import WSMsgType, web
 
-        if len(self.all) >= MOST_WATCHERS:
+        if len(self.all) >= MAX_WATCHERS:
             raise web.HTTPServiceUnavailable(text="too many watchers\n")
-        socket = web.WebSocketResponse(max_msg_size=LONGEST, heartbeat=15.0, compress=False)
+        socket = web.WebSocketResponse(max_msg_size=MAX_MESSAGE_BYTES, heartbeat=15.0, compress=False)
         await socket.prepare(request)
         if not self.all and self.hello.get("drives"):
-            self.frame = None  # made when somebody watched last; a fresh one comes
+            self.frame = None  # it is old; a new one comes
         self.count += 1
         watcher = self.all[self.count] = Watcher(self.count, socket)
         self.watchers, self.fresh = len(self.all), True
         self.arrived.set()
-        self.post(watcher.number, {"type": "hello", "protocol": VERSION, "you": watcher.number, **self.hello})
+        self.queue_text(
+            watcher.number, {"type": "hello", "protocol": PROTOCOL_VERSION, "you": watcher.number, **self.hello}
+        )
         if self.panel:
-            self.post(watcher.number, self.panel)
-        self.stands()
-        sending, why = asyncio.create_task(self.send(watcher)), ""
+            self.queue_text(watcher.number, self.panel)
+        self.tell_helm()
+        sending, why = asyncio.create_task(self.send_to(watcher)), ""
         try:
             async for message in socket:
                 if message.type != WSMsgType.TEXT:
                     break
-                self.heard(watcher, message.data)
+                self.receive(watcher, message.data)
         except BadMessage as error:
             self.refused += 1
             why = error.sentence
@@ -341,49 +350,50 @@ class Server:
             self.watchers = len(self.all)
             if self.helm == watcher.number:
                 self.helm = 0
-            self.stands()
+            self.tell_helm()
             with suppress(Exception):
                 await socket.close(
-                    code=1008 if socket.close_code is None else 1000, message=why.encode("ascii", "replace")[:REASON]
+                    code=1008 if socket.close_code is None else 1000,
+                    message=why.encode("ascii", "replace")[:REASON_BYTES],
                 )
         return socket
 
-    def heard(self, watcher: Watcher, text: str) -> None:
-        """Take one message; raises BadMessage, which ends the connection."""
+    def receive(self, watcher: Watcher, text: str) -> None:
+        """Handle one message; raises BadMessage, which ends the connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
-        order = command(text)
+        order = parse_command(text)
         if order.do == "take":
-            self.grasp(watcher.number)
+            self.take_helm(watcher.number)
         elif order.do == "leave":
             self.helm = 0 if self.helm == watcher.number else self.helm
-            self.stands()
-        elif order.do not in LOOKS and not self.grasp(watcher.number):
-            self.refuse(watcher, "Another page has the helm.")
-        elif len(self.inbox) >= WAITING:
-            self.refuse(watcher, "The simulation is busy; your command was not taken.")
+            self.tell_helm()
+        elif order.do not in QUERY_NAMES and not self.take_helm(watcher.number):
+            self.refuse_command(watcher, "Another page has the helm.")
+        elif len(self.inbox) >= QUEUE_LENGTH:
+            self.refuse_command(watcher, "The simulation is busy; your command was not taken.")
         else:
             self.inbox.append(Order(watcher.number, order))
             self.arrived.set()
 
-    def refuse(self, watcher: Watcher, text: str) -> None:
-        """Say why a command is not taken."""
-        self.post(watcher.number, {"type": "said", "text": text, "bad": True})
+    def refuse_command(self, watcher: Watcher, text: str) -> None:
+        """Tell a page why its command is refused."""
+        self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
-    def grasp(self, number: int) -> bool:
-        """Give the helm to a watcher where it is free, or its holder idle; whether this one has it."""
+    def take_helm(self, number: int) -> bool:
+        """Give the helm to a watcher if it is free or its holder idle; True if this one has it."""
         now = monotonic()
-        if self.helm in (0, number) or now - self.touched > IDLE:
+        if self.helm in (0, number) or now - self.touched > HELM_IDLE_SECONDS:
             before, self.helm, self.touched = self.helm, number, now
             if before != number:
-                self.stands()
+                self.tell_helm()
         return self.helm == number
 
-    def stands(self) -> None:
-        """Tell everybody who has the helm."""
-        self.post(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
+    def tell_helm(self) -> None:
+        """Tell all pages which one has the helm."""
+        self.queue_text(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
 
-    def post(self, number: int | None, message: dict[str, Any]) -> None:
+    def queue_text(self, number: int | None, message: dict[str, Any]) -> None:
         if message.get("type") == "panel" and number is None:
             self.panel = message
         text = json.dumps(message, allow_nan=False, default=str)
@@ -391,27 +401,27 @@ class Server:
             watcher.texts.append(text)
             watcher.woken.set()
 
-    def take(self, still: bytes | None, frame: bytes | None) -> None:
-        """Keep the newest frame, or another still, of which there is no frame yet, for all watchers."""
+    def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
+        """Keep the newest frame, or another still without a frame yet, for all watchers."""
         self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()
 
-    async def send(self, watcher: Watcher) -> None:
-        """What is new, whenever this watcher is ready for it."""
+    async def send_to(self, watcher: Watcher) -> None:
+        """Send new texts and packets to a watcher as fast as it takes them."""
         watcher.woken.set()
         with suppress(ConnectionError, TimeoutError):
             while True:
                 await watcher.woken.wait()
                 watcher.woken.clear()
                 while watcher.texts:
-                    await asyncio.wait_for(watcher.socket.send_str(watcher.texts.popleft()), STALLED)
+                    await asyncio.wait_for(watcher.socket.send_str(watcher.texts.popleft()), MAX_SEND_SECONDS)
                 if self.still is not None and watcher.still is not self.still:
                     watcher.still = self.still
-                    await asyncio.wait_for(watcher.socket.send_bytes(self.still), STALLED)
+                    await asyncio.wait_for(watcher.socket.send_bytes(self.still), MAX_SEND_SECONDS)
                 frame = self.frame
                 if frame is not None and watcher.frame is not frame and watcher.still is self.still:
                     watcher.frame = frame
-                    await asyncio.wait_for(watcher.socket.send_bytes(frame), STALLED)
+                    await asyncio.wait_for(watcher.socket.send_bytes(frame), MAX_SEND_SECONDS)
         with suppress(Exception):
             await watcher.socket.close(code=1008)

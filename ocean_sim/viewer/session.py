@@ -1,4 +1,4 @@
-"""A scene that is played with from pages: stepped in the thread that built it, told by the commands that come in."""
+"""A scene that pages play with: it steps in the thread that built it and obeys the commands of the pages."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -20,25 +20,25 @@ from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, sce
 from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.answers import answer, keys
+from ocean_sim.viewer.answers import answer_waves, key_table
 from ocean_sim.viewer.server import Order
-from ocean_sim.viewer.sliders import Slider, bound, sliders_of
+from ocean_sim.viewer.sliders import Slider, restore_sliders, sliders_of
 from ocean_sim.viewer.watch import Audience, Watch
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
     from ocean_sim.ship.forces.propulsion import Helmsman, Person
 
-BUDGET = 0.04  # [s] of steps between two looks at what has come in
-NAP = 0.05  # [s] to wait for commands where there is nothing to do
-ALWAYS = ("gauges", "motion", "health")  # observers that play along; files of theirs go to a folder that is thrown away
-RIG = ("platform_log", "stream")  # and these where a scene names `stream`: who sits on the platform has the helm
-SCENE = "of the scene"  # a wind that is not a preset
-LEAST_BEHIND = 0.1  # [s] of wall time that a simulation which is too slow for its speed may lag behind
+STEP_BUDGET = 0.04  # [s] of wall time, between two looks at the commands
+IDLE_WAIT = 0.05  # [s] for commands when nothing is due
+PLAYED_OBSERVERS = ("gauges", "motion", "health")  # their files go to a temporary folder
+PLATFORM_OBSERVERS = ("platform_log", "stream")  # also, if a scene names `stream`
+SCENE_WIND = "of the scene"  # a wind that is not a preset
+MAX_LAG = 0.1  # [s] of wall time, of a simulation that is too slow for its speed
 
 
 class Desk(Audience, Protocol):
-    """Where commands come from and answers go to."""
+    """Source of commands and receiver of answers."""
 
     arrived: Any
     fresh: bool
@@ -48,7 +48,7 @@ class Desk(Audience, Protocol):
 
 
 class Source(NamedTuple):
-    """What is played: a text, its name and folder, and what is laid over it."""
+    """A scene to play: its text, name and folder, profile and overrides."""
 
     text: str
     name: str
@@ -62,7 +62,7 @@ class Source(NamedTuple):
         return cls(input_file.read_text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 
     def load(self) -> SceneConfig:
-        """The scene; raises SceneError with every problem, located in the text."""
+        """Load the scene; raises SceneError with every problem, located in the text."""
         return load_text(self.text, self.name, self.folder, dict(self.overrides), self.profile)
 
 
@@ -72,28 +72,28 @@ class Session:
     simulation: Simulation
 
     def __init__(self, source: Source, desk: Desk, out: Path, described: Callable[[], list[dict[str, str]]]) -> None:
-        """`out`: where records and saved scenes go; `described`: what a page lists of packaged scenes."""
+        """`out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
         self.source, self.desk, self.out, self.described = source, desk, out, described
         self.panel = Panel([*named("wind"), "still"], "")
         self.sliders: list[Slider] = []
         self.speed, self.due = 1.0, 0.0
-        self.plays = False  # whether a simulation is open
+        self.plays = False  # True: a simulation is open
         self.away: TemporaryDirectory | None = None
         self.claim: Claim | None = None  # of the run folder of a record
-        self.touched: list[str] = []  # what was set by hand in a record
+        self.touched: list[str] = []  # settings by hand in a record
         self.moved: dict[str, float] = {}  # sliders, by label
-        self.persons: dict[str, Person] = {}  # who steer by hand, by ship
-        self.pilots: dict[str, Helmsman] = {}  # who sail a route
-        self.sailed: dict[str, int] = {}  # on which leg they were last
+        self.persons: dict[str, Person] = {}  # hand steering, by ship
+        self.pilots: dict[str, Helmsman] = {}  # on a route, by ship
+        self.sailed: dict[str, int] = {}  # last leg of each pilot
         self.done = False
-        self.start(fitting(source))
+        self.start(load_within_memory(source))
 
     def start(self, config: SceneConfig, folder: Path | None = None) -> None:
-        """Build a simulation, whose files go to a folder that is thrown away unless one is given."""
+        """Build a simulation; its files go to a temporary folder unless one is given."""
         self.config = config
         if folder is None:
             self.away = TemporaryDirectory(prefix="ocean-sim-")
-            playing = (*ALWAYS, *RIG) if "stream" in config.observers else ALWAYS
+            playing = (*PLAYED_OBSERVERS, *PLATFORM_OBSERVERS) if "stream" in config.observers else PLAYED_OBSERVERS
             kept = {name: part for name, part in config.observers.items() if name in playing}
             config = config.model_copy(update={"observers": kept})
         self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
@@ -101,13 +101,13 @@ class Session:
         self.watch = Watch(self.simulation, self.desk)
         self.simulation.observers.append(self.watch)
         self.panel.wind = wind_name(self.source)
-        self.sliders = bound(sliders_of(self.simulation), self.sliders)
+        self.sliders = restore_sliders(sliders_of(self.simulation), self.sliders)
         self.panel.message, self.persons, self.pilots, self.due = "", {}, {}, 0.0
-        self.report()
+        self.tell_panel()
         self.watch.show(perf_counter())
 
     def end(self) -> None:
-        """Close what is played, and let go of its folder."""
+        """Close the simulation, and release its folder."""
         if not self.plays:
             return
         simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
@@ -127,17 +127,17 @@ class Session:
                     run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
-        """Go on until it is ended, by an interrupt or by `done`."""
+        """Run until an interrupt or `done`."""
         last = perf_counter()
         while not self.done:
             now = perf_counter()
             wall, last = now - last, now
             self.desk.arrived.clear()
             self.obey()
-            self.go_on(wall)
+            self.advance(wall)
 
-    def go_on(self, wall: float) -> None:
-        """Steps for so much wall time as has gone by [s], as many as there is time for."""
+    def advance(self, wall: float) -> None:
+        """Step for the wall time that has passed [s], within STEP_BUDGET."""
         panel, begin = self.panel, perf_counter()
         if panel.take("step"):
             self.step()
@@ -145,26 +145,26 @@ class Session:
         if panel.paused:
             if self.desk.fresh and self.desk.watchers:
                 self.watch.show(perf_counter())
-            self.desk.arrived.wait(NAP)
+            self.desk.arrived.wait(IDLE_WAIT)
             return
         fast = self.speed == 0.0
-        self.due = 0.0 if fast else min(self.due + wall * self.speed, LEAST_BEHIND * self.speed)
-        while (fast or self.due > 0.0) and not panel.paused and perf_counter() - begin < BUDGET:
+        self.due = 0.0 if fast else min(self.due + wall * self.speed, MAX_LAG * self.speed)
+        while (fast or self.due > 0.0) and not panel.paused and perf_counter() - begin < STEP_BUDGET:
             self.due -= self.simulation.next_dt
             self.step()
         if not fast and self.due <= 0.0 and not panel.paused:
-            self.desk.arrived.wait(min(-self.due / self.speed, NAP))
+            self.desk.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """One step; a simulation that leaves the physical world, or a record that is complete, stops here."""
+        """Take one step; stop a simulation that diverges, or a record that is complete."""
         simulation = self.simulation
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
-            self.follow()
+            self.follow_routes()
         except Diverged as failure:
             self.panel.paused, self.panel.message = True, f"diverged: {failure}. Reset starts again."
             self.watch.show(perf_counter())
-            self.report()
+            self.tell_panel()
         except OSError as failure:
             if self.claim is None:
                 raise
@@ -175,30 +175,30 @@ class Session:
             self.panel.paused = True
             self.rebuild(self.source)
 
-    def follow(self) -> None:
-        """Say how far along their routes ships are; at the end of one the rudder goes amidships."""
+    def follow_routes(self) -> None:
+        """Report legs of routes; at the end of a route the rudder goes amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
             if pilot.has_arrived(simulation.ships[name].body):
-                self.amidships(name)
+                self.steer_amidships(name)
                 self.say(f"{name}: the end of the route")
-                self.report()
+                self.tell_panel()
             elif self.sailed.get(name) != pilot.leg:
                 self.sailed[name] = pilot.leg
-                self.report()
+                self.tell_panel()
 
     def obey(self) -> None:
-        """What has come in; the newest of those that replace one another."""
+        """Obey the new commands, only the newest of those that replace one another."""
         orders = self.desk.orders()
-        last = {replaces(order): k for k, order in enumerate(orders)}
+        last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
         for k, order in enumerate(orders):
-            if last[replaces(order)] != k and replaces(order)[0]:
+            if last[replacement_key(order)] != k and replacement_key(order)[0]:
                 continue
             try:
-                changed = self.take(order) or changed
+                changed = self.execute(order) or changed
             except SceneError as error:
-                self.problems(order.watcher, error)
+                self.tell_problems(order.watcher, error)
                 self.say(next(map(str, error.problems), error.sentence), order.watcher, bad=True)
             except Failed as error:
                 self.say(error.sentence, order.watcher, bad=True)
@@ -207,10 +207,10 @@ class Session:
                     raise
                 self.say(in_words(error), order.watcher, bad=True)
         if changed:
-            self.report()
+            self.tell_panel()
 
-    def take(self, order: Order) -> bool:
-        """Do what a command says; whether the panel has changed."""
+    def execute(self, order: Order) -> bool:
+        """Execute a command; True if the panel has changed."""
         command, panel = order.command, self.panel
         match command:
             case p.Act(do="pause" | "play"):
@@ -227,7 +227,7 @@ class Session:
             case p.Act(do="scenes"):
                 self.desk.tell(order.watcher, type="scenes", rows=self.described())
             case p.Act(do="keys"):
-                self.desk.tell(order.watcher, type="keys", rows=keys(self.config))
+                self.desk.tell(order.watcher, type="keys", rows=key_table(self.config))
             case p.Waves():
                 self.tell_waves(order.watcher, command)
             case p.Speed(value=value):
@@ -238,19 +238,19 @@ class Session:
                     raise Failed(f"there is no slider {label!r} here")
                 slider.move(value)
                 self.moved[label] = slider.value
-                self.note(f"{label} = {slider.value:g}")
+                self.note_setting(f"{label} = {slider.value:g}")
             case p.Steer(ship=ship, throttle=throttle, rudder=rudder):
                 sailed = ship in self.pilots
-                self.person(ship).give(throttle, rudder)
-                self.note(f"{ship}: throttle {throttle:g}, rudder {rudder:g} rad")
+                self.hand_steering(ship).give(throttle, rudder)
+                self.note_setting(f"{ship}: throttle {throttle:g}, rudder {rudder:g} rad")
                 return sailed
             case p.Route(ship=ship, points=points, speed=speed):
                 if points:
-                    self.sail(ship, points, speed)
-                    self.note(f"{ship}: route {points} at {speed:g} m/s")
+                    self.sail_route(ship, points, speed)
+                    self.note_setting(f"{ship}: route {points} at {speed:g} m/s")
                 else:
-                    self.amidships(ship)
-                    self.note(f"{ship}: no route")
+                    self.steer_amidships(ship)
+                    self.note_setting(f"{ship}: no route")
             case p.Wind(name=name):
                 if name not in panel.winds:
                     raise Failed(f"there is no wind {name!r}")
@@ -260,7 +260,7 @@ class Session:
                 path, node = parse_setting(f"{key}={value}")
                 self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
             case p.Check(text=text):
-                self.check(order.watcher, text)
+                self.check_text(order.watcher, text)
             case p.Apply(text=text):
                 self.rebuild(self.source._replace(text=text, overrides={}))
                 self.desk.tell(order.watcher, type="problems", problems=[])
@@ -268,45 +268,45 @@ class Session:
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
                 source = Source.of(library("scenes") / f"{name}.yaml", self.source.profile)
-                fitting(source)
+                load_within_memory(source)
                 self.moved = {}
                 self.sliders = []
                 self.rebuild(source)
                 self.tell_scene(None)
             case p.Save(name=name):
-                self.save(name)
-        return command.do not in (*p.LOOKS, "save")
+                self.save_scene(name)
+        return command.do not in (*p.QUERY_NAMES, "save")
 
-    def person(self, name: str) -> "Person":
-        """Who steers a ship by hand from now on; raises Failed."""
-        ship = self.ship(name)
+    def hand_steering(self, name: str) -> "Person":
+        """Hand steering of a ship, which takes over if it has not; raises Failed."""
+        ship = self.ship_named(name)
         self.pilots.pop(name, None)
         if name not in self.persons:
             self.persons[name] = ship.hand_over()
         return self.persons[name]
 
-    def amidships(self, name: str) -> None:
+    def steer_amidships(self, name: str) -> None:
         """Steer a ship by hand, with the throttle as it is and the rudder amidships; raises Failed."""
-        person = self.person(name)
+        person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 
-    def sail(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
-        """A pilot sails a ship along waypoints from now on; raises Failed."""
-        ship = self.ship(name)
+    def sail_route(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
+        """Let a pilot sail a ship along waypoints; raises Failed."""
+        ship = self.ship_named(name)
         self.persons.pop(name, None)
         self.pilots[name], self.sailed[name] = ship.sail(route, speed), 0
 
-    def ship(self, name: str) -> "Ship":
+    def ship_named(self, name: str) -> "Ship":
         """A ship by its name; raises Failed."""
         if name not in self.simulation.ships:
             raise Failed(f"there is no ship {name!r} here")
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source from its beginning; the one that is played goes on where it cannot be loaded or is too large,
-        and begins again where another cannot be built. True if the source is played."""
+        """Play a source from its beginning; True if it is played. The present one continues if the source cannot be
+        loaded or is too large, and begins again if it cannot be built."""
         more = {} if folder is None else {"render": None}
-        config = fitting(source._replace(overrides={**source.overrides, **more}))
+        config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
         self.say("building anew ...")
         before, built, said = (self.source, self.config), False, []
         try:
@@ -328,7 +328,7 @@ class Session:
         return built
 
     def record(self) -> None:
-        """Begin anew, and keep the whole run folder."""
+        """Begin anew, into a run folder that stays."""
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
         with ExitStack() as failed:
@@ -338,30 +338,30 @@ class Session:
             failed.pop_all()
         self.claim, self.panel.paused = claim, False
         for label, value in self.moved.items():
-            self.note(f"{label} = {value:g}")
+            self.note_setting(f"{label} = {value:g}")
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
-    def note(self, what: str) -> None:
-        """Keep what was set by hand in a record: its scene does not say it."""
+    def note_setting(self, what: str) -> None:
+        """Note a setting by hand in a record, whose scene does not hold it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
-    def check(self, watcher: int, text: str) -> None:
-        """Of a text that is being written: its problems stand at their lines, and nowhere else."""
+    def check_text(self, watcher: int, text: str) -> None:
+        """Check the text of an editor; a page shows its problems at their lines."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
-            self.problems(watcher, error)
+            self.tell_problems(watcher, error)
         else:
             self.desk.tell(watcher, type="problems", problems=[])
 
-    def problems(self, watcher: int, error: SceneError) -> None:
-        """What is wrong with a scene, at its lines."""
+    def tell_problems(self, watcher: int, error: SceneError) -> None:
+        """Tell a page the problems of a scene."""
         rows = [each._asdict() for each in error.problems[:100]]
         self.desk.tell(watcher, type="problems", problems=rows)
 
-    def save(self, name: str) -> None:
-        """The scene as it is played: its text, or where more was set than it says, all of its keys."""
+    def save_scene(self, name: str) -> None:
+        """Save the scene that is played: its text, or all of its keys if some were overridden."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -375,27 +375,27 @@ class Session:
         self.say(f"saved: {path}")
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
-        """What the water does, to who asked."""
+        """Reply to a wave query."""
         try:
-            found = answer(self.simulation.fluid, self.simulation.time, asked)
+            found = answer_waves(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:
             found = {"error": refusal.sentence}
         self.desk.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
-        """The text that is played, and what is laid over it."""
-        laid = [f"{key}={plain(value)}" for key, value in self.source.overrides.items()]
+        """Tell the text of the scene that is played, and its overrides."""
+        laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
         self.desk.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
     def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
         self.desk.tell(watcher, type="said", text=text, bad=bad)
 
-    def report(self) -> None:
-        """Tell everybody what may be set, and how it stands."""
+    def tell_panel(self) -> None:
+        """Tell all pages the settings and their values."""
         simulation, panel = self.simulation, self.panel
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ships = [
-            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route(name)}
+            {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route_ahead(name)}
             for name, ship in simulation.ships.items()
         ]
         self.desk.tell(
@@ -404,7 +404,7 @@ class Session:
             paused=panel.paused,
             speed=self.speed,
             wind=panel.wind,
-            winds=[*([panel.wind] if panel.wind == SCENE else []), *panel.winds],
+            winds=[*([panel.wind] if panel.wind == SCENE_WIND else []), *panel.winds],
             sliders=sliders,
             ships=ships,
             message=panel.message,
@@ -413,8 +413,8 @@ class Session:
             duration=self.config.duration,
         )
 
-    def route(self, name: str) -> list[tuple[float, float]]:
-        """The waypoints that a ship has ahead."""
+    def route_ahead(self, name: str) -> list[tuple[float, float]]:
+        """Waypoints that a ship has ahead."""
         return self.pilots[name].ahead if name in self.pilots else []
 
     def __enter__(self) -> "Session":
@@ -425,8 +425,8 @@ class Session:
             self.end()
 
 
-def fitting(source: Source) -> SceneConfig:
-    """Load a scene; raises Refused where it takes more memory than this process can have."""
+def load_within_memory(source: Source) -> SceneConfig:
+    """Load a scene; raises Refused if it takes more memory than is left."""
     config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
@@ -439,22 +439,22 @@ def fitting(source: Source) -> SceneConfig:
 
 
 def wind_name(source: Source) -> str:
-    """The preset of wind that a source names, or that it is the scene's own."""
+    """The preset of wind that a source names, or SCENE_WIND."""
     written = parse_mapping(source.text, source.name).data.get("wind")
     wind = source.overrides.get("wind", written)
-    name = plain(wind)
+    name = plain_value(wind)
     if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):
-        return SCENE
+        return SCENE_WIND
     return name or "still"
 
 
-def plain(value: Any) -> Any:
-    """What was laid over a scene, without where it was written."""
+def plain_value(value: Any) -> Any:
+    """An override without its place in the text."""
     return value.plain() if isinstance(value, Node) else value
 
 
-def replaces(order: Order) -> tuple[str, ...]:
-    """What a command has in common with those that it replaces; empty words where it replaces none."""
+def replacement_key(order: Order) -> tuple[str, ...]:
+    """Key that a command shares with those that it replaces; the first word is empty if it replaces none."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

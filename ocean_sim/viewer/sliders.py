@@ -1,4 +1,4 @@
-"""Sliders of the page: numbers of a running simulation that change without building it anew."""
+"""Sliders of the page: numbers of a running simulation that change without a new build."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 
-STEP_LABELS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]", 1e-3)}  # label, its unit
+STEP_LABELS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]", 1e-3)}  # label and unit of a step
 
 
 @dataclass
 class Slider:
-    """A number that a person moves; `apply` takes it into the running simulation."""
+    """A number that a person moves; `apply` gives it to the running simulation."""
 
     label: str
     value: float
@@ -21,7 +21,7 @@ class Slider:
     apply: Callable[[float], None]
 
     def move(self, value: float) -> bool:
-        """Take a value, held within the ends; True if it changed by more than single precision."""
+        """Take a value, clipped to the ends; True if it changed by more than single precision."""
         value = min(max(value, self.low), self.high)
         if np.float32(value) == np.float32(self.value):
             return False
@@ -31,7 +31,7 @@ class Slider:
 
 
 def sliders_of(simulation: Simulation) -> list[Slider]:
-    """Sliders for the numbers of a simulation that can change while it runs."""
+    """Sliders of the numbers of a simulation that can change while it runs."""
     found = []
     fluid, time_step = simulation.fluid, simulation.time_step
     if not simulation.scene.wind.still:
@@ -39,25 +39,25 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
     for name, (now, unit) in fluid.adjustable.items():
         ends = (0.25 * now, 4.0 * now) if name == "stiffness" else (0.0, max(4.0 * now, 1.0))
 
-        def adjust(value: float, name: str = name) -> None:
+        def adjust_fluid(value: float, name: str = name) -> None:
             fluid.adjust(**{name: value})
             simulation.next_dt = time_step.next(simulation)
 
-        found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust))
+        found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust_fluid))
     for name, (now, _) in time_step.adjustable.items():
         label, shown = STEP_LABELS[name]
 
-        def pace(value: float, name: str = name, shown: float = shown) -> None:
+        def adjust_time_step(value: float, name: str = name, shown: float = shown) -> None:
             time_step.adjust(**{name: value * shown})
             simulation.next_dt = time_step.next(simulation)
 
         given = now / shown
-        found.append(Slider(label, given, 0.2 * given, 1.6 * given, pace))
+        found.append(Slider(label, given, 0.2 * given, 1.6 * given, adjust_time_step))
     return found
 
 
-def bound(sliders: list[Slider], before: list[Slider]) -> list[Slider]:
-    """Sliders of a simulation that was built anew, moved to the values that the sliders before had."""
+def restore_sliders(sliders: list[Slider], before: list[Slider]) -> list[Slider]:
+    """Move the sliders of a new simulation to the values of the sliders before."""
     values = {slider.label: slider.value for slider in before}
     for slider in sliders:
         slider.move(values.get(slider.label, slider.value))

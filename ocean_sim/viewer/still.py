@@ -1,5 +1,4 @@
-"""The page, and what it is told of a simulation once: basin, ships as triangles, the sea around it, and the programs of
-water.
+"""The page, and the static part of a simulation, sent once: basin, ships as triangles, surrounding sea and shaders.
 
 The page is one document that holds its style and its programs, and may hold a replay.
 """
@@ -24,31 +23,31 @@ from ocean_sim.pictures.ships.ship_model import build_model
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.water import water_glsl, water_shading, waterline
 from ocean_sim.pictures.water.sea_state import ripple_wind
-from ocean_sim.viewer.protocol import VERSION, boxed, packet
+from ocean_sim.viewer.protocol import PROTOCOL_VERSION, box_positions, packet
 from ocean_sim.waves import Components
 
-STATIC = Path(__file__).parent / "static"
-SCRIPTS = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
-GAP_CELLS, GAP_REACH = 64, 3.0  # of the map of distances to a hull at rest; [m] around it
-FAR_WAVES = 40  # plane waves of the sea around the basin, at most
-INVENTED = 28  # of them where only the basin's own water is known
-SKY_SIDE = 512  # pixels
-RIPPLES = 0.02, 3.0  # [m] between which the longest ripple lies
+STATIC_FOLDER = Path(__file__).parent / "static"
+SCRIPT_NAMES = ("math", "packets", "draw", "world", "cameras", "plots", "editor", "xr", "app")
+GAP_CELLS, GAP_REACH = 64, 3.0  # side of the map of distances to a hull at rest [cells], margin around it [m]
+MAX_FAR_WAVES = 40  # plane waves of the sea around the basin
+SYNTHETIC_WAVES = 28  # of them, if only the water of the basin is known
+SKY_SIDE = 512  # [pixels]
+RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest ripple
 
 
 class Vessel(NamedTuple):
-    """A ship as a picture needs her."""
+    """Shape and look of a ship."""
 
     name: str
     vertices: np.ndarray  # (n, 3) from the centre of mass, body axes [m]
     triangles: np.ndarray  # (m, 3)
     look: str
-    submerged: float  # share of her volume
-    helm: np.ndarray  # (3,) [m], or nothing
+    submerged: float  # share of her volume at rest
+    helm: np.ndarray  # (3,) [m], or empty
 
 
 class Setting(NamedTuple):
-    """Where the water is, and what is around it."""
+    """Water, basin and ships of a simulation or a replay, before the first moment."""
 
     title: str
     scene: Mapping[str, Any]  # resolved
@@ -57,7 +56,7 @@ class Setting(NamedTuple):
     x: np.ndarray  # (nx,) of the heights, from their origin [m]
     z: np.ndarray  # (nz,) [m]
     spacing: float  # [m]
-    surface: bool  # whether there are heights to show
+    surface: bool  # True: there are heights to show
     obstacles: np.ndarray  # (k, 2, 3) [m]
     waves: Components | None  # of water in closed form
     vessels: Sequence[Vessel]
@@ -71,60 +70,60 @@ class Setting(NamedTuple):
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner of where particles are shown [m]."""
+        """Lower and upper corner of the space in which particles are shown [m]."""
         size = self.upper - self.lower
         room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
-        above = max(size[1], 0.2 * size[0])  # of the still water: room for what leaps
+        above = max(size[1], 0.2 * size[0])  # the still surface: room for spray
         low, high = self.lower - room, self.upper + room
         low[1], high[1] = low[1] - 0.02 * size[1], above
         return low, high
 
     def packet(self) -> bytes:
-        """The still, deflated."""
+        """The packet `still`, deflated."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
-        ships = [self.ship(k, vessel, arrays, boxes) for k, vessel in enumerate(self.vessels)]
+        ships = [self.ship_header(k, vessel, arrays, boxes) for k, vessel in enumerate(self.vessels)]
         low, high = self.box
-        sea, uniforms = self.sea()
+        sea, uniforms = self.sea_header()
         platform = self.scene.get("platform") or {}
         header = {
-            "protocol": VERSION,
+            "protocol": PROTOCOL_VERSION,
             "title": self.title,
-            "basin": {"lower": plain(self.lower), "upper": plain(self.upper), "flat": self.flat},
+            "basin": {"lower": json_numbers(self.lower), "upper": json_numbers(self.upper), "flat": self.flat},
             "tile": {
                 "nx": len(self.x),
                 "nz": len(self.z),
-                "step": [step(self.x), step(self.z)],
+                "step": [spacing_of(self.x), spacing_of(self.z)],
                 "first": [float(self.x[0]), float(self.z[0])],
             },
-            "box": [plain(low), plain(high)],
+            "box": [json_numbers(low), json_numbers(high)],
             "spacing": float(self.spacing),
             "surface": self.surface,
             "particles": self.particles,
-            "obstacles": plain(self.obstacles),
+            "obstacles": json_numbers(self.obstacles),
             "ships": ships,
             "gauges": {name: [float(v) for v in place] for name, place in self.gauges.items()},
             "scalars": list(self.scalars),
             "sea": sea,
-            "tank": bool(self.flat or any((self.scene.get("basin") or {}).get(key) for key in FITTINGS)),
+            "tank": bool(self.flat or any((self.scene.get("basin") or {}).get(key) for key in TANK_KEYS)),
             "platform": platform.get("geometry") if isinstance(platform.get("geometry"), dict) else None,
             "wind": (self.scene.get("wind") or {}).get("kind", "still"),
             "fluid": (self.scene.get("fluid") or {}).get("kind", ""),
             "gravity": GRAVITY,
-            "speeds": plain(SPEED_COLOURS),
-            "light": {name: plain(getattr(sky, name)) for name in ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")},
-            "shaders": shaders(len(ships)),
+            "speeds": json_numbers(SPEED_COLOURS),
+            "light": {name: json_numbers(getattr(sky, name)) for name in LIGHT_NAMES},
+            "shaders": shader_sources(len(ships)),
             "uniforms": uniforms,
         }
         return zlib.compress(packet("still", arrays, boxes, **header), 6)
 
-    def ship(self, k: int, vessel: Vessel, arrays: dict[str, np.ndarray], boxes: dict[str, Any]) -> dict[str, Any]:
-        """A ship's model and the map of distances to her waterline at rest, both in body axes."""
+    def ship_header(self, k: int, vessel: Vessel, arrays: dict[str, Any], boxes: dict[str, Any]) -> dict[str, Any]:
+        """Header of a ship; adds her model and the map of distances to her waterline, in body axes, to the arrays."""
         model = build_model(vessel.vertices, vessel.triangles, vessel.submerged, vessel.look, vessel.helm)
         corners = model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
-        arrays[f"corners{k}"] = boxed(corners, low, high)
-        boxes[f"corners{k}"] = {"low": plain(low), "high": plain(high)}
+        arrays[f"corners{k}"] = box_positions(corners, low, high)
+        boxes[f"corners{k}"] = {"low": json_numbers(low), "high": json_numbers(high)}
         arrays[f"normals{k}"] = np.rint(127.0 * model.mesh.normals.reshape(-1, 3)).astype(np.int8)
         paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
@@ -137,28 +136,28 @@ class Setting(NamedTuple):
             x, z = (near[a] + share * (far[a] - near[a]) for a in (0, 1))
             gap = waterline.distance_to_line(np.stack(np.meshgrid(x, z), axis=-1).reshape(-1, 2), line)
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
-            boxes[f"gap{k}"] = {"near": plain(near), "far": plain(far)}
+            boxes[f"gap{k}"] = {"near": json_numbers(near), "far": json_numbers(far)}
         return {
             "name": vessel.name,
             "length": float(model.length),
             "beam": float(np.ptp(vessel.vertices[:, 0])),
-            "helm": plain(model.helm),
+            "helm": json_numbers(model.helm),
             "draught": float(hull.over_water(hull.lower)) * -1.0,
             "wet": wet,
         }
 
-    def sea(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The plane waves around the basin, and the numbers for the program of water."""
+    def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The plane waves around the basin, and the uniforms of the water shader."""
         height = self.waves.significant_height if self.waves is not None else 0.5
         wind = ripple_wind(dict(self.scene), self.waves, height)
         if self.waves is not None:
-            most = np.argsort(self.waves.amplitude)[::-1][:FAR_WAVES]
+            most = np.argsort(self.waves.amplitude)[::-1][:MAX_FAR_WAVES]
             energy, kept = self.waves.amplitude**2, self.waves.amplitude[most]
             kept = kept * np.sqrt(energy.sum() / max(energy[most].sum(), 1e-30))
             rows = np.column_stack([kept, self.waves.wavevector[most], self.waves.omega[most], self.waves.phase[most]])
             resolved = pi / float(self.waves.wavenumber.max())
         else:
-            rows = invented(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
+            rows = synthetic_waves(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
         uniforms = water_glsl.neutral_uniforms(len(self.vessels)) | water_glsl.term_uniforms(
             water_shading.ShadingTerms()
@@ -167,30 +166,35 @@ class Setting(NamedTuple):
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
             "rippleVariance": water_shading.slope_variance(wind.speed),
-            "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLES)),
+            "rippleLongest": float(np.clip(2.0 * resolved, *RIPPLE_LENGTHS)),
         }
-        known = {"waves": plain(rows), "exact": self.waves is not None, "ramp": self.waves.ramp if self.waves else 0.0}
-        return known, {name: plain(np.asarray(value, dtype=float).T) for name, value in uniforms.items()}
+        known = {
+            "waves": json_numbers(rows),
+            "exact": self.waves is not None,
+            "ramp": self.waves.ramp if self.waves else 0.0,
+        }
+        return known, {name: json_numbers(np.asarray(value, dtype=float).T) for name, value in uniforms.items()}
 
 
-FITTINGS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank, not a piece of sea
+LIGHT_NAMES = ("SUNSHINE", "FROM_ABOVE", "FROM_BELOW", "MIRRORED")
+TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a tank, not a piece of sea
 
 
-def invented(angle: float, length: float, spacing: float) -> np.ndarray:
-    """(INVENTED, 5) plane waves around a wind's angle with a significant height of 1 m: amplitude, wavevector, angular
-    frequency, phase. They stand for a sea of which only the basin is known."""
-    share = (np.arange(INVENTED) + 0.5) / INVENTED
+def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
+    """(SYNTHETIC_WAVES, 5) plane waves around a wind's angle with a significant height of 1 m: amplitude, wavevector,
+    angular frequency, phase; for the sea around a basin that does not determine it."""
+    share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
-    turn = 0.9 * np.sin(2.399963 * (np.arange(INVENTED) + 1.0) * 7.0)
+    turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)
     amplitude = wavelength * np.cos(turn) ** 2
     amplitude *= 0.25 * np.sqrt(2.0 / (amplitude**2).sum())
     k = 2.0 * pi / wavelength
-    phase = 2.0 * pi * np.mod(0.754877666 * np.arange(INVENTED), 1.0)
+    phase = 2.0 * pi * np.mod(0.754877666 * np.arange(SYNTHETIC_WAVES), 1.0)
     return np.column_stack([amplitude, k * np.cos(angle + turn), k * np.sin(angle + turn), np.sqrt(GRAVITY * k), phase])
 
 
-def shaders(ships: int) -> dict[str, str]:
-    """The programs of the pictures, to which a page adds the declarations of another GLSL."""
+def shader_sources(ships: int) -> dict[str, str]:
+    """GLSL sources of the pictures, to which a page adds the declarations of its own version."""
     return {
         "common": water_glsl.COMMON_FUNCTIONS,
         "functions": water_glsl.WATER_FUNCTIONS,
@@ -201,15 +205,15 @@ def shaders(ships: int) -> dict[str, str]:
 
 @cache
 def sky_packet(side: int = SKY_SIDE) -> bytes:
-    """The sky and its smaller copies, and its haze, in shared-exponent colours; deflated."""
+    """The sky with its smaller copies and its haze in shared-exponent colours, deflated."""
     seen = sky.cloudy_sky(side=side)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
-    lit = {name: plain(value) for name, value in water_glsl.sky_uniforms(seen).items()}
+    lit = {name: json_numbers(value) for name, value in water_glsl.sky_uniforms(seen).items()}
     return zlib.compress(packet("sky", {name: shared_exponent(image) for name, image in images.items()}, lit=lit), 6)
 
 
 def shared_exponent(image: np.ndarray) -> np.ndarray:
-    """(rows, columns) uint32: three 9-bit mantissas and a 5-bit exponent, as RGB9_E5 of OpenGL has it."""
+    """(rows, columns) uint32 in RGB9_E5 of OpenGL: three 9-bit mantissas and a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
     largest = colours.max(axis=-1)
     exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
@@ -219,37 +223,37 @@ def shared_exponent(image: np.ndarray) -> np.ndarray:
     return parts[..., 0] | parts[..., 1] << 9 | parts[..., 2] << 18 | stored << 27
 
 
-def step(places: np.ndarray) -> float:
-    """Distance of places along a line [m]; 0 of a single one."""
+def spacing_of(places: np.ndarray) -> float:
+    """Distance of points along a line [m]; 0 of a single one."""
     return float(places[1] - places[0]) if len(places) > 1 else 0.0
 
 
-def plain(value: Any) -> Any:
-    """Numbers as JSON has them, with six digits, which is plenty for a picture."""
+def json_numbers(value: Any) -> Any:
+    """Numbers as nested lists for JSON, with seven significant digits."""
     array = np.asarray(value, dtype=float)
-    return [plain(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
+    return [json_numbers(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
 
 
 @cache
-def part(name: str) -> str:
-    """A file of the page."""
-    return (STATIC / name).read_text(encoding="utf-8")
+def page_file(name: str) -> str:
+    """Text of a file of the page."""
+    return (STATIC_FOLDER / name).read_text(encoding="utf-8")
 
 
-def page(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
-    """The document. `start`: what its programs begin with; `data`: packets that it holds, by name."""
+def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
+    """The document. `start`: constants of its programs; `data`: packets that it holds, by name."""
     held = "".join(
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()
     )
-    program = "".join(part(f"{name}.js") for name in SCRIPTS)
+    program = "".join(page_file(f"{name}.js") for name in SCRIPT_NAMES)
     given = json.dumps(start, allow_nan=False).replace("<", "\\u003c")
     contents = {
         "<!--title-->": html.escape(title),
-        "/*style*/": part("style.css"),
+        "/*style*/": page_file("style.css"),
         "<!--data-->": held,
         "/*start*/": f"const START = {given};",
         "/*program*/": program,
     }
     places = "|".join(map(re.escape, contents))
-    return re.sub(places, lambda place: contents[place[0]], part("index.html")).encode(errors="replace")
+    return re.sub(places, lambda place: contents[place[0]], page_file("index.html")).encode(errors="replace")

@@ -1,4 +1,4 @@
-"""Frames of a simulation that goes on, for whoever watches; an observer that reads and never writes."""
+"""Live frames of a simulation for the watchers of a page; an observer that only reads."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -15,54 +15,54 @@ from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
-from ocean_sim.viewer.protocol import FULL, packet, scaled
+from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
 from ocean_sim.viewer.still import Setting, Vessel
 
 if TYPE_CHECKING:
     from ocean_sim.fluid import Particles
 
-RATE = 20.0  # frames a second of wall time, at most
-CELLS = 128  # heights along a side, at most
-MOST = 60_000  # particles that are shown: of more, every second, third, ...
-SELDOM = 4  # frames from one that draws the wind, and asks how fast the fastest are, to the next
-FAST = 0.5  # [m/s] the least speed that has the brightest colour
-SHIPS = 4  # whose motions are plotted
-STAGES = ("wind", "fluid", "surface", "ship", "observers")
+MAX_FRAME_RATE = 20.0  # [1/s] of wall time
+MAX_CELLS = 128  # heights along a side
+MAX_PARTICLES = 60_000  # that are shown: of more, every second, third, ...
+RARE_FRAME_INTERVAL = 4  # frames between two that draw the wind and measure the largest speed
+MIN_TOP_SPEED = 0.5  # [m/s] least speed of the brightest colour
+MAX_PLOTTED_SHIPS = 4
+STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
 class Audience(Protocol):
-    """Who watches."""
+    """Watchers of a simulation."""
 
     fresh: bool
-    """Whether somebody has not seen a frame yet."""
+    """True if a watcher has not seen a frame yet."""
 
     @property
     def watchers(self) -> int:
-        """How many there are."""
+        """Number of watchers."""
 
     def begin(self, still: bytes) -> None:
-        """Another simulation is shown from now on."""
+        """Show another simulation from now on."""
 
     def show(self, frame: bytes) -> None:
-        """The newest frame."""
+        """Show the newest frame."""
 
 
 class Watch(Observer, TakesMotion):
-    """Shows an audience the newest state, RATE times a second of wall time; what nobody waits for is not made."""
+    """Shows an audience the newest state, at most MAX_FRAME_RATE times a second of wall time, and only if it waits."""
 
     at_once = True
 
     def __init__(self, simulation: Simulation, audience: Audience) -> None:
         self.simulation, self.audience = simulation, audience
         self.last = -1.0  # wall time of the last frame [s]
-        self.seq, self.fastest = 0, FAST
+        self.seq, self.fastest = 0, MIN_TOP_SPEED
         self.setting = setting_of(simulation)
         lengths = [float(np.ptp(vessel.vertices, axis=0).max()) for vessel in self.setting.vessels]
         self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
         self.box = {"low": low.tolist(), "high": high.tolist()}
-        self.middle, self.scale = scaled(low, high)
+        self.middle, self.scale = box_scale(low, high)
         if simulation.fluid.particles is not None:
             self.points = self.points.astype(simulation.fluid.particles.position.precision)
         self.gauges = np.array([*self.setting.gauges.values()], dtype=float).reshape(-1, 2)
@@ -76,16 +76,16 @@ class Watch(Observer, TakesMotion):
             self.platform = scene.platform.build(motion.every)
             self.commands[6:] = self.platform.neutral_legs
             self.ridden = scene.platform.ridden([*simulation.ships])
-        self.taken: dict[str, float] = defaultdict(float)  # by stage, since the last frame [s]
-        self.spent = dict.fromkeys(STAGES, 0.0)  # milliseconds a step
+        self.stage_times: dict[str, float] = defaultdict(float)  # since the last frame [s]
+        self.stage_costs = dict.fromkeys(STAGE_NAMES, 0.0)  # [ms] a step
         self.mark = (perf_counter(), simulation.time, simulation.steps)
         self.pace = 0.0
-        self.around(simulation)
+        self.measure_stages(simulation)
         audience.begin(self.setting.packet())
 
-    def around(self, simulation: Simulation) -> None:
-        """Measure stages inside of whatever measures them already."""
-        inner, taken = simulation.stage, self.taken
+    def measure_stages(self, simulation: Simulation) -> None:
+        """Measure the wall time of stages, inside of any measurement that goes on."""
+        inner, taken = simulation.stage, self.stage_times
 
         @contextmanager
         def stage(name: str) -> Iterator[None]:
@@ -103,28 +103,28 @@ class Watch(Observer, TakesMotion):
 
     def observe(self, simulation: Simulation) -> None:
         now = perf_counter()
-        if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / RATE):
+        if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / MAX_FRAME_RATE):
             self.show(now)
 
     def show(self, now: float) -> None:
-        """Make a frame of what is now."""
+        """Make a frame of the present state."""
         self.last = now
-        self.measure(now)
+        self.update_pace(now)
         self.audience.show(self.frame())
         self.seq += 1
 
-    def measure(self, now: float) -> None:
-        """How fast it goes, and what each stage takes, since the last frame."""
+    def update_pace(self, now: float) -> None:
+        """Real-time factor and wall time of each stage since the last frame."""
         wall, time, steps = self.mark
         done = self.simulation.steps - steps
         if done:
             self.pace = (self.simulation.time - time) / max(now - wall, 1e-9)
-            self.spent = {name: 1e3 * self.taken[name] / done for name in STAGES}
-        self.taken.clear()
+            self.stage_costs = {name: 1e3 * self.stage_times[name] / done for name in STAGE_NAMES}
+        self.stage_times.clear()
         self.mark = (now, self.simulation.time, self.simulation.steps)
 
     def frame(self) -> bytes:
-        """One moment, as the protocol has it."""
+        """The packet `frame` of the present moment."""
         simulation = self.simulation
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
@@ -143,15 +143,15 @@ class Watch(Observer, TakesMotion):
             bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
             arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
         if simulation.fluid.particles is not None:
-            arrays |= self.particles(simulation.fluid.particles)
+            arrays |= self.particle_arrays(simulation.fluid.particles)
             boxes["particles"] = self.box
         if self.platform is not None:
             arrays["platform"] = self.commands
-        if self.seldom or self.setting.flat:
+        if self.is_rare_frame or self.setting.flat:
             ends, hues = scene_lines(simulation, self.top)
             arrays["lines"] = ends.astype(np.float32)
             arrays["hues"] = np.rint(255.0 * hues).astype(np.uint8)
-        arrays["scalars"] = np.nan_to_num(np.array(self.scalars(heights), np.float32), posinf=0.0, neginf=0.0)
+        arrays["scalars"] = np.nan_to_num(np.array(self.plotted_numbers(heights), np.float32), posinf=0.0, neginf=0.0)
         return packet(
             "frame",
             arrays,
@@ -163,12 +163,12 @@ class Watch(Observer, TakesMotion):
         )
 
     @property
-    def seldom(self) -> bool:
-        """Whether this frame holds what not every frame does."""
-        return self.seq % SELDOM == 0 or self.audience.fresh
+    def is_rare_frame(self) -> bool:
+        """True if this frame holds arrays that most frames lack."""
+        return self.seq % RARE_FRAME_INTERVAL == 0 or self.audience.fresh
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z of the middle of the heights [m]: by whole cells near the ships, where water is everywhere."""
+        """(2,) x and z of the middle of the heights [m]: whole cells near the ships on water without bounds."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
@@ -176,23 +176,23 @@ class Watch(Observer, TakesMotion):
         middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
         return cell * np.round(middle / cell)
 
-    def particles(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Positions in the box and speeds, by identity: in storage order none would stay itself."""
-        rows = particles.in_box(self.middle, self.scale, FULL, every_shown(particles.n))
+    def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
+        """Positions in the box and speeds, in the order of ids, since storage order changes."""
+        rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
-        if self.seldom and len(speed):
+        if self.is_rare_frame and len(speed):
             last = -1 - len(speed) // 500
             self.fastest = max(self.fastest, float(np.partition(speed, last)[last]))
         pace = np.minimum(speed.dtype.type(255.0 / self.fastest) * speed, 255.0).astype(np.uint8)
         return {"particles": places, "speed": pace}
 
-    def scalars(self, heights: np.ndarray) -> list[float]:
+    def plotted_numbers(self, heights: np.ndarray) -> list[float]:
         """The numbers that are plotted, in the order of the still's `scalars`."""
         simulation = self.simulation
         values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
         rise = heights - heights.mean()
         values.append(4.0 * sqrt(np.einsum("i,i", rise, rise) / len(rise)))
-        for ship in [*simulation.ships.values()][:SHIPS]:
+        for ship in [*simulation.ships.values()][:MAX_PLOTTED_SHIPS]:
             body, (throttle, rudder) = ship.body, ship.orders
             ahead = float(body.velocity @ body.matrix[:, 2])
             pitch, yaw, roll = np.degrees(body.angles)
@@ -202,15 +202,15 @@ class Watch(Observer, TakesMotion):
         if self.setting.particles:
             fluid = simulation.fluid
             values.append(100.0 * (fluid.status.max_density / fluid.rest_density - 1.0))
-        return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.spent.values()]
+        return [float(v) for v in values] + [self.pace, 1e3 * simulation.next_dt, *self.stage_costs.values()]
 
 
 def setting_of(simulation: Simulation) -> Setting:
-    """What a page is told of a simulation once."""
+    """Static part of a simulation."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     lower, upper = (np.array(corner, dtype=float) for corner in (basin.lower, basin.upper))
     flat = basin.dimension == 2
-    x, z = tile(lower, upper, fluid.spacing, flat)
+    x, z = height_grid(lower, upper, fluid.spacing, flat)
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
     vessels = []
     for name, ship in simulation.ships.items():
@@ -233,25 +233,25 @@ def setting_of(simulation: Simulation) -> Setting:
         waves=fluid.plane_waves,
         vessels=vessels,
         gauges=gauges,
-        particles=0 if fluid.particles is None else -(-fluid.particles.n // every_shown(fluid.particles.n)),
+        particles=0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n)),
         scalars=[
-            *names(gauges, [*simulation.ships][:SHIPS], platform, fluid.particles is not None),
+            *plotted_rows(gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),
             {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},
             {"name": "dt", "label": "time step", "unit": "ms", "group": "dt"},
-            *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGES),
+            *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGE_NAMES),
         ],
     )
 
 
-def every_shown(n: int) -> int:
-    """One of so many particles is shown."""
-    return max(1, -(-n // MOST))
+def particle_stride(n: int) -> int:
+    """Number of particles of which one is shown."""
+    return max(1, -(-n // MAX_PARTICLES))
 
 
-def tile(lower: np.ndarray, upper: np.ndarray, spacing: float, flat: bool) -> tuple[np.ndarray, np.ndarray]:
-    """x and z [m] of the heights that are shown: half a cell from every side, at most CELLS along each."""
+def height_grid(lower: np.ndarray, upper: np.ndarray, spacing: float, flat: bool) -> tuple[np.ndarray, np.ndarray]:
+    """x and z [m] of the heights that are shown: half a cell from every side, at most MAX_CELLS along each."""
     sides = (0, 2)
-    x, z = (middles(lower[a], upper[a], max(spacing, (upper[a] - lower[a]) / CELLS)) for a in sides)
+    x, z = (middles(lower[a], upper[a], max(spacing, (upper[a] - lower[a]) / MAX_CELLS)) for a in sides)
     return x, np.zeros(1) if flat else z
 
 
@@ -262,8 +262,8 @@ def elevation_gauges(scene: dict[str, Any], flat: bool) -> dict[str, tuple[float
     return found or {"middle": (0.0, 0.0)}
 
 
-def names(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
-    """Name, label, unit and group of the numbers that are plotted of water, ships and platform."""
+def plotted_rows(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
+    """Name, label, unit and group of the plotted numbers of water, ships and platform."""
 
     def row(name: str, label: str, unit: str, group: str) -> dict[str, str]:
         return {"name": name, "label": label, "unit": unit, "group": group}

@@ -12,7 +12,7 @@ from ocean_sim.runtime import in_kernels
 
 Target = Literal["fluid", "ship"]
 
-RESTART = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
+CLOCK_RESTART_TIME = 1.0  # [s] how long the clock runs: up to here single precision is right to 0.1 us
 
 
 class Clock:
@@ -29,7 +29,7 @@ class Clock:
 
     def is_due(self) -> bool:
         """True if it has to be restarted."""
-        return self.since > RESTART
+        return self.since > CLOCK_RESTART_TIME
 
     def restart(self) -> None:
         """Count from now on."""
@@ -60,7 +60,7 @@ class Drawing:
     unit: str = ""  # of what arrows show
 
 
-NOTHING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
+NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 class WindKeys(Protocol):
@@ -125,7 +125,7 @@ class Wind(ABC):
 
     def drawing(self) -> Drawing:
         """Lines and arrows that show it as it is now."""
-        return NOTHING
+        return NO_DRAWING
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):

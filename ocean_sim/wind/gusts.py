@@ -1,6 +1,6 @@
 """Wind as volumes of moving air (thesis 2.3 and 5.1.2, Algorithm 1).
 
-What a volume does: `acceleration` and `noise` are the listing's force field, as strong on every particle inside, deep
+In a volume `acceleration` and `noise` are the listing's force field, as strong on every particle inside, deep
 or shallow: stylised, some hundred thousand times a real wind. `wind_speed` is apart from them: the stress (2.20) and
 the lift (2.23) on exposed surface. Volumes add up.
 """
@@ -20,14 +20,14 @@ from ocean_sim.random_numbers import numpy_uniform3
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, StillAir, Target, Wind
 from ocean_sim.wind.shared.air_load import drag, lift
-from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
+from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
 from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Scheduled
 from ocean_sim.wind.shared.shapes import Shape, turned, turned_back, within
 from ocean_sim.wind.shared.warnings import on_ships, stylised, velocity_change
 
-NOISE = 0x1_0000  # stream of random numbers; the volume's number is added
-PASSAGES = 0x2_0000  # stream of random numbers; the volume's number is added
+NOISE_STREAM = 0x1_0000  # stream of random numbers; the volume's number is added
+PASSAGE_STREAM = 0x2_0000  # stream of random numbers; the volume's number is added
 SLAB_MARGIN = 1e-4  # by which the slab around a volume is thicker than it
 
 VOLUME = Columns(
@@ -73,7 +73,7 @@ class Volume(Scheduled):
     lift_coefficient: float = quantity("1", 1.0e-3)
     """C_L of (2.23). The thesis prints none; this one is ours, of the size of C_d."""
     heading_deg: float | None = quantity("deg", None)
-    """Where the wind goes to, 0 along +z, 90 along +x; none: where `acceleration` points."""
+    """Direction that the wind blows to, 0 along +z, 90 along +x; none: where `acceleration` points."""
     drift: float | Vector3 = quantity("m/s", 0.0)
     """Velocity of the volume; a number is a speed along its heading."""
     redraw_yaw_deg: Vector2 | None = quantity("deg", None)
@@ -81,7 +81,7 @@ class Volume(Scheduled):
     redraw_strength: Vector2 = quantity("1", (1.0, 1.0))
     """Smallest and largest factor on `acceleration` and `wind_speed` in later passages."""
     targets: list[Target] | None = None
-    """What this volume acts on; null: the targets of the wind."""
+    """Targets of this volume; null: the targets of the wind."""
 
     @property
     def ahead(self) -> Vector3:
@@ -123,7 +123,7 @@ class Volume(Scheduled):
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
         """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
-        side, force, _ = numpy_uniform3(seed, PASSAGES + number, 0, passage)[0]
+        side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
         weak, strong = self.redraw_strength
@@ -166,9 +166,9 @@ class Config(Placed, WindConfig):
     volumes: list[Volume] = Field(min_length=1)
     """The volumes; their effects add up."""
     targets: list[Target] = ["fluid", "ship"]
-    """What the wind acts on, where a volume has no targets of its own."""
-    noise_every: float = quantity("s", EVERY, ge=0.0)
-    """How long a draw of the noise lasts. A time step uses each draw for as long as the two overlap, so the noise is
+    """Targets of the wind, where a volume has none of its own."""
+    noise_every: float = quantity("s", DRAW_INTERVAL, ge=0.0)
+    """Duration of a draw of the noise. A time step uses each draw for as long as the two overlap, so the noise is
     white in time and stirs the water equally at any time step; 0: a new draw each step, as printed, which stirs it
     less the shorter the step. The default is ours: PhysX's usual step."""
 
@@ -293,7 +293,7 @@ class Gusts(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Algorithm 1 for every volume, what it blows in the middle of a step of dt [s], and the noise of the step."""
+        """Algorithm 1 for every volume, its strength in the middle of a step of dt [s], and the noise of the step."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -326,7 +326,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.size : VOLUME.size + len(numbers)] = numbers
 
     def _set_strength(self, g: int) -> None:
-        """Note what volume g blows now."""
+        """Note the strength of volume g now."""
         p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
@@ -372,7 +372,7 @@ class Gusts(Wind):
             if self.holds(g, position - self.vector(g, VOLUME.centre)):
                 total += mass * self.vector(g, VOLUME.acceleration)
                 if ti.static(self.noisy):
-                    total += mass * self.vector(g, VOLUME.noise) * self.noise.of(NOISE + g, key)
+                    total += mass * self.vector(g, VOLUME.noise) * self.noise.of(NOISE_STREAM + g, key)
                 if ti.static(self.loads):
                     wind = self.vector(g, VOLUME.wind)
                     if wind.dot(wind) > 0.0:

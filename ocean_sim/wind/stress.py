@@ -49,7 +49,7 @@ class Config(Scheduled, WindConfig):
     """The stress itself, as measured, in place of `u10`, `drag_law` and `schedule`. Drag on a ship and sheltering,
     which need a wind speed, then take the U10 at which Wu's law gives this stress."""
     heading_deg: float | None = quantity("deg", None)
-    """Where the wind goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
+    """Direction that the wind blows to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
     drag_law: DragLaw | None = None
     """Drag coefficient by wind speed: `wu` (1982, (2.21)), the default, `garratt` (1977) or `zijlema` (2012)."""
     gain: float = quantity("1", 1.0, ge=0.0)
@@ -62,7 +62,7 @@ class Config(Scheduled, WindConfig):
     wave_speed: float = quantity("m/s", 0.0)
     """c: speed of the crests that the sheltered wind is relative to, along the wind."""
     targets: list[Target] = ["fluid", "ship"]
-    """What the wind acts on; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
+    """Targets of the wind; on a ship it is the drag (2.22) of the wind relative to the hull, without the gain."""
 
     @property
     def needs_area(self) -> bool:
@@ -215,8 +215,8 @@ def overdamped(wind: Config, u10: float, k: float, preflight: Preflight) -> list
 
 
 def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
-    """Warn of what keeps this water from showing the waves of a real wind: particles too coarse, water too viscous, a
-    basin too short."""
+    """Warn of causes that keep this water from showing the waves of a real wind: particles too coarse, water too
+    viscous, a basin too short."""
     basin, pull, spacing = preflight.tank, hypot(*preflight.tank.gravity), preflight.spacing
     if u10 <= 0.0 or pull <= 0.0 or spacing is None:
         return []
@@ -277,7 +277,7 @@ class Stress(Wind):
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
-        """Move on to what blows in the middle of a step of dt [s]."""
+        """Move on to the wind in the middle of a step of dt [s]."""
         if not self.steady:
             self._set_strength(dt)
         self.time += dt
@@ -292,7 +292,7 @@ class Stress(Wind):
             self.ship.strengthen(factor)
 
     def _set_strength(self, dt: float) -> None:
-        """Write what blows in a step of dt [s] from now on."""
+        """Write the wind of a step of dt [s] from now on."""
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)
@@ -315,7 +315,7 @@ class Stress(Wind):
 
     @property
     def stress(self) -> float:
-        """On the water now [Pa]."""
+        """Stress on the water now [Pa]."""
         return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])
 
     @ti.func

@@ -16,12 +16,12 @@ from ocean_sim.model import Vector2, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, WindConfig
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow, Drawing, Target, Wind
-from ocean_sim.wind.shared.noise import DRAWS, EVERY, Noise, NoiseSize
+from ocean_sim.wind.shared.noise import DRAW_INTERVAL, DRAWS, Noise, NoiseSize
 from ocean_sim.wind.shared.place import Passages, Patch, Placed
 from ocean_sim.wind.shared.schedule import Timed
 from ocean_sim.wind.shared.warnings import stylised, velocity_change
 
-NOISE = 0x3_0000  # stream of random numbers
+NOISE_STREAM = 0x3_0000  # stream of random numbers
 ROW = Columns(
     draws=DRAWS.size,
     axis_x=1,  # [m] when the clock was restarted
@@ -48,14 +48,14 @@ class Config(Timed, Placed, WindConfig):
     noise: NoiseSize = quantity("m/s2", (0.0, 0.0, 0.0))
     """Highest random acceleration along each axis, uniform between minus and plus this (2.24), with the same
     profile: the air is as rough as it is strong."""
-    noise_every: float = quantity("s", EVERY, ge=0.0)
-    """How long a draw of the noise lasts, as in gusts."""
+    noise_every: float = quantity("s", DRAW_INTERVAL, ge=0.0)
+    """Duration of a draw of the noise, as in gusts."""
     layer: float = quantity("m", 2.5, gt=0.0)
     """Depth at which the water no longer feels it."""
     drift: Vector2 = quantity("m/s", (0.0, 0.0))
     """Velocity of the axis along x and z; where it leaves the basin it comes in again upwind."""
     targets: list[Target] = ["fluid", "ship"]
-    """What the wind acts on."""
+    """Targets of the wind."""
 
     @property
     def stylised(self) -> bool:
@@ -180,5 +180,5 @@ class Vortex(Wind):
         total = level + tm.vec3(0.0, self.config.upward * ti.sqrt(r2), 0.0)
         if ti.static(self.noisy):
             if depth > 0.0:  # below its layer nothing is drawn
-                total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE, key)
+                total += ti.sqrt(r2) * tm.vec3(self.config.noise) * self.noise.of(NOISE_STREAM, key)
         return mass * depth * profile * total

@@ -86,7 +86,7 @@ for whole, width, found in ((False, 6.0, "12 cells"), (True, 6.0, "12 cells"), (
 
 def test_a_map_of_stability_carries_its_caption_and_says_that_it_is_coarse(tmp_path):
     row = {"map": "spacing", "scheme": "mueller", "value": 0.1, "dt_s": 1e-3, "verdict": "stable", "acoustic_s": 2e-3}
-    table.write(tmp_path / "study.csv", [row])
+    table.write_table(tmp_path / "study.csv", [row])
     code = """
 import sys
 sys.path.insert(0, sys.argv[1])

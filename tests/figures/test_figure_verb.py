@@ -40,7 +40,7 @@ def scripts(tmp_path, monkeypatch):
 
 
 def test_names_are_those_of_the_thesis_in_its_order():
-    names = list(figure.scripts())
+    names = list(figure.figure_scripts())
     assert names[:3] == ["2-1", "2-2", "3-2"] and names[-5:] == [
         "errata",
         "stability",
@@ -55,7 +55,7 @@ def test_names_are_those_of_the_thesis_in_its_order():
 def test_list_says_what_each_figure_is(capsys):
     assert answered(["list", "figures", "--json"]) == 0
     rows = {row["name"]: row["sentence"] for row in json.loads(capsys.readouterr().out)}
-    assert rows.keys() == figure.scripts().keys()
+    assert rows.keys() == figure.figure_scripts().keys()
     assert all(sentence and "python figures/" not in sentence for sentence in rows.values())
 
 

@@ -13,24 +13,24 @@ FOLDER = library("figures") / "gallery"
 
 def test_no_picture_of_the_gallery_is_older_than_what_draws_it():
     """After a change of a scene, of the laws that it uses, or of `pictures.LOOK`: `ocean-sim gallery`."""
-    assert [entry.picture for entry in gallery.stale(FOLDER)] == []
+    assert [entry.picture for entry in gallery.stale_entries(FOLDER)] == []
 
 
 def test_another_look_or_another_scene_makes_pictures_old(monkeypatch):
     monkeypatch.setattr(pictures, "LOOK", pictures.LOOK + 1)
-    assert len(gallery.stale(FOLDER)) == len(gallery.entries())
+    assert len(gallery.stale_entries(FOLDER)) == len(gallery.gallery_entries())
 
 
 def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
     """That of the platform, and of the kinds of water, wind, surface and ship which a scene uses; not what it says of
     itself."""
-    for entry in gallery.entries():
+    for entry in gallery.gallery_entries():
         assert all(list(gallery.PACKAGE.glob(pattern)) for pattern in entry.code), entry.picture
         for path in entry.files():
             copy = tmp_path / path.relative_to(gallery.PACKAGE)
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(path.read_bytes())
-    before = {entry.picture: entry.stamp for entry in gallery.entries()}
+    before = {entry.picture: entry.stamp for entry in gallery.gallery_entries()}
     monkeypatch.setattr(gallery, "PACKAGE", tmp_path)
     shown = {
         "platform/washout/classical.py": {"platform.png"},
@@ -44,36 +44,36 @@ def test_code_that_a_picture_shows_makes_it_old(monkeypatch, tmp_path):
         plain = changed.read_text(encoding="utf-8")
         for added, old in (('\n\n# A comment.\n"""A docstring."""\n', set()), ("\nMORE = 1\n", pictures_of)):
             changed.write_text(plain + added, encoding="utf-8")
-            now = {entry.picture: entry.stamp for entry in gallery.entries()}
+            now = {entry.picture: entry.stamp for entry in gallery.gallery_entries()}
             assert {picture for picture, stamp in now.items() if stamp != before[picture]} == old, name
         changed.write_text(plain, encoding="utf-8")
 
 
 def test_what_a_preset_says_makes_pictures_old(monkeypatch):
-    [water] = [entry for entry in gallery.entries() if entry.picture == "wind_vortex.jpg"]
-    before, laws = water.stamp, gallery.laws(water.scene)
+    [water] = [entry for entry in gallery.gallery_entries() if entry.picture == "wind_vortex.jpg"]
+    before, laws = water.stamp, gallery.law_files(water.scene)
     denser = laws | {"fluid": laws["fluid"].model_copy(update={"rest_density": 1025.0})}
-    monkeypatch.setattr(gallery, "laws", lambda scene: denser)
+    monkeypatch.setattr(gallery, "law_files", lambda scene: denser)
     assert water.stamp != before
 
 
 def test_the_commands_name_the_scene_and_draw_from_its_run():
-    entry = gallery.entries()[0]
+    entry = gallery.gallery_entries()[0]
     simulate, draw = entry.commands("runs/showcase")
     began = ["run", "showcase", "--until", f"{entry.until:g}"]
     assert simulate[:4] == began and draw[:2] == ["render", "runs/showcase"]
     readme = FOLDER.parents[1] / "README.md"
     if readme.exists():
         shown = re.findall(r"figures/gallery/(\w+\.\w+)", readme.read_text(encoding="utf-8"))
-        assert set(shown) <= {each.picture for each in gallery.entries()}
+        assert set(shown) <= {each.picture for each in gallery.gallery_entries()}
 
 
 def test_the_guide_prints_the_commands_of_every_picture():
     guide = FOLDER.parents[1] / "docs" / "guide" / "pictures.md"
     if guide.exists():
         printed = guide.read_text(encoding="utf-8")
-        for entry in gallery.entries():
-            assert "\n  ".join([entry.picture, *gallery.shown(entry)]) in printed, entry.picture
+        for entry in gallery.gallery_entries():
+            assert "\n  ".join([entry.picture, *gallery.show_entry(entry)]) in printed, entry.picture
 
 
 @pytest.mark.parametrize("name", ["showcas", "nothing"])

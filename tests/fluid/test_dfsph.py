@@ -13,7 +13,7 @@ from ocean_sim.fluid.sph.smoothing import NEUTRAL, Smoothing, Stencil
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.run import summary, written
+from ocean_sim.verbs.run import run_facts, run_summary
 from ocean_sim.verbs.shared.progress import Progress
 from tests.conftest import quickly
 from tests.fluid.conftest import box, by_id, kept, put
@@ -369,6 +369,6 @@ def test_the_closing_lines_count_emitted_particles_and_steps_above_tolerance(tmp
     facts = progress.summary()
     assert facts["particles"] == result.manifest["particles"]["count"] > 80
     assert 0 < facts["unsolved"]["density"] <= facts["steps"] and facts["unsolved"]["divergence"] == 0
-    told = summary(facts | written(result, load(scene)))
+    told = run_summary(facts | run_facts(result, load(scene)))
     count = facts["unsolved"]["density"]
     assert f"{count} of {facts['steps']} steps ended with a density above fluid.density_tolerance" in told

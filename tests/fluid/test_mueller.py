@@ -220,7 +220,7 @@ def test_the_exposed_area_of_flat_water_is_its_plan_area(water, dimension):
     wind = Gusts(volumes=[{"include": [EVERYWHERE], "wind_speed": 1e-6}])
     basin = {"length": 1.0, "depth": 0.6, "width": 0.8 if dimension == 3 else None}
     fluid = water(basin=basin, spacing=0.05, wind=wind)
-    fluid.exposure.find()
+    fluid.exposure.find_areas()
     x, area = fluid.particles.position.to_numpy(), fluid.exposure.area.to_numpy()[fluid.particles.id.to_numpy()]
     plan = 0.8 if dimension == 3 else 1.0
     np.testing.assert_allclose(area.sum(axis=0), [0.0, plan, 0.0], atol=0.1 * plan)

@@ -18,7 +18,7 @@ from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
 from ocean_sim.fluid.sph.initial_state import of_patch
 from ocean_sim.kernel_library import ti
-from ocean_sim.observers.shared.energy import kinetic, total
+from ocean_sim.observers.shared.energy import kinetic_energy, total_energy
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.state import particle_state
@@ -192,7 +192,7 @@ def moving(until: float) -> float:
         while simulation.time < until:
             simulation.run(simulation.time + 0.5)
             if simulation.time > until / 1.5:
-                found.append(kinetic(water.particles.mass, water.totals()))
+                found.append(kinetic_energy(water.particles.mass, water.totals()))
     return float(np.mean(found)) / linear
 
 
@@ -359,14 +359,14 @@ def test_the_work_of_a_ship_on_the_water_is_what_the_water_takes_from_her():
     """She falls 0.15 m into it; without her work the books would be open by nearly all of it."""
     ship = AFLOAT | {"position": [0.0, 0.15, 0.0], "free": ["heave"]}
     with Simulation(patch("calm", ship=ship, accuracy={})) as simulation:
-        floating, began = simulation.ships["ship"], total(simulation)
+        floating, began = simulation.ships["ship"], total_energy(simulation)
         height, taken = floating.body.position[1], floating.body.mass * G
         simulation.run(0.4)
         work, body = simulation.fluid.work, floating.body
         taken = taken * (height - body.position[1]) - body.kinetic_energy()
         assert work["ship"] == pytest.approx(taken, rel=0.02) and taken > 100.0
         given = sum(energy for term, energy in work.items() if term not in ("gravity", "pressure"))
-        assert total(simulation) - began == pytest.approx(given, abs=0.05 * taken)
+        assert total_energy(simulation) - began == pytest.approx(given, abs=0.05 * taken)
 
 
 def in_a_slice(**places: float) -> dict:

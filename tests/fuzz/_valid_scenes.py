@@ -86,7 +86,7 @@ ELSEWHERE = ("MeshFile", "FromFile", "Track", "/File", "Recorded")
 @cache
 def whole() -> dict[str, Any]:
     """The schema, made when a scene is drawn."""
-    return schema.schema()
+    return schema.scene_schema()
 
 
 def number(node: dict[str, Any], unit: str) -> st.SearchStrategy:

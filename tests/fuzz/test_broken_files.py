@@ -15,7 +15,7 @@ from ocean_sim import __main__
 from ocean_sim.files import csv_file, input_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.platform.shared import motion_log
-from ocean_sim.platform.shared.motion_log import REQUIRED
+from ocean_sim.platform.shared.motion_log import REQUIRED_COLUMNS
 
 TALK = ("Traceback", "this should not happen", "Errno")
 
@@ -49,8 +49,8 @@ def spoilt(content: bytes) -> dict[str, bytes]:
 def log_text() -> bytes:
     """A motion log of a ship at rest."""
     rows = [{"time_s": 0.01 * k, "specific_force_y_m_s2": 9.81} for k in range(6)]
-    lines = [",".join(f"{row.get(name, 0.0):.9g}" for name in REQUIRED) for row in rows]
-    return ("# frame: ship\n" + ",".join(REQUIRED) + "\n" + "\n".join(lines) + "\n").encode()
+    lines = [",".join(f"{row.get(name, 0.0):.9g}" for name in REQUIRED_COLUMNS) for row in rows]
+    return ("# frame: ship\n" + ",".join(REQUIRED_COLUMNS) + "\n" + "\n".join(lines) + "\n").encode()
 
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply"])
@@ -109,7 +109,7 @@ def log_judged(data, folder: Path) -> None:
     path = folder / "motion.csv"
     path.write_bytes(broken.content)
     try:
-        ride = motion_log.read(path).ride
+        ride = motion_log.read_log(path).ride
         assert all(np.isfinite(column).all() for column in (ride.time, ride.specific_force, ride.rate, ride.attitude))
     except ValueError as error:
         assert str(path) in str(error) and not any(talk in str(error) for talk in TALK), (broken.how, error)
@@ -152,7 +152,7 @@ def test_a_spoilt_motion_log_is_refused_or_is_one(tmp_path):
     for how, content in spoilt(log_text()).items():
         path.write_bytes(content)
         try:
-            assert np.isfinite(motion_log.read(path).ride.specific_force).all(), how
+            assert np.isfinite(motion_log.read_log(path).ride.specific_force).all(), how
         except ValueError as error:
             refused += 1
             assert str(path) in str(error) and not any(talk in str(error) for talk in TALK), (how, error)
@@ -249,8 +249,8 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     import os
 
     from ocean_sim.conventions import Refused
-    from ocean_sim.observers.report import Run
     from ocean_sim.observers.shared.page import embedded_picture
+    from ocean_sim.observers.shared.run_report import Run
     from ocean_sim.pictures.frame_files import Frame
     from ocean_sim.pictures.water.sea_state import run_scene
     from ocean_sim.result import Result
@@ -281,7 +281,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         Frame(put("frame_00000.npz"))
     if odd != "deep":
         with pytest.raises(input_file.Unreadable):
-            table.read(put("results.csv"))
+            table.read_table(put("results.csv"))
         with pytest.raises(input_file.Unreadable):
             _ = put("events.jsonl") and Result(tmp_path).events
     assert embedded_picture(put("preview.png"), "a picture") == ""

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from test_broken_scenes import complaints
 
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.studies.sweep import planned
+from ocean_sim.studies.sweep import read_plan
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.5, period: 4.0}
@@ -34,7 +34,7 @@ def judged(broken: Broken) -> bool:
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
         try:
-            runs = planned(Path("plan.yaml"))
+            runs = read_plan(Path("plan.yaml"))
         except SceneError as error:
             assert error.problems
             for problem in error.problems:

@@ -15,7 +15,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.runtime import allocated_bytes, start
 from ocean_sim.simulation import Simulation
-from ocean_sim.verbs.check import ledger, preflight
+from ocean_sim.verbs.check import ledger_rows, preflight
 
 SHIP = {"kind": "hydrostatic", "hull": {"shape": {"kind": "sphere", "radius": 0.3}, "mass": 40.0}}
 APART = {"contact": None} if "contact" in config_of("ship", "hydrostatic").model_fields else {}  # pushes no water
@@ -48,7 +48,7 @@ FLOATING = {"kind": "pressure", "hull": {"shape": {"kind": "sphere", "radius": 0
 
 def test_each_part_lists_its_own_kernels():
     config = load(WHOLE)
-    rows = ledger(preflight(config), config)
+    rows = ledger_rows(preflight(config), config)
     kernels = {row["part"]: row["kernels"] for row in rows if row["kernels"] is not None}
     assert "PairSph.move" in kernels["fluid"] and "Cloth.update" in kernels["surface"]
     assert not any(name.startswith("Mueller") for part in ("wind", "surface", "ship") for name in kernels[part])
@@ -240,6 +240,6 @@ def test_a_step_without_a_slot_costs_what_its_other_slots_cost(tmp_path):
 
 def test_what_is_compiled_is_in_the_ledger(whole_and_without):
     config = load(WHOLE)
-    listed = {name for row in ledger(preflight(config), config) for name in row["kernels"] or ()}
+    listed = {name for row in ledger_rows(preflight(config), config) for name in row["kernels"] or ()}
     ours = {name for name in whole_and_without["whole"]["kernels"] if "." in name}  # the rest are Taichi's copies
     assert ours and ours <= listed, ours - listed

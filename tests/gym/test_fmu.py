@@ -24,16 +24,16 @@ def test_what_cannot_be_meant_writes_nothing(tmp_path, monkeypatch, capsys, word
 
 @pytest.mark.parametrize("helm, step", [(float("nan"), 0.1), (0.2, float("nan")), (0.2, -0.1)])
 def test_a_step_that_cannot_be_taken_is_an_error_and_changes_nothing(helm, step):
-    from ocean_sim.gym.unit import OUT, OceanBoat
+    from ocean_sim.gym.unit import OUTPUT_NAMES, OceanBoat
 
     boat = OceanBoat(instance_name="boat", resources="")
     boat.exit_initialization_mode()
     boat.throttle = 0.5
     assert boat.do_step(0.0, 0.1)
-    before = [getattr(boat, name) for name in OUT]
+    before = [getattr(boat, name) for name in OUTPUT_NAMES]
     boat.helm = helm
     assert not boat.do_step(0.1, step)
-    assert [getattr(boat, name) for name in OUT] == before
+    assert [getattr(boat, name) for name in OUTPUT_NAMES] == before
     boat.helm = 0.2
     assert boat.do_step(0.1, 0.1) and boat.surge > before[0]
 

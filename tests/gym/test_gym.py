@@ -93,12 +93,12 @@ def test_boats_are_made_by_name_and_tell_where_they_are():
 
 def test_the_same_seed_gives_the_same_episodes_byte_for_byte_and_another_does_not():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym.environments import LONGEST, OceanVectorEnv
+    from ocean_sim.gym.environments import EPISODE_STEPS, OceanVectorEnv
 
     def episode(seed):
         env, random = OceanVectorEnv(4), np.random.default_rng(3)
         rows = [env.reset(seed=seed)[0].tobytes()]
-        for _ in range(LONGEST + 20):  # over the end of an episode
+        for _ in range(EPISODE_STEPS + 20):  # over the end of an episode
             seen, reward, *_ = env.step(random.uniform([-1.0, 0.0], 1.0, (4, 2)))
             rows += [seen.tobytes(), reward.tobytes()]
         return rows
@@ -130,7 +130,7 @@ def test_a_list_of_seeds_is_refused_where_one_seed_is_for_all_boats():
 @pytest.mark.slow
 def test_a_thousand_boats_are_ten_times_faster_than_time():
     pytest.importorskip("gymnasium")
-    from ocean_sim.gym.environments import STEP, OceanVectorEnv
+    from ocean_sim.gym.environments import TIME_STEP, OceanVectorEnv
 
     env = OceanVectorEnv(1000)
     env.reset(seed=1)
@@ -138,4 +138,4 @@ def test_a_thousand_boats_are_ten_times_faster_than_time():
     begin = perf_counter()
     for _ in range(100):
         env.step(orders)
-    assert 100 * STEP / (perf_counter() - begin) > 10.0
+    assert 100 * TIME_STEP / (perf_counter() - begin) > 10.0

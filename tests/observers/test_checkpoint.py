@@ -7,12 +7,12 @@ import pytest
 
 from ocean_sim.fluid.linear_waves import LinearWaves
 from ocean_sim.kernel_library import impl
-from ocean_sim.observers.checkpoint import KEPT
+from ocean_sim.observers.checkpoint import KEPT_FILES
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.state import checkpoint_file
 from ocean_sim.validation.shared.tables import table_path
-from ocean_sim.verbs.resume import gone_on
+from ocean_sim.verbs.resume import continue_run
 from ocean_sim.verbs.shared.progress import Progress
 
 QUIET = {"seed": 3, "runtime": {"threads": 1}, "timings": None, "render": None, "report": None}
@@ -161,7 +161,7 @@ def undisturbed(scene, folder: Path, stop: float, copy: Path) -> None:
     with Simulation(scene, folder) as simulation:
         watching = dict(zip(scene.observers, simulation.observers))
         simulation.run(stop)
-        watching["checkpoint"].keep()
+        watching["checkpoint"].write_state()
         shutil.copytree(folder, copy)
         simulation.run(scene.duration)
 
@@ -180,7 +180,7 @@ def resumed(scene, folder: Path) -> list[str]:
     """Runs a scene without and with a stop in its midst; the files that differ."""
     folder.mkdir(exist_ok=True)
     undisturbed(scene, folder / "a", 0.4 * scene.duration, folder / "b")
-    gone_on(
+    continue_run(
         scene,
         checkpoint_file.read_checkpoint(next(checkpoint_file.checkpoint_files(folder / "b"))),
         folder / "b",
@@ -222,7 +222,7 @@ def test_each_checkpoint_after_the_first_compiles_nothing(tmp_path):
         counts = []
         for _ in range(3):
             simulation.step()
-            watcher.keep()
+            watcher.write_state()
             counts.append(sum(len(kernel.compiled_kernels) for kernel in impl.get_runtime().kernels))
     assert counts[0] == counts[1] == counts[2]
 
@@ -236,7 +236,7 @@ def test_checkpoints_change_nothing_and_only_the_newest_are_kept(keys, tmp_path)
             simulation.run(simulation.scene.duration)
     assert differing(tmp_path / "without", tmp_path / "with") == []
     kept = [*checkpoint_file.checkpoint_files(tmp_path / "with")]
-    assert len(kept) == KEPT
+    assert len(kept) == KEPT_FILES
     newest, before = (checkpoint_file.read_checkpoint(path) for path in kept)
     assert newest.time == simulation.time >= keys["duration"] and before.steps == newest.steps - 1
     assert kept[0].name == f"checkpoint_{simulation.time:013.6f}.h5"

@@ -134,7 +134,7 @@ def test_particles_of_a_patch_are_kept_around_the_ship_and_triangles_stay_whole(
     np.testing.assert_array_equal(moved[:, 1], x[:, 1])
     corners = np.array([[0.0, 0.0, -9.0], [1.0, 0.0, -9.0], [0.0, 0.0, -8.0], [1.0, 0.0, 9.0], [0.0, 0.0, 9.5]])
     faces = np.array([[0, 2, 1], [3, 4, 1]])
-    there = frames.unrolled(Mesh(corners, faces[:1], 0.0 * corners), origin, period)
+    there = frames.move_triangles(Mesh(corners, faces[:1], 0.0 * corners), origin, period)
     sides = there.vertices[there.triangles[0]] - there.vertices[there.triangles[0, 0]]
     np.testing.assert_allclose(sides, corners[faces[0]] - corners[faces[0, 0]], atol=1e-12)
     assert np.abs(there.vertices[:, 2] - 37.0).max() <= 11.0
@@ -145,10 +145,10 @@ def test_cells_without_particles_move_as_those_around_them():
     values[...] = [1.0, 2.0, 3.0]
     values[2, 1], known[2, 1] = 0.0, False
     values[0, 0], known[0, 0] = 9.0, True
-    filled = frames.filled(values, known)
+    filled = frames.fill_unknown(values, known)
     np.testing.assert_allclose(filled[2, 1], [1.0, 2.0, 3.0], rtol=1e-12)
     np.testing.assert_array_equal(filled[known], values[known])
-    assert not frames.filled(values, np.zeros((5, 4), bool)).any()
+    assert not frames.fill_unknown(values, np.zeros((5, 4), bool)).any()
 
 
 def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path, watched, monkeypatch):
@@ -164,13 +164,13 @@ def test_a_sea_that_is_there_from_the_beginning_bears_foam_of_every_age(tmp_path
     seen = frames.Config().build(tmp_path, simulation)
     points = 12.0 * seen.points
     seen.cell = seen.white.cell = 12.0 * seen.cell
-    seen.whiten_before(simulation, points)
+    seen.whiten_past_sea(simulation, points)
     white = seen.white.white
     assert white.mean() > 0.003
     assert np.median(white[white > 0.05]) < 0.7  # of what is born at once nearly all is 1
     monkeypatch.setattr(type(simulation.fluid), "plane_waves", replace(sea, ramp=5.0), raising=False)
     later = frames.Config().build(tmp_path, simulation)
-    later.whiten_before(simulation, points)
+    later.whiten_past_sea(simulation, points)
     assert not later.white.white.any()
 
 

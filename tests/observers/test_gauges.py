@@ -30,13 +30,13 @@ def test_rows_do_not_depend_on_the_time_steps(tmp_path, watched, steps_of):
 def test_a_gauge_outside_the_basin_is_refused_with_a_sentence(tmp_path, watched):
     simulation = watched()
     config = gauges.Config(elevation={"far": [9.0, 0.0], "short": [0.0], "good": [0.0, 0.0]})
-    problems = dict(config.misplaced(simulation.basin))
+    problems = dict(config.misplaced_gauges(simulation.basin))
     assert problems["elevation", "far"] == "x = 9 m is outside the basin, which reaches from -3 to 3 m"
     assert "[x, z]" in problems["elevation", "short"] and len(problems) == 2
     with pytest.raises(ValueError, match=r"gauges\.elevation\.far: x = 9 m is outside"):
         config.build(tmp_path, simulation)
-    assert gauges.Config(elevation={"middle": [0.0]}).misplaced(watched(width=None).basin) == []
-    assert "2-D" in gauges.Config(elevation={"deep": [0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
+    assert gauges.Config(elevation={"middle": [0.0]}).misplaced_gauges(watched(width=None).basin) == []
+    assert "2-D" in gauges.Config(elevation={"deep": [0.0, 0.0]}).misplaced_gauges(watched(width=None).basin)[0][1]
 
 
 @pytest.mark.parametrize(
@@ -74,16 +74,13 @@ def test_pressure_stands_beside_elevation_or_alone(tmp_path, watched):
 
 def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(watched):
     wet = gauges.Config(pressure={"corner": [3.0, -2.0, 2.0], "side": [-3.0, -1.0, 0.0], "high": [0.0, 9.0, 0.0]})
-    assert wet.misplaced(watched().basin) == []
-    problems = dict(
-        gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]}).misplaced(
-            watched().basin
-        )
-    )
+    assert wet.misplaced_gauges(watched().basin) == []
+    beyond = gauges.Config(pressure={"deep": [0.0, -2.1, 0.0], "far": [0.0, 0.0, 2.1], "flat": [0.0, -1.0]})
+    problems = dict(beyond.misplaced_gauges(watched().basin))
     assert problems["pressure", "deep"] == "y = -2.1 m is outside the basin, whose bed is at -2 m"
     assert "z = 2.1 m is outside" in problems["pressure", "far"] and "[x, y, z]" in problems["pressure", "flat"]
-    assert "2-D" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced(watched(width=None).basin)[0][1]
-    assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced(watched(lid={}).basin)[0][1]
+    assert "2-D" in gauges.Config(pressure={"a": [0.0, 0.0, 0.0]}).misplaced_gauges(watched(width=None).basin)[0][1]
+    assert "outside" in gauges.Config(pressure={"a": [0.0, 0.1, 0.0]}).misplaced_gauges(watched(lid={}).basin)[0][1]
 
 
 @pytest.mark.parametrize("kind", ["linear_waves", *quickly("delta_sph", "dfsph")])
@@ -116,7 +113,7 @@ def test_who_asks_for_pressures_that_are_no_measurements_is_told(tmp_path, kind)
 def face(place, **keys) -> np.ndarray:
     """(n, 3) points [m] of a sensor from its middle."""
     sensor = gauges.Sensor(**keys)
-    return sensor.points(place) - np.array((*sensor.at, 0.0)[:3])
+    return sensor.face_points(place) - np.array((*sensor.at, 0.0)[:3])
 
 
 def test_the_points_of_a_sensor_have_the_moments_of_its_face(watched):
@@ -199,23 +196,23 @@ def test_a_sensor_is_flush_with_what_is_nearest_or_as_it_is_turned(watched):
 )
 def test_a_face_that_cannot_be_there_is_refused(watched, sensor, said):
     config = gauges.Config.model_validate({"pressure": {"a": sensor}})
-    ((key, sentence),) = config.misplaced(watched().basin)
+    ((key, sentence),) = config.misplaced_gauges(watched().basin)
     assert key == ("pressure", "a") and said in sentence
 
 
 def test_a_face_may_touch_the_bed_and_needs_a_wall_or_a_normal(watched):
     touching = gauges.Config.model_validate({"pressure": {"a": {"at": [3.0, -1.9, 0.0], "diameter": 0.2}}})
-    assert touching.misplaced(watched().basin) == []
+    assert touching.misplaced_gauges(watched().basin) == []
     alone = watched(walls="none", floor="none").basin
-    assert "give its normal" in touching.misplaced(alone)[0][1]
+    assert "give its normal" in touching.misplaced_gauges(alone)[0][1]
     turned = {"at": [0.0, -1.0, 0.0], "diameter": 0.2, "normal": [1.0, 0.0, 0.0]}
-    assert gauges.Config.model_validate({"pressure": {"a": turned}}).misplaced(alone) == []
+    assert gauges.Config.model_validate({"pressure": {"a": turned}}).misplaced_gauges(alone) == []
 
 
 def test_a_basin_without_a_surface_has_no_elevation(watched):
     place = watched(walls={"y": "periodic"}, floor="none").basin
-    assert "no surface" in dict(gauges.Config(elevation={"a": [0.0, 0.0]}).misplaced(place))[("elevation",)]
-    assert gauges.Config(pressure={"a": [0.0, -1.0, 0.0]}).misplaced(place) == []
+    assert "no surface" in dict(gauges.Config(elevation={"a": [0.0, 0.0]}).misplaced_gauges(place))[("elevation",)]
+    assert gauges.Config(pressure={"a": [0.0, -1.0, 0.0]}).misplaced_gauges(place) == []
 
 
 def test_a_gauge_over_a_dry_block_reads_its_top_and_one_beside_it_the_bed():
@@ -225,9 +222,9 @@ def test_a_gauge_over_a_dry_block_reads_its_top_and_one_beside_it_the_bed():
     )
     columns = np.array([[0.6, 0.0], [0.2, 0.0], [1.2, 0.0]])
     dry = np.full(3, -0.5)
-    np.testing.assert_allclose(gauges.above([on_bed], columns, dry), [-0.1, -0.5, -0.5])
-    np.testing.assert_allclose(gauges.above([stacked, on_bed, in_air], columns, dry), [0.2, -0.5, -0.5])
-    np.testing.assert_allclose(gauges.above([on_bed], columns, np.array([0.05, 0.05, 0.05])), 0.05)
+    np.testing.assert_allclose(gauges.dry_tops([on_bed], columns, dry), [-0.1, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.dry_tops([stacked, on_bed, in_air], columns, dry), [0.2, -0.5, -0.5])
+    np.testing.assert_allclose(gauges.dry_tops([on_bed], columns, np.array([0.05, 0.05, 0.05])), 0.05)
 
 
 def test_a_pressure_gauge_inside_an_obstacle_is_warned_of():

@@ -151,14 +151,14 @@ def test_a_fluid_without_pressure_has_no_density_bound(watched):
 
 def test_the_advice_follows_the_cause(tmp_path, watched):
     simulation, observer = build(watched, tmp_path)
-    assert "courant_number" in observer.advice()
+    assert "courant_number" in observer.suggest_cure()
     simulation.scene.time_step = Fixed(dt=0.05)
-    assert "below its acoustic limit (here 0.01 s)" in observer.advice()
+    assert "below its acoustic limit (here 0.01 s)" in observer.suggest_cure()
     simulation.fluid.sound_speed = 20.0**0.5
-    assert "stiffness 20 m^2/s^2 holds only 0.02 m of water" in observer.advice()
+    assert "stiffness 20 m^2/s^2 holds only 0.02 m of water" in observer.suggest_cure()
     (tmp_path / "frames").mkdir()
     (tmp_path / "frames" / "frame_00004.npz").touch()
-    assert observer.last_frame().endswith("frames/frame_00004.npz")
+    assert observer.name_last_frame().endswith("frames/frame_00004.npz")
 
 
 def test_clipping_is_summed_up_not_repeated(tmp_path, watched):
@@ -176,7 +176,7 @@ def test_clipping_is_summed_up_not_repeated(tmp_path, watched):
 
 def looked_at(simulation, folder):
     """The events after another look at all particles."""
-    simulation.steps = health.POSITIONS_EVERY
+    simulation.steps = health.STEPS_BETWEEN_CHECKS
     simulation.observers[0].observe(simulation)
     return [event for event in events(folder) if event["event"] not in ("start", "limit")]
 
@@ -290,9 +290,9 @@ def test_water_that_sides_absorb_towards_a_current_is_driven():
     with loop.Simulation(load(scene)) as simulation:
         observer = health.Config().build(loop.NO_FOLDER, simulation)
         observer.observe(simulation)
-        for _ in range(health.POSITIONS_EVERY):
+        for _ in range(health.STEPS_BETWEEN_CHECKS):
             simulation.step()
-        assert not observer.judged and not observer.symmetry.twins
+        assert not observer.judges_energy and not observer.symmetry.twins
         observer.observe(simulation)
         assert observer.reported == []
 
@@ -306,7 +306,7 @@ def test_a_column_in_the_middle_falls_alike_to_both_sides_and_one_that_does_not_
         observers = [health.Config().build(loop.NO_FOLDER, simulation) for _ in range(2)]
         for observer in observers:
             observer.observe(simulation)
-        for _ in range(health.POSITIONS_EVERY):
+        for _ in range(health.STEPS_BETWEEN_CHECKS):
             simulation.step()
         position = simulation.fluid.particles.position
         for observer, push, said in zip(observers, (0.0, 0.03), ([], ["symmetry lost"])):

@@ -13,7 +13,7 @@ from ocean_sim.pictures.export.paraview import NothingToExport, export_run
 from ocean_sim.reading import composition, scene
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
-from ocean_sim.verbs.check import preflight, short
+from ocean_sim.verbs.check import preflight, preflight_lines
 
 OVER = {"runtime.threads": 1, "duration": 1.0, "frames.spacing": 4.0, "frames.every": 0.5, "render": None}
 
@@ -73,7 +73,7 @@ def test_its_surface_can_be_exported_and_its_particles_cannot(run, tmp_path):
 def test_a_check_counts_no_particles_and_sees_frames_that_fill_a_disk():
     config = load("linear_sea", OVER)
     found = preflight(config)
-    assert found["ok"] and found["particles"] == 0 and "0 particles" in short(found, config)
+    assert found["ok"] and found["particles"] == 0 and "0 particles" in preflight_lines(found, config)
     wide = load("linear_sea", {**OVER, "frames.spacing": 0.01, "frames.every": 0.01})
     assert "frames: about" in " ".join(wide.observers["frames"].warnings(wide.preflight))
 

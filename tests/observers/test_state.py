@@ -48,7 +48,7 @@ def test_what_is_one_thing_stays_one_and_what_is_two_stays_two():
 def test_objects_with_a_law_stay_themselves():
     """Compiled kernels know them by identity; a filter goes on where it was."""
     one, fresh = Filter([], [-1.0], 1.0, 0.01), Filter([], [-1.0], 1.0, 0.01)
-    one.of(np.ones(50))
+    one.apply(np.ones(50))
     assert through({"filter": one}, {"filter": fresh})["filter"] is fresh
     assert np.array_equal(fresh.state, one.state) and np.any(fresh.state)
 

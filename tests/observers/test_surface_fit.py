@@ -1,8 +1,8 @@
-"""The highest particle of every column, as a kernel finds it, against NumPy."""
+"""The highest particle of every column, against a search column by column."""
 
 import numpy as np
 
-from ocean_sim.observers.shared.surface_fit import SurfaceFit
+from ocean_sim.observers.accuracy import highest_particles, surface_fit
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 
@@ -26,5 +26,5 @@ def test_the_surface_is_compared_with_the_highest_of_each_column():
         column = np.clip(((x[:, [0, 2]] + [3.5, 2.5]) / [7.0, 5.0] * count).astype(int), 0, count - 1) @ [5, 1]
         top = [max(np.flatnonzero(column == c), key=lambda i: x[i, 1]) for c in sorted(set(column.tolist()))]
         away = surface.elevations(x[top][:, [0, 2]]) - (x[top, 1] + 0.25)
-        offset, fit, *_ = SurfaceFit(surface, simulation.basin, simulation.fluid).values()
+        offset, fit = surface_fit(surface, highest_particles(simulation.basin, simulation.fluid))
         np.testing.assert_allclose([offset, fit], [away.mean(), np.sqrt((away**2).mean())], rtol=1e-6)

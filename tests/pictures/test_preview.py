@@ -21,7 +21,7 @@ from ocean_sim.pictures.live import preview_eye, vulkan
 from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.pictures.live.preview_scene import PreviewScene, speed_colours
 from ocean_sim.pictures.live.scene_lines import scene_lines
-from ocean_sim.platform.shared.packets import unpacked
+from ocean_sim.platform.shared.packets import unpack
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs import preview as verb
 
@@ -245,7 +245,7 @@ def test_who_steers_in_a_window_rides_on_the_platform_that_its_scene_streams_to(
             session.obey()
             session.advance(0.05)
         assert session.panel.person.throttle > 0.0 and session.panel.person.rudder > 0.0
-        assert unpacked(listening.recv(4096)).seq == 0
+        assert unpack(listening.recv(4096)).seq == 0
         away = session.scratch.name
         session.close()
         assert not (tmp_path / "out").exists() and not Path(away).exists()

@@ -44,7 +44,7 @@ def spectrum(seed: int = 1) -> waves.Components:
 
 def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
     """As frames keep them."""
-    return frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=False))
+    return frames.wave_arrays(SimpleNamespace(plane_waves=sea, answers=False))
 
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
@@ -434,8 +434,8 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_phase",
         "sea_ramp",
     }
-    assert frames.plane_waves(SimpleNamespace(plane_waves=None)) == {}
-    assert frames.plane_waves(SimpleNamespace(plane_waves=sea, answers=True))["sea_answers"]
+    assert frames.wave_arrays(SimpleNamespace(plane_waves=None)) == {}
+    assert frames.wave_arrays(SimpleNamespace(plane_waves=sea, answers=True))["sea_answers"]
 
 
 def test_foam_covers_what_is_asked_for():

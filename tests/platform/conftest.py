@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.platform.shared.datagrams import Receiver, ready_made, received
+from ocean_sim.platform.shared.datagrams import Receiver, preset_geometry, receive_stream
 from ocean_sim.platform.shared.motion_log import Ride
-from ocean_sim.platform.shared.packets import unpacked
+from ocean_sim.platform.shared.packets import unpack
 
 DATA = Path(__file__).parent / "data"
 G = 9.81
@@ -66,7 +66,7 @@ class Listener:
 
     def listen(self, count):
         while len(self.seen) < count:
-            self.seen.append(unpacked(self.socket.recv(2048)))
+            self.seen.append(unpack(self.socket.recv(2048)))
 
     def packets(self):
         """All packets, when they are there."""
@@ -92,8 +92,8 @@ class Heard(Receiver):
         self.listens.set()
         return super().advance(now)
 
-    def silence(self, now):
-        return np.inf if self.over else super().silence(now)
+    def silent_time(self, now):
+        return np.inf if self.over else super().silent_time(now)
 
 
 class Receiving:
@@ -101,8 +101,10 @@ class Receiving:
     ended."""
 
     def __init__(self, report=lambda packet: None, patience=60.0, **keywords):
-        self.url, self.platform = f"udp://127.0.0.1:{free_port()}", Heard(ready_made("hexapod_a"), **keywords)
-        self.thread = threading.Thread(target=received, args=(self.url, patience, report, self.platform), daemon=True)
+        self.url, self.platform = f"udp://127.0.0.1:{free_port()}", Heard(preset_geometry("hexapod_a"), **keywords)
+        self.thread = threading.Thread(
+            target=receive_stream, args=(self.url, patience, report, self.platform), daemon=True
+        )
         self.thread.start()
         assert self.platform.listens.wait(60.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.csv_file import read_columns as read_columns
-from ocean_sim.platform import COLUMNS
+from ocean_sim.platform import PLATFORM_COLUMNS
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared import motion_log
 from ocean_sim.verbs.shared import platform_pictures
@@ -26,7 +26,7 @@ def ask(ask, tmp_path, monkeypatch):
 @pytest.fixture
 def draw_nothing(monkeypatch):
     """Call it before commands whose pictures nobody looks at: they take most of the time."""
-    return lambda: monkeypatch.setattr(platform_pictures, "draw", lambda *about: None)
+    return lambda: monkeypatch.setattr(platform_pictures, "draw_pictures", lambda *about: None)
 
 
 def test_a_log_becomes_a_ride(ask, draw_nothing, log, tmp_path):
@@ -38,8 +38,8 @@ def test_a_log_becomes_a_ride(ask, draw_nothing, log, tmp_path):
     assert {path.name for path in folder.iterdir()} == names == {path.rsplit("/", 1)[-1] for path in answer["files"]}
     draw_nothing()
     ned = read_columns(folder / "platform.csv")
-    assert tuple(ned) == COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
-    assert motion_log.read(folder / "motion_ned.csv").frame == "ned"
+    assert tuple(ned) == PLATFORM_COLUMNS and "# frame: ned\n" in (folder / "platform.csv").read_text()
+    assert motion_log.read_log(folder / "motion_ned.csv").frame == "ned"
     code, out, _ = ask(log.parent, "--out", "again")  # a run folder
     assert code == 0 and "motion sickness dose" in out and "1001 rows" in out and "nan" not in out
     flu = read_columns(tmp_path / "again" / "platform.csv")
@@ -70,25 +70,27 @@ def drawn():
     return machine.follow(ride(len(t), 0.01, up)), machine
 
 
-@pytest.mark.parametrize("one, other", platform_pictures.PAIRS)
+@pytest.mark.parametrize("one, other", platform_pictures.WORKSPACE_PAIRS)
 def test_a_workspace_is_drawn_whole(drawn, one, other):
     """All that two motions reach together lies inside its picture, and each alone reaches the ends that are known."""
     _, machine = drawn
-    across, up, usage = platform_pictures.reached(machine, one, other)
+    across, up, usage = platform_pictures.reached_range(machine, one, other)
     inside = usage <= 1.0
     assert inside.any() and not (inside[0].any() or inside[-1].any() or inside[:, 0].any() or inside[:, -1].any())
     for values, motion in ((across, one), (up, other)):
         ends = machine.workspace.ends[motion] * (1.0 if motion < 3 else 180.0 / np.pi)
-        step = np.ptp(values) / (platform_pictures.FINE - 1)
+        step = np.ptp(values) / (platform_pictures.WORKSPACE_POINTS - 1)
         assert values[inside].min() <= ends[0] + step and values[inside].max() >= ends[1] - step
 
 
 def test_a_long_ride_is_drawn_where_it_is_liveliest(drawn, tmp_path, monkeypatch):
     done, machine = drawn
-    monkeypatch.setattr(platform_pictures, "LONGEST", 5.0)
-    spans, legs = [], platform_pictures.legs
-    monkeypatch.setattr(platform_pictures, "legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1])
-    platform_pictures.draw(tmp_path, done, Config(), machine, film=False)
+    monkeypatch.setattr(platform_pictures, "MAX_CURVE_SECONDS", 5.0)
+    spans, legs = [], platform_pictures.draw_legs
+    monkeypatch.setattr(
+        platform_pictures, "draw_legs", lambda some, *more: (spans.append(some.time), legs(some, *more))[1]
+    )
+    platform_pictures.draw_pictures(tmp_path, done, Config(), machine, film=False)
     assert len(spans[0]) == 500 and spans[0][0] > 11.0 and {path.name for path in tmp_path.iterdir()} == PICTURES
 
 
@@ -96,12 +98,12 @@ def test_a_film_is_in_real_time_and_shows_the_liveliest_seconds(drawn, tmp_path)
     from PIL import Image
 
     done, machine = drawn
-    rows = platform_pictures.lively(done, machine)
+    rows = platform_pictures.film_rows(done, machine)
     assert len(rows) == 200 and done.time[rows[0]] > 11.0 and np.all(np.diff(rows) == 5)
-    short = done.some(slice(1300, 1360))
-    platform_pictures.filmed(tmp_path / "film.gif", short, machine)
+    short = done.select(slice(1300, 1360))
+    platform_pictures.write_film(tmp_path / "film.gif", short, machine)
     with Image.open(tmp_path / "film.gif") as film:
-        assert film.n_frames == len(platform_pictures.lively(short, machine)) == 12 and film.info["duration"] == 50
+        assert film.n_frames == len(platform_pictures.film_rows(short, machine)) == 12 and film.info["duration"] == 50
 
 
 def test_a_ride_of_two_rows_is_one(ask, tmp_path):

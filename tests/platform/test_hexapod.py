@@ -3,7 +3,7 @@ import pytest
 from pydantic import ValidationError
 
 from ocean_sim.parts import preset
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rotation
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, rotation_matrices
 from tests.platform.conftest import DATA
 
 INCH = 0.0254
@@ -23,7 +23,7 @@ def inside(machine, count, seed=3, part=1.0):
     """Random poses within the stroke, or within a part of it."""
     ends = part * machine.excursions()
     pose = np.random.default_rng(seed).uniform(ends[:, 0], ends[:, 1], (60 * count, 6))
-    return pose[machine.allowed(pose)][:count]
+    return pose[machine.is_allowed(pose)][:count]
 
 
 def test_inverse_kinematics_and_condition_numbers_of_a_known_hexapod(hex_a):
@@ -31,7 +31,7 @@ def test_inverse_kinematics_and_condition_numbers_of_a_known_hexapod(hex_a):
     pose = np.hstack([table[:, :3], np.radians(table[:, 3:6])])
     np.testing.assert_allclose(hex_a.legs(pose), table[:, 6:12], rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(hex_a.condition(pose), table[:, 12], rtol=0.0, atol=1e-3)
-    assert hex_a.allowed(pose)[:8].all()  # the last uses the buffer
+    assert hex_a.is_allowed(pose)[:8].all()  # the last uses the buffer
     assert hex_a.neutral_height == pytest.approx(2.389904, abs=1e-6)
 
 
@@ -71,13 +71,13 @@ def test_the_jacobian_is_the_slope_of_the_leg_lengths(hex_a):
     from scipy.spatial.transform import Rotation
 
     spin = np.array([0.3, -0.2, 0.5])
-    turned = Rotation.from_rotvec(step * spin) * Rotation.from_matrix(rotation(pose[:, 3:]))
+    turned = Rotation.from_rotvec(step * spin) * Rotation.from_matrix(rotation_matrices(pose[:, 3:]))
     moved = np.hstack([pose[:, :3], turned.as_euler("ZYX")[:, ::-1]])
     slope = (hex_a.legs(moved) - hex_a.legs(pose)) / step
     np.testing.assert_allclose(slope, jacobian[:, :, 3:] @ spin, atol=1e-5)
-    leg, arm = hex_a.arms(pose)
+    leg, arm = hex_a.leg_vectors(pose)
     along = leg / np.linalg.norm(leg, axis=2, keepdims=True)
-    twice = np.cross(arm @ np.swapaxes(rotation(pose[:, 3:]), 1, 2), along)
+    twice = np.cross(arm @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2), along)
     assert np.abs(slope - twice @ spin).max() > 1e-2
 
 
@@ -94,7 +94,7 @@ def test_a_quarter_turn_is_singular_and_refused(hex_a):
     pose[:, 5] = np.radians([40.0, 60.0, 80.0, 90.0])
     condition = hex_a.condition(pose)
     np.testing.assert_allclose(condition[:3], [3.20, 4.80, 14.9], rtol=5e-3)
-    assert condition[3] > 1e9 and not hex_a.allowed(pose)[2:].any()
+    assert condition[3] > 1e9 and not hex_a.is_allowed(pose)[2:].any()
 
 
 @pytest.mark.parametrize(

@@ -4,16 +4,16 @@ import pytest
 from ocean_sim import conventions
 from ocean_sim.files import csv_file
 from ocean_sim.observers.motion import Log
-from ocean_sim.observers.motion import columns as logged
+from ocean_sim.observers.motion import log_columns as logged
 from ocean_sim.platform.shared.motion_log import (
-    FORCES,
-    FRAMES,
-    as_logged,
-    converted,
-    convertible,
-    negated,
-    read,
+    FORCE_COLUMNS,
+    LOG_FRAMES,
+    check_convertible,
+    convert_rows,
+    negate_cell,
+    read_log,
     ride_of,
+    round_interval,
 )
 from ocean_sim.ship import PARTS
 from ocean_sim.ship.body.track import Attitude
@@ -50,10 +50,10 @@ BAD = {
         "turns by 8[56]",
     ),
     "forces in mm/s2": (
-        columns() | {name: 1000.0 * columns()[name] for name in FORCES},
+        columns() | {name: 1000.0 * columns()[name] for name in FORCE_COLUMNS},
         "is it in another unit?",
     ),
-    "forces in g": (columns() | {name: columns()[name] / G for name in FORCES}, "is it in g?"),
+    "forces in g": (columns() | {name: columns()[name] / G for name in FORCE_COLUMNS}, "is it in g?"),
     "rates in degrees": (
         changed("roll_rate_rad_s", np.degrees),
         "roll_rad changes by 0.017.* times what roll_rate_rad_s make of it .* in degrees",
@@ -67,7 +67,7 @@ BAD = {
 def test_a_log_that_cannot_be_is_refused_with_a_sentence(tmp_path, what):
     table, sentence = BAD[what]
     with pytest.raises(ValueError, match=sentence) as error:
-        read(write(tmp_path / "bad.csv", table))
+        read_log(write(tmp_path / "bad.csv", table))
     assert "\n" not in str(error.value) and str(error.value).startswith(str(tmp_path / "bad.csv"))
 
 
@@ -75,42 +75,42 @@ def test_other_units_and_frames_are_named(tmp_path):
     table = columns()
     in_degrees = {("roll_deg" if name == "roll_rad" else name): column for name, column in table.items()}
     with pytest.raises(ValueError, match="has no column roll_rad, but roll_deg: it has another unit"):
-        read(write(tmp_path / "a.csv", in_degrees))
+        read_log(write(tmp_path / "a.csv", in_degrees))
     with pytest.raises(ValueError, match=r"frame .enu.; .* one of"):
-        read(write(tmp_path / "b.csv", table, frame="enu"))
+        read_log(write(tmp_path / "b.csv", table, frame="enu"))
     for frame in ("ned", "flu"):
         with pytest.raises(ValueError, match="gravity does not point down"):
-            read(write(tmp_path / "c.csv", table, frame=frame))
+            read_log(write(tmp_path / "c.csv", table, frame=frame))
     path = write(tmp_path / "d.csv", table)
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:50], lines[50].rpartition(",")[0], *lines[51:]]))
     with pytest.raises(ValueError, match="row 48 has 20 cells under 21 names"):
-        read(path)
+        read_log(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "word", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="surge_m is 'word' in row 48"):
-        read(path)
+        read_log(path)
     path.write_text("\n".join([*lines[:50], lines[50].replace(lines[50].split(",")[4], "", 1), *lines[51:]]))
     with pytest.raises(ValueError, match="surge_m is empty in row 48"):
-        read(path)
+        read_log(path)
     path.write_text("\n".join([*lines[:2], lines[2].replace("force_buoyancy_x_N", "roll_rad"), *lines[3:]]))
     with pytest.raises(ValueError, match="has two columns 'roll_rad'"):
-        read(path)
+        read_log(path)
     path.write_bytes(b"\xff\x00")
     with pytest.raises(ValueError, match="is not UTF-8 text"):
-        read(path)
+        read_log(path)
 
 
 def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
-    whole = read(log)
+    whole = read_log(log)
     assert whole.every == pytest.approx(0.01) and whole.frame == "ship" and whole.table.head["seed"] == "7"
     np.testing.assert_allclose(whole.ride.specific_force[0], [0.0, 0.0, G - (2 * np.pi / 6.0) ** 2], atol=1e-7)
     for frame in ("ned", "flu", "ship"):
         names = whole.table.names
-        rows = np.array([[float(cell) for cell in row] for row in converted(whole, frame)])
-        there = read(write(tmp_path / f"{frame}.csv", dict(zip(names, rows.T)), frame))
+        rows = np.array([[float(cell) for cell in row] for row in convert_rows(whole, frame)])
+        there = read_log(write(tmp_path / f"{frame}.csv", dict(zip(names, rows.T)), frame))
         for one, other in zip(there.ride, whole.ride):
             np.testing.assert_allclose(one, other, atol=1e-8)
-        back = np.array([[float(cell) for cell in row] for row in converted(there, "ship")])
+        back = np.array([[float(cell) for cell in row] for row in convert_rows(there, "ship")])
         np.testing.assert_allclose(
             back, [[float(cell) for cell in line.split(",")] for line in whole.table.rows], atol=1e-8
         )
@@ -118,7 +118,7 @@ def test_a_log_is_the_same_ride_in_every_frame(log, tmp_path):
 
 def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
     table = columns(1.0)
-    convertible(read(write(tmp_path / "whole.csv", table)))
+    check_convertible(read_log(write(tmp_path / "whole.csv", table)))
     alone = {name: column for name, column in table.items() if name != "force_buoyancy_y_N"}
     words = table | {"force_buoyancy_z_N": ["none"] * 101}
     for name, wrong, sentence in (
@@ -129,23 +129,23 @@ def test_a_log_whose_vectors_are_not_whole_is_not_converted(tmp_path):
         rows = [",".join(str(cell) for cell in row) for row in zip(*wrong.values())]
         path.write_text("\n".join([",".join(wrong), *rows]))
         with pytest.raises(ValueError, match=sentence):
-            convertible(read(path))
+            check_convertible(read_log(path))
 
 
 def test_axes_of_the_frames(log):
     """NED (1, 2, 3) is ours (-2, -3, 1) and FLU (1, -2, -3); a worked specific force, and the quaternion."""
     ned = np.array([-0.187498, -0.991343, -8.237563])
-    flu = ned @ FRAMES["ned"]
+    flu = ned @ LOG_FRAMES["ned"]
     np.testing.assert_allclose(flu, [-0.187498, 0.991343, 8.237563])
-    np.testing.assert_allclose(FRAMES["ship"] @ flu, [0.991343, 8.237563, -0.187498])
-    assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in FRAMES.values())
-    whole = read(log)
-    row = dict(zip(whole.table.names, list(converted(whole, "ned"))[150]))
+    np.testing.assert_allclose(LOG_FRAMES["ship"] @ flu, [0.991343, 8.237563, -0.187498])
+    assert all(np.linalg.det(axes) == pytest.approx(1.0) for axes in LOG_FRAMES.values())
+    whole = read_log(log)
+    row = dict(zip(whole.table.names, list(convert_rows(whole, "ned"))[150]))
     own = dict(zip(whole.table.names, whole.table.rows[150].split(",")))
     assert float(row["qx"]) == float(own["qz"]) and float(row["heave_m"]) == -float(own["heave_m"])
     assert float(row["roll_rad"]) == float(own["roll_rad"]) and row["surge_m"] == own["surge_m"]
     assert [row[f"force_buoyancy_{axis}_N"] for axis in "xyz"] == ["3", "-1", "-2"]
-    assert [negated(cell) for cell in ("1.50", "-2e-3", " +3", "0", "-0.0")] == ["-1.50", "2e-3", "-3", "0", "0.0"]
+    assert [negate_cell(cell) for cell in ("1.50", "-2e-3", " +3", "0", "-0.0")] == ["-1.50", "2e-3", "-3", "0", "0.0"]
 
 
 @pytest.mark.parametrize(
@@ -173,11 +173,11 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     rest = np.zeros((1, 2 + 6 * len(PARTS)))  # no orders, no load
     [values] = observer.values(body, (turn @ acceleration)[:, None], (turn @ change)[:, None], rest)
     row = dict(zip(logged(PARTS)[-len(values) :], values))
-    np.testing.assert_allclose([row[name] for name in FORCES], felt, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose([row[name] for name in FORCE_COLUMNS], felt, rtol=0.0, atol=1e-6)
 
 
 def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
-    ride = read(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
+    ride = read_log(write(tmp_path / "still.csv", columns(1.0, heave=0.0, roll=0.0))).ride
     np.testing.assert_array_equal(ride.specific_force, np.tile([0.0, 0.0, G], (101, 1)))
     assert ride_of(csv_file.Table(tmp_path / "still.csv"), "world").seq[-1] == 100
 
@@ -186,8 +186,8 @@ def test_a_ship_at_rest_feels_gravity_upward(tmp_path):
 def test_the_time_between_rows_is_that_of_the_run(every, tmp_path):
     """To the bit, so the filters of a washout are those of the run; differences of times with nine digits are not."""
     table = columns(60.0, every)
-    assert read(write(tmp_path / "motion.csv", table)).every == as_logged(every)
-    assert as_logged(every) == pytest.approx(every, rel=5e-8)
+    assert read_log(write(tmp_path / "motion.csv", table)).every == round_interval(every)
+    assert round_interval(every) == pytest.approx(every, rel=5e-8)
 
 
 def moved(seconds=20.0, dt=0.02):
@@ -215,7 +215,7 @@ def moved(seconds=20.0, dt=0.02):
     table |= {f"{name}_rate_rad_s": value for name, value in zip(turns, rates)}
     pose = Rotation.from_euler("ZYX", np.column_stack(angle)[:, ::-1])
     felt = np.column_stack([table[f"{name}_acceleration_m_s2"] for name in motions]) + [0.0, 0.0, G]
-    table |= dict(zip(FORCES, pose.inv().apply(felt).T))
+    table |= dict(zip(FORCE_COLUMNS, pose.inv().apply(felt).T))
     return table | dict(zip(("qx", "qy", "qz", "qw"), pose.as_quat().T))
 
 
@@ -230,15 +230,15 @@ def written(path, table, offset=0.0, digits=6):
 
 def test_what_a_log_says_twice_agrees(tmp_path):
     table, path = moved(), tmp_path / "log.csv"
-    assert len(read(written(path, table)).ride.time) == 1001
+    assert len(read_log(written(path, table)).ride.time) == 1001
     noisy = {name: v + 0.01 * np.std(v) * np.random.default_rng(1).normal(size=len(v)) for name, v in table.items()}
-    read(written(path, noisy | {"time_s": table["time_s"]}))
-    read(
+    read_log(written(path, noisy | {"time_s": table["time_s"]}))
+    read_log(
         written(path, table | {"sway_m": 0.0 * table["sway_m"], "sway_velocity_m_s": 0.0 * table["sway_m"]})
     )  # not known
     for name in [name for name in table if name not in ("time_s", "qw")]:
         with pytest.raises(ValueError, match=r"agree|Columns that say the same|gravity") as refused:
-            read(written(path, table | {name: -table[name]}))
+            read_log(written(path, table | {name: -table[name]}))
         assert (
             "gravity" in str(refused.value)
             or name.startswith("q")
@@ -253,20 +253,24 @@ def test_what_a_log_says_twice_agrees(tmp_path):
         ("surge_acceleration_m_s2", 1.0 / G, "in g"),
     ):
         with pytest.raises(ValueError, match=unit):
-            read(written(path, table | {name: factor * table[name]}))
-    for one, other in (("roll_rad", "pitch_rad"), ("roll_rate_rad_s", "yaw_rate_rad_s"), (FORCES[0], FORCES[1])):
+            read_log(written(path, table | {name: factor * table[name]}))
+    for one, other in (
+        ("roll_rad", "pitch_rad"),
+        ("roll_rate_rad_s", "yaw_rate_rad_s"),
+        (FORCE_COLUMNS[0], FORCE_COLUMNS[1]),
+    ):
         with pytest.raises(ValueError, match=r"agree|Columns that say the same"):
-            read(written(path, table | {one: table[other], other: table[one]}))
+            read_log(written(path, table | {one: table[other], other: table[one]}))
 
 
 @pytest.mark.parametrize("offset", [0.0, 86400.0, 1709294400.0, 2e9])
 @pytest.mark.parametrize("digits", [2, 6])
 def test_a_gap_is_found_to_the_digits_of_the_times(tmp_path, offset, digits):
     table, path = moved(), tmp_path / "log.csv"
-    assert read(written(path, table, offset, max(digits, 4))).every == pytest.approx(0.02, abs=1e-8)
+    assert read_log(written(path, table, offset, max(digits, 4))).every == pytest.approx(0.02, abs=1e-8)
     for gap in (1, 2, 50):
         with pytest.raises(ValueError, match=r"rows are missing or out of order between .*, rows 400 and 401"):
-            read(written(path, without(table, np.r_[0:400, 400 + gap : 1001]), offset, max(digits, 4)))
+            read_log(written(path, without(table, np.r_[0:400, 400 + gap : 1001]), offset, max(digits, 4)))
 
 
 @pytest.mark.parametrize(
@@ -280,4 +284,4 @@ def test_a_gap_is_found_to_the_digits_of_the_times(tmp_path, offset, digits):
 def test_a_column_that_was_left_out_is_said(tmp_path, name, value, said):
     table = moved()
     with pytest.raises(ValueError, match=said):
-        read(written(tmp_path / "log.csv", table | {name: value + 0.0 * table[name]}))
+        read_log(written(tmp_path / "log.csv", table | {name: value + 0.0 * table[name]}))

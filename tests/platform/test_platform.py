@@ -6,17 +6,23 @@ import pytest
 
 from ocean_sim.files.csv_file import read_columns as read_columns
 from ocean_sim.parts import Preflight
-from ocean_sim.platform import LEG_ACCELERATION, LEG_SPEED, SINGULAR, STROKE, Commands, Cue
+from ocean_sim.platform import LEG_ACCELERATION_LIMIT, LEG_SPEED_LIMIT, SINGULARITY_LIMIT, STROKE_LIMIT, Commands, Cue
 from ocean_sim.platform.hexapod import Config
-from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, softened
-from ocean_sim.platform.shared.metrics import delay, dose, gain, metrics, sickness_weighting
-from ocean_sim.platform.shared.motion_log import Ride, read, ride_of, turned
+from ocean_sim.platform.shared.limits import Governor, Legs, Workspace, soften_usage
+from ocean_sim.platform.shared.metrics import (
+    best_delay,
+    motion_gain,
+    ride_metrics,
+    sickness_dose,
+    sickness_weighting,
+)
+from ocean_sim.platform.shared.motion_log import Ride, read_log, ride_of, turn_to_level
 from ocean_sim.ship import PARTS
 from tests.conftest import quickly
 from tests.platform.conftest import G, columns, ride, write
 
 DT = 0.01
-AXES = {  # a signed column for what is forward, to port and upward in each frame, and about them
+FRAME_AXES = {  # a signed column for what is forward, to port and upward in each frame, and about them
     "ship": ("+z", "+x", "+y", 1, 1, 1),
     "flu": ("+x", "+y", "+z", 1, 1, 1),
     "ned": ("+x", "-y", "-z", 1, -1, -1),
@@ -28,9 +34,9 @@ def table(frame, n, force=(0.0, 0.0, 0.0), angle=(0.0, 0.0, 0.0), turn=(0.0, 0.0
     (bow down) and yaw (to port)."""
     names = [f"specific_force_{axis}_m_s2" for axis in "xyz"]
     found = dict.fromkeys(names, np.zeros(n)) | {"time_s": np.arange(n) * DT, "seq": np.arange(n)}
-    for axis, value in zip(AXES[frame][:3], np.add(force, [0.0, 0.0, G])):
+    for axis, value in zip(FRAME_AXES[frame][:3], np.add(force, [0.0, 0.0, G])):
         found[f"specific_force_{axis[1]}_m_s2"] = np.full(n, float(axis[0] + "1") * value)
-    for name, sign, value, rate in zip(("roll", "pitch", "yaw"), AXES[frame][3:], angle, turn):
+    for name, sign, value, rate in zip(("roll", "pitch", "yaw"), FRAME_AXES[frame][3:], angle, turn):
         found[f"{name}_rad"] = np.full(n, sign * value) + sign * rate * found["time_s"]
         found[f"{name}_rate_rad_s"] = np.full(n, sign * rate)
     return found
@@ -42,7 +48,7 @@ def legs_after(frame, seconds, washout="ship", **motion):
     return Config(washout=washout, ramp=0.0).build(DT).follow(rows).legs[-1] - 2.706
 
 
-@pytest.mark.parametrize("frame", AXES)
+@pytest.mark.parametrize("frame", FRAME_AXES)
 def test_signs_through_the_whole_chain(frame):
     """Legs 1 to 6: port front, port, port aft, then starboard aft, starboard, starboard front."""
     gravity = {"roll": (0.0, np.sin(0.05) * G, 0.0), "pitch": (-np.sin(0.05) * G, 0.0, 0.0)}
@@ -117,13 +123,13 @@ def test_the_adaptive_set_passes_a_yachts_heave_and_shows_surge_no_worse_than_tw
     ocean_sim.run(
         ocean_sim.load(scene | dict.fromkeys(("accuracy", "frames", "render", "report"))), out=tmp_path / "run"
     )
-    rows = read(tmp_path / "run" / "motion.csv").ride
-    heave = 0.5 * (turned(rows.attitude, rows.specific_force)[:, 2] - G)
+    rows = read_log(tmp_path / "run" / "motion.csv").ride
+    heave = 0.5 * (turn_to_level(rows.attitude, rows.specific_force)[:, 2] - G)
     found = {}
     for name in ("ship", "ship_adaptive"):
         machine = Config(washout=name).build(DT)
         done = machine.follow(rows)
-        found[name] = {m.quantity: m.value for m in metrics(rows, done, machine.hexapod, DT)}["force_x_error_rms"]
+        found[name] = {m.quantity: m.value for m in ride_metrics(rows, done, machine.hexapod, DT)}["force_x_error_rms"]
     felt = np.diff(done.pose[:, 2], n=2, prepend=[0.0, 0.0]) / DT**2
     assert amplitude_of(felt, period) >= 0.90 * amplitude_of(heave, period)
     assert found["ship_adaptive"] <= 2.0 * found["ship"]
@@ -138,7 +144,7 @@ def test_a_wild_ride_is_scaled_back_and_never_jerked():
     rows = wave(4.0, 5.0, seconds=40.0, angles=np.radians(20.0))
     machine = Config(washout="ship").build(DT)
     done = machine.follow(rows)
-    assert np.isfinite(done.pose).all() and (done.limited & STROKE).any()
+    assert np.isfinite(done.pose).all() and (done.limited & STROKE_LIMIT).any()
     assert done.legs.min() >= 2.081 and done.legs.max() <= 3.331
     assert np.abs(done.leg_velocity).max() <= 1.0 + 1e-12
     assert np.abs(np.diff(done.leg_velocity, axis=0)).max() <= 10.0 * DT * (1.0 + 1e-9)
@@ -153,7 +159,7 @@ def test_legs_that_cannot_follow_are_felt_no_harder_than_the_ship():
     geometry = config.geometry.model_copy(update={"leg_speed": 0.4})
     done = config.model_copy(update={"geometry": geometry}).build(DT).follow(rows)
     felt, asked = (np.linalg.norm(force - [0.0, 0.0, G], axis=1) for force in (done.felt_force, done.cue.force))
-    assert (done.limited & LEG_SPEED).any() and np.abs(done.leg_velocity).max() <= 0.4 + 1e-12
+    assert (done.limited & LEG_SPEED_LIMIT).any() and np.abs(done.leg_velocity).max() <= 0.4 + 1e-12
     assert felt.max() < 1.3 * asked.max() + config.catch_up
 
 
@@ -162,7 +168,7 @@ RIDES = [(2.5, 0.5, 6.0), (3.0, 1.0, 12.0), (4.0, 5.0, 20.0), (5.0, 1.5, 6.0), (
 
 def accelerations(machine, poses):
     """(n,) of the reference point, or of the joints as they turn, where that is more [m/s2]."""
-    return machine.governor.sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
+    return machine.governor.motion_sizes(np.diff(np.vstack([np.zeros((2, 6)), poses]), n=2, axis=0)) / DT**2
 
 
 @pytest.mark.parametrize("name", quickly("ship", "ship_adaptive"))
@@ -171,7 +177,7 @@ def test_at_the_end_of_a_stroke_no_more_is_felt_than_is_promised(period, amplitu
     """1.5 times `catch_up`, or 1.05 times what the washout asks for in that moment, whatever the ride."""
     machine = Config(washout=name).build(DT)
     done = machine.follow(wave(period, amplitude, seconds=40.0, angles=np.radians(angle)))
-    asked = done.cue.pose * machine.part(done.time)[:, None]
+    asked = done.cue.pose * machine.ramp_share(done.time)[:, None]
     most = np.maximum(1.5 * Config().catch_up, 1.05 * accelerations(machine, asked))
     assert (accelerations(machine, done.pose) <= most * (1.0 + 1e-6)).all()
     assert done.legs.min() >= 2.131 - 1e-9 and done.legs.max() <= 3.281 + 1e-9
@@ -179,7 +185,7 @@ def test_at_the_end_of_a_stroke_no_more_is_felt_than_is_promised(period, amplitu
 
 def test_a_platform_that_does_not_think_of_stopping_is_thrown_at_its_ends(monkeypatch):
     """The negative control of the one above."""
-    monkeypatch.setattr(Governor, "stops", lambda self, pose, velocity: np.ones(len(pose), dtype=bool))
+    monkeypatch.setattr(Governor, "can_stop", lambda self, pose, velocity: np.ones(len(pose), dtype=bool))
     machine = Config().build(DT)
     done = machine.follow(wave(6.0, 3.0, seconds=40.0, angles=np.radians(10.0)))
     assert accelerations(machine, done.pose)[200:].max() > 1.5 * 1.5 * Config().catch_up
@@ -190,16 +196,16 @@ def test_scaling_back_is_smooth_and_leaves_what_fits():
     path = np.zeros((4001, 6))
     path[:, 2] = np.linspace(0.0, 2.0, 4001)
     path[:, 3] = 0.05
-    kept, limited = workspace.scaled_back(path)
+    kept, limited = workspace.scale_back(path)
     few = workspace.usage(path) < 0.75
     np.testing.assert_array_equal(kept[few], path[few])
-    assert not limited[few].any() and (limited[~few] & STROKE).all()
+    assert not limited[few].any() and (limited[~few] & STROKE_LIMIT).all()
     slope = np.diff(kept[:, 2]) / np.diff(path[:, 2])
     assert slope.max() < 1.01 and slope.min() > -1e-6 and np.abs(np.diff(slope)).max() < 0.02
     assert (workspace.hexapod.usage(kept) <= 1.0).all() and np.allclose(kept[:, 3], 0.05)
     clamped = np.minimum(path[:, 2], 0.6)  # the negative control: a clamp bends
     assert np.abs(np.diff(np.diff(clamped) / np.diff(path[:, 2]))).max() == pytest.approx(1.0)
-    assert softened(np.array([0.5, 0.75, 100.0])).tolist() == pytest.approx([0.5, 0.75, 1.0])
+    assert soften_usage(np.array([0.5, 0.75, 100.0])).tolist() == pytest.approx([0.5, 0.75, 1.0])
 
 
 def test_the_gain_of_heave_is_what_follows_it_and_no_shock():
@@ -207,10 +213,10 @@ def test_the_gain_of_heave_is_what_follows_it_and_no_shock():
     time = np.arange(12000) * DT
     heave, felt = np.sin(2.0 * np.pi * time / 6.0), 0.5 * np.sin(2.0 * np.pi * (time - 0.3) / 6.0)
     shocks = np.where(np.arange(len(time)) % 50 == 0, 2.0, 0.0)
-    assert gain(felt, heave, DT) == pytest.approx(0.5, rel=0.01)
-    assert gain(felt + shocks, heave, DT) == pytest.approx(0.5, rel=0.01)
+    assert motion_gain(felt, heave, DT) == pytest.approx(0.5, rel=0.01)
+    assert motion_gain(felt + shocks, heave, DT) == pytest.approx(0.5, rel=0.01)
     assert np.std(felt + shocks) / np.std(heave) > 0.6
-    assert np.isnan(gain(felt, np.zeros_like(felt), DT)) and np.isnan(delay(felt, np.zeros_like(felt), DT))
+    assert np.isnan(motion_gain(felt, np.zeros_like(felt), DT)) and np.isnan(best_delay(felt, np.zeros_like(felt), DT))
 
 
 def test_a_singular_pose_is_refused_and_told():
@@ -220,8 +226,8 @@ def test_a_singular_pose_is_refused_and_told():
     wide = {"shortest": 1.0, "longest": 5.0, "condition_limit": 4.0}  # so that legs reach what conditioning refuses
     workspace = Workspace(Hexapod(Geometry.model_validate(preset("geometry", "hexapod_a") | wide)))
     workspace.ends[5] = [-1.5, 1.5]
-    kept, limited = workspace.scaled_back(np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.3]]))
-    assert limited[0] & SINGULAR and 0.3 < kept[0, 5] < 1.2
+    kept, limited = workspace.scale_back(np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.3]]))
+    assert limited[0] & SINGULARITY_LIMIT and 0.3 < kept[0, 5] < 1.2
     assert workspace.hexapod.condition(kept)[0] <= 4.0
 
 
@@ -233,7 +239,7 @@ def test_legs_keep_to_speed_and_acceleration_and_catch_up():
     length, velocity, limited = legs.follow(target)
     assert np.abs(velocity).max() <= 1.0 and np.abs(np.diff(velocity, axis=0)).max() <= 0.1 + 1e-12
     assert length.max() < target.max() + 1e-6  # it stops in time
-    assert (limited[:100] == 0).all() and limited[100] & LEG_ACCELERATION and (limited & LEG_SPEED).any()
+    assert (limited[:100] == 0).all() and limited[100] & LEG_ACCELERATION_LIMIT and (limited & LEG_SPEED_LIMIT).any()
     np.testing.assert_allclose(length[-300:], target[-300:], atol=1e-9)
     assert (limited[-300:] == 0).all()
 
@@ -252,7 +258,7 @@ def test_a_stop_in_full_motion_is_no_jerk(seconds, ramp):
     rows = wave(5.0, 1.2, seconds, angles=np.radians(4.0))
     machine = Config(ramp=ramp).build(DT)
     done = machine.follow(rows)
-    back = machine.settled(done.pose[-2:], float(done.time[-1]), int(done.seq[-1]))
+    back = machine.return_home(done.pose[-2:], float(done.time[-1]), int(done.seq[-1]))
     velocity = np.vstack([done.leg_velocity[-1:], back.leg_velocity])
     assert np.abs(velocity[0]).max() > 0.2 and np.abs(velocity).max() <= 1.0 + 1e-9
     assert np.abs(np.diff(velocity, axis=0)).max() <= 10.0 * DT * (1.0 + 1e-6)
@@ -300,27 +306,27 @@ def test_sickness_weighting_is_that_of_the_standard():
         0.5: 224,
         0.8: 53.0,
     }
-    _, gain = sosfreqz(sickness_weighting(DT), worN=2.0 * np.pi * np.array(list(known)) * DT)
-    np.testing.assert_allclose(1000.0 * np.abs(gain), list(known.values()), rtol=0.005)
+    _, motion_gain = sosfreqz(sickness_weighting(DT), worN=2.0 * np.pi * np.array(list(known)) * DT)
+    np.testing.assert_allclose(1000.0 * np.abs(motion_gain), list(known.values()), rtol=0.005)
 
 
 def test_a_dose_in_closed_form():
     """1 m/s2 rms at 0.16 Hz for 10 minutes: 1.006 sqrt(600), less what the first periods lack."""
     t = np.arange(60000) * DT
-    assert dose(2.0**0.5 * np.sin(2.0 * np.pi * 0.16 * t), DT) == pytest.approx(1.006 * 600.0**0.5, rel=0.01)
+    assert sickness_dose(2.0**0.5 * np.sin(2.0 * np.pi * 0.16 * t), DT) == pytest.approx(1.006 * 600.0**0.5, rel=0.01)
 
 
 def test_metrics_of_a_ride():
     rows = wave(6.0, 0.8, angles=0.05)
     machine = Config(ramp=0.0).build(DT)
     done = machine.follow(rows)
-    found = {metric.quantity: metric.value for metric in metrics(rows, done, machine.hexapod, DT)}
+    found = {metric.quantity: metric.value for metric in ride_metrics(rows, done, machine.hexapod, DT)}
     assert found["rate_x_correlation"] > 0.99 and abs(found["rate_x_delay"]) <= 0.02
     assert found["force_y_correlation"] > 0.95 and found["share_limited"] == np.mean(done.limited > 0)
     assert 0.4 < found["motion_sickness_dose_platform"] / found["motion_sickness_dose_ship"] < 0.6
     assert 0.3 < found["stroke_used"] < 1.0 and np.isnan(found["rate_z_correlation"]) is not True
     late = np.roll(rows.rate[:, 0], 25)
-    assert delay(late, rows.rate[:, 0], DT) == pytest.approx(0.25, abs=0.011)
+    assert best_delay(late, rows.rate[:, 0], DT) == pytest.approx(0.25, abs=0.011)
 
 
 @pytest.mark.parametrize("every", [0.01, 0.05])
@@ -332,14 +338,14 @@ def test_a_platform_that_does_what_it_is_asked_for_is_neither_late_nor_wrong(eve
     pose, none = np.zeros((n, 6)), np.zeros(n)
     pose[:, 2], pose[:, 4] = 0.2 * s, 0.05 * s
     machine = Config().build(every)
-    force, rate = machine.felt(pose)
+    force, rate = machine.felt_motion(pose)
     up = G - 0.2 * omega**2 * s
     asked = np.stack([-np.sin(pose[:, 4]) * up, none, np.cos(pose[:, 4]) * up], axis=1)
     cue = Cue(pose, np.zeros(n, int), asked, np.stack([none, 0.05 * omega * c, none], axis=1))
     legs = machine.hexapod.legs(pose)
     done = Commands(t, np.arange(n), pose, legs, np.zeros_like(legs), force, rate, cue.limited, cue)
     still = Ride(t, np.arange(n), np.tile([0.0, 0.0, G], (n, 1)), np.zeros((n, 3)), np.zeros((n, 3)))
-    found = {m.quantity: m.value for m in metrics(still, done, machine.hexapod, every)}
+    found = {m.quantity: m.value for m in ride_metrics(still, done, machine.hexapod, every)}
     for name in ("force_x", "force_z", "rate_y"):
         assert found[f"{name}_delay"] == 0.0
         assert found[f"{name}_error_rms"] < 0.03 * found[f"{name}_scaled_rms"]
@@ -361,7 +367,7 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
         def take_commands(self, rows):
             self.taken += rows.rows()
 
-    rows = dict.fromkeys(motion_log.columns(PARTS), np.zeros(301)) | columns(3.0)
+    rows = dict.fromkeys(motion_log.log_columns(PARTS), np.zeros(301)) | columns(3.0)
     observers = {"motion": motion_log.Config(every=DT)}
     preflight = Preflight(observers, BasinConfig(length=9.0, width=9.0, depth=2.0).build(), 4, 3.0)
     scene = SimpleNamespace(seed=7, platform=Config(), ships={"ship": None}, observers=observers, preflight=preflight)
@@ -370,15 +376,15 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     taker = Taker()
     simulation.observers = [taker, observer]
     motion = motion_log.Log.__new__(motion_log.Log)
-    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.columns(PARTS)
-    motion.handed_on = len(motion.columns)
+    motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.log_columns(PARTS)
+    motion.motion_columns = len(motion.columns)
     for k, row in enumerate(zip(*rows.values())):
-        motion.hand_on([",".join(map(repr, map(float, row)))], simulation)
+        motion.hand_rows_on([",".join(map(repr, map(float, row)))], simulation)
         if k % every == 0:
             observer.observe(simulation)
     observer.close()
     live = read_columns(tmp_path / "platform.csv")
-    later = Config().build(DT).follow(read(write(tmp_path / "motion.csv", rows)).ride)
+    later = Config().build(DT).follow(read_log(write(tmp_path / "motion.csv", rows)).ride)
     assert len(live["time_s"]) == 301 and live["seq"][-1] == 300
     np.testing.assert_allclose(np.array(taker.taken), np.column_stack(list(live.values())), rtol=1e-8)
     np.testing.assert_allclose(np.column_stack([live[f"leg{k}_m"] for k in range(1, 7)]), later.legs, rtol=1e-8)
@@ -459,4 +465,4 @@ def test_a_filter_has_the_bytes_of_scipys_however_it_is_fed(back, tmp_path, monk
     state, signal = np.zeros((len(sections), 2)), np.random.default_rng(5).normal(size=500)
     for piece in np.split(signal, [1, 2, 120, 127]):
         wanted, state = sosfilt(sections, piece, zi=state)
-        assert found.of(piece).tobytes() == wanted.tobytes() and found.state.tobytes() == state.tobytes()
+        assert found.apply(piece).tobytes() == wanted.tobytes() and found.state.tobytes() == state.tobytes()

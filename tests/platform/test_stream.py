@@ -9,8 +9,8 @@ from pydantic import ValidationError
 from ocean_sim.observers import stream
 from ocean_sim.platform import Commands, Cue
 from ocean_sim.platform.shared import datagrams, packets
-from ocean_sim.platform.shared.datagrams import Sender, Smooth, address, received
-from ocean_sim.platform.shared.packets import Packet, packed, unpacked
+from ocean_sim.platform.shared.datagrams import Sender, SmoothPose, parse_address, receive_stream
+from ocean_sim.platform.shared.packets import Packet, pack, unpack
 from tests.platform.conftest import Listener, Receiving, free_port, until
 
 
@@ -20,19 +20,24 @@ def packet(seq, height=0.0, every=0.01):
 
 def test_packets_are_what_their_description_says():
     sent = Packet(7, 1.25, "ned", (1.0, 2.0, -3.0, 0.1, 0.2, 0.3), (2.1, 2.2, 2.3, 2.4, 2.5, 2.6), 9)
-    data = packed(sent, "ocean_sim")
+    data = pack(sent, "ocean_sim")
     assert len(data) == 120 and data[:8] == b"OSPF\x01\x00\x01\x00" and data[8:16] == b"\x07\0\0\0\x09\0\0\0"
-    assert unpacked(data) == sent
-    theirs = np.frombuffer(packed(sent, "openmotionsim"), "<f4")
+    assert unpack(data) == sent
+    theirs = np.frombuffer(pack(sent, "openmotionsim"), "<f4")
     np.testing.assert_allclose(theirs, [1.25, *np.degrees([0.3, 0.2, 0.1]), 3.0], rtol=1e-6)  # down is -z in NED
     for wrong in (data[:-1], b"XXXX" + data[4:], data[:4] + b"\x02\0" + data[6:]):
         with pytest.raises(ValueError):
-            unpacked(wrong)
+            unpack(wrong)
 
 
 def test_an_address_is_this_machine_unless_another_is_named():
-    assert address("udp://:5005") == address("udp://127.0.0.1:5005") == address("127.0.0.1:5005") == ("127.0.0.1", 5005)
-    assert address("udp://platform.local:99") == ("platform.local", 99)
+    assert (
+        parse_address("udp://:5005")
+        == parse_address("udp://127.0.0.1:5005")
+        == parse_address("127.0.0.1:5005")
+        == ("127.0.0.1", 5005)
+    )
+    assert parse_address("udp://platform.local:99") == ("platform.local", 99)
     for wrong in (
         "tcp://127.0.0.1:5",
         "udp://127.0.0.1",
@@ -42,7 +47,7 @@ def test_an_address_is_this_machine_unless_another_is_named():
         "udp://:0",
     ):
         with pytest.raises(ValueError, match="is not like udp://"):
-            address(wrong)
+            parse_address(wrong)
 
 
 def test_a_host_that_nobody_knows_is_told_in_a_sentence():
@@ -93,7 +98,7 @@ def test_the_receiver_tells_what_came_and_counts():
     arrivals = []
     receiving = Receiving(arrivals.append, hold=30.0)
     sender = Sender(receiving.url)
-    sender.socket.sendto(packed(packet(0), "openmotionsim"), sender.address)
+    sender.socket.sendto(pack(packet(0), "openmotionsim"), sender.address)
     for k in (0, 1, 4, 3):
         sender.send(packet(k, every=0.0))
     sender.close()
@@ -104,7 +109,7 @@ def test_the_receiver_tells_what_came_and_counts():
 
 def test_the_receiver_waits_for_a_first_packet_and_says_what_is_wrong(capsys):
     url, arrivals = f"udp://127.0.0.1:{free_port()}", []
-    thread = threading.Thread(target=received, args=(url, 0.2, arrivals.append))
+    thread = threading.Thread(target=receive_stream, args=(url, 0.2, arrivals.append))
     thread.start()
     time.sleep(1.0)  # longer than its patience
     sender = Sender(url)
@@ -136,13 +141,13 @@ def test_an_unknown_host_and_a_key_that_is_not_there_are_said(capsys):
 
 def test_a_stream_that_begins_anew_is_followed():
     """After a silence it is no late packet of the one before; without one it is."""
-    smooth = Smooth(hold=0.1, ramp=1.0)
+    smooth = SmoothPose(hold=0.1, ramp=1.0)
     for k in range(100, 110):
-        smooth.take(packet(k, 0.3), 0.01 * k)
-    smooth.take(packet(5, 0.1), 1.095)
+        smooth.accept(packet(k, 0.3), 0.01 * k)
+    smooth.accept(packet(5, 0.1), 1.095)
     assert smooth.reordered == 1 and smooth.last.seq == 109
     for k in range(300):
-        smooth.take(packet(k, 0.1), 2.0 + 0.01 * k)
+        smooth.accept(packet(k, 0.1), 2.0 + 0.01 * k)
     assert (smooth.reordered, smooth.lost, smooth.stalls) == (1, 0, 1)
     assert smooth.pose(2.0)[2] == pytest.approx(0.3) and smooth.pose(4.99)[2] == pytest.approx(0.1)
 
@@ -161,21 +166,21 @@ def test_a_sender_that_is_late_does_not_burst(monkeypatch):
 
 
 def test_a_receiver_lies_on_the_line_between_packets():
-    smooth = Smooth(ramp=0.0001)
-    smooth.take(packet(0, 0.0), 10.00)
-    smooth.take(packet(1, 1.0), 10.01)
+    smooth = SmoothPose(ramp=0.0001)
+    smooth.accept(packet(0, 0.0), 10.00)
+    smooth.accept(packet(1, 1.0), 10.01)
     assert smooth.pose(10.015)[2] == pytest.approx(0.5) and smooth.pose(10.02)[2] == pytest.approx(1.0)
-    smooth.take(packet(4, 2.0), 10.02)
-    smooth.take(packet(3, 9.0), 10.03)
+    smooth.accept(packet(4, 2.0), 10.02)
+    smooth.accept(packet(3, 9.0), 10.03)
     assert (smooth.lost, smooth.reordered) == (2, 1) and smooth.pose(10.03)[2] == pytest.approx(2.0)
 
 
 def test_on_a_stall_the_pose_holds_and_then_ramps():
-    smooth, poses = Smooth(hold=0.1, ramp=1.0), []
+    smooth, poses = SmoothPose(hold=0.1, ramp=1.0), []
     for k in range(2500):  # at 1 ms; packets every 10 ms, none from 1.0 to 1.5 s
         now = k * 0.001
         if k % 10 == 0 and not 1000 < k < 1500:
-            smooth.take(packet(k // 10, 0.1 if k <= 1000 else 0.5), now)
+            smooth.accept(packet(k // 10, 0.1 if k <= 1000 else 0.5), now)
         poses.append(smooth.pose(now)[2])
     height = np.array(poses)
     assert smooth.stalls == 1 and np.ptp(height[1011:1500]) < 1e-12
@@ -212,16 +217,16 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
 
 
 def test_the_formats_are_the_ones_offered():
-    assert set(packets.FORMATS) == set(stream.Config.model_fields["packets"].annotation.__args__)
+    assert set(packets.FORMAT_NAMES) == set(stream.Config.model_fields["packets"].annotation.__args__)
 
 
 def test_layouts_for_motion_software_are_what_their_description_says():
     sent = Packet(7, 1.25, "ship", (0.2, -0.3, 0.1, 0.1, 0.2, 0.3), (2.1,) * 6, 9)  # x is to port, z forward
-    data = packed(sent, "floats")
+    data = pack(sent, "floats")
     assert len(data) == 36 and np.frombuffer(data, "<u4")[8] == 9
     six = [100.0, 200.0, -300.0, *np.degrees([0.1, 0.2, 0.3])]
     np.testing.assert_allclose(np.frombuffer(data, "<f4")[:8], [1.25, 7.0, *six], rtol=1e-6)
-    assert packed(sent, "text") == b"1.250,100.000,200.000,-300.000,5.730,11.459,17.189\n"
+    assert pack(sent, "text") == b"1.250,100.000,200.000,-300.000,5.730,11.459,17.189\n"
 
 
 def test_a_platform_reports_where_its_legs_are_and_how_long_the_way_was():
@@ -236,7 +241,7 @@ def test_a_platform_reports_where_its_legs_are_and_how_long_the_way_was():
     assert latency is not None and latency.packets > 15 and 0.0 < latency.median <= latency.most <= latency.longest
     assert latency.median < 0.5 * every  # a report counts when it comes, not when the next packet goes out
     np.testing.assert_allclose(sender.readings[-1][1].legs, 2.706, atol=1e-3)
-    assert found.came == 20 and not sender.readings[-1][1].stopped and sender.stopped() == ""
+    assert found.came == 20 and not sender.readings[-1][1].stopped and sender.stop_report() == ""
 
 
 def test_who_sends_to_a_platform_that_is_stopped_hears_of_it(capsys):
@@ -252,5 +257,5 @@ def test_who_sends_to_a_platform_that_is_stopped_hears_of_it(capsys):
     states = [found.stopped for _, found in sender.readings]
     assert states == sorted(states) and states[0] is False and states[-1] is True
     after = next(came for came, found in sender.readings if found.stopped) - sender.sent[0]
-    assert after > 0.19 and sender.stopped() == f"the platform was stopped, {after:.2f} s after the first packet"
+    assert after > 0.19 and sender.stop_report() == f"the platform was stopped, {after:.2f} s after the first packet"
     assert sender.readings[-1][1].seq <= 21  # the last that counted

@@ -5,9 +5,9 @@ import pytest
 from scipy.signal import sosfreqz
 
 from ocean_sim.parts import preset
-from ocean_sim.platform import INPUT, TILT_RATE
+from ocean_sim.platform import INPUT_LIMIT, TILT_RATE_LIMIT
 from ocean_sim.platform.shared.motion_log import Ride
-from ocean_sim.platform.shared.washing import gravity
+from ocean_sim.platform.shared.washing import rest_force
 from ocean_sim.platform.washout.adaptive import Config as Adaptive
 from ocean_sim.platform.washout.classical import Config, Travel
 from tests.platform.conftest import DATA, ride
@@ -52,9 +52,9 @@ def test_frequency_responses(every, bound, column, omega, damping):
     known = np.genfromtxt(DATA / "washout_heave.csv", delimiter=",", skip_header=2)
     angular = 2.0 * np.pi / known[:, 0]
     _, moved = sosfreqz(Travel(omega, damping, omega / 10.0, every).filter.sections, worN=angular * every)
-    gain = moved * (1j * angular) ** 2  # from displacement to displacement
-    np.testing.assert_allclose(np.abs(gain), known[:, column], rtol=bound, atol=6e-5)
-    turn = np.angle(gain / np.exp(1j * np.radians(known[:, column + 1])), deg=True)
+    motion_gain = moved * (1j * angular) ** 2  # from displacement to displacement
+    np.testing.assert_allclose(np.abs(motion_gain), known[:, column], rtol=bound, atol=6e-5)
+    turn = np.angle(motion_gain / np.exp(1j * np.radians(known[:, column + 1])), deg=True)
     assert np.abs(turn).max() <= 180.0 * bound
 
 
@@ -63,7 +63,7 @@ def test_a_step_in_closed_form():
     every, w, b = 0.001, 2.5, 0.25
     t = np.arange(8000) * every
     known = np.exp(-b * t) / (w - b) ** 2 - np.exp(-w * t) * (1.0 / (w - b) ** 2 + t / (w - b))
-    moved, _ = Travel(w, 1.0, b, every).of(np.ones(len(t)))
+    moved, _ = Travel(w, 1.0, b, every).displace(np.ones(len(t)))
     assert np.abs(moved - known).max() < 1e-3 * known.max()
     assert known.max() == pytest.approx(0.115768, abs=1e-6) and t[np.argmax(moved)] == pytest.approx(1.607, abs=2e-3)
 
@@ -87,7 +87,7 @@ def test_a_ship_at_rest_leaves_the_platform_in_neutral(name):
 def test_a_heel_that_lasts_is_shown_once():
     """The ship set shows a heel as it is; srs filters the angle away and lets gravity come back as tilt, scaled."""
     heel = np.radians(8.0)
-    force = gravity(np.array([[heel, 0.0, 0.0]])) - [0.0, 0.0, 9.81]
+    force = rest_force(np.array([[heel, 0.0, 0.0]])) - [0.0, 0.0, 9.81]
     rows = ride(6000, 0.01, force, attitude=[heel, 0.0, 0.0])
     assert washout("ship", 0.01).follow(rows).pose[-1, 3] == pytest.approx(heel, abs=1e-9)
     assert washout("srs", 0.01).follow(rows).pose[-1, 3] == pytest.approx(np.arcsin(0.6 * np.sin(heel)), rel=1e-6)
@@ -96,7 +96,7 @@ def test_a_heel_that_lasts_is_shown_once():
 def test_tilt_keeps_to_its_rate_and_says_so():
     cue = washout("air", 0.01).follow(ride(1000, 0.01, [3.0, 0.0, 0.0]))
     rates = np.degrees(np.diff(cue.pose[:, 4])) / 0.01
-    assert np.abs(rates).max() == pytest.approx(3.0, rel=1e-9) and (cue.limited & TILT_RATE).any()
+    assert np.abs(rates).max() == pytest.approx(3.0, rel=1e-9) and (cue.limited & TILT_RATE_LIMIT).any()
     gentle = washout("air", 0.01).follow(ride(1000, 0.01, [0.1, 0.0, 0.0]))
     assert not gentle.limited.any()
 
@@ -120,8 +120,8 @@ def test_a_platform_at_the_end_of_its_travel_comes_back_when_the_motion_turns():
     """Without the cut the filter is full, and keeps the platform beyond its end long after the push has gone."""
     every = 0.01
     push = np.concatenate([np.full(400, 3.0), np.full(300, -1.0), np.zeros(300)])
-    cut, was_limited = Travel(0.4, 0.7, 0.04, every, (-0.6, 0.6)).of(push)
-    free, _ = Travel(0.4, 0.7, 0.04, every).of(push)
+    cut, was_limited = Travel(0.4, 0.7, 0.04, every, (-0.6, 0.6)).displace(push)
+    free, _ = Travel(0.4, 0.7, 0.04, every).displace(push)
     assert was_limited.any() and free.max() > 5.0
     assert (cut > 0.6).sum() < 0.6 * (free > 0.6).sum()
     assert np.flatnonzero(cut > 0.6).max() < np.flatnonzero(free > 0.6).max() - 150
@@ -131,7 +131,7 @@ def test_an_angle_that_is_followed_is_not_told_to_be_limited_by_its_rate():
     """Under `ship` roll is followed itself: no limit of rates changes it; under `srs` its rate is filtered, and cut."""
     t = np.arange(500) * 0.01
     zero, angle, rate = np.zeros_like(t), 0.2 * np.sin(t), 0.2 * np.cos(t)
-    force = gravity(np.column_stack([angle, zero, zero])) - [0.0, 0.0, 9.81]
+    force = rest_force(np.column_stack([angle, zero, zero])) - [0.0, 0.0, 9.81]
     rows = ride(500, 0.01, force, np.column_stack([rate, zero, zero]), np.column_stack([angle, zero, zero]))
     for name, cut in (("ship", False), ("srs", True)):
         given = preset("washout", name)
@@ -139,13 +139,13 @@ def test_an_angle_that_is_followed_is_not_told_to_be_limited_by_its_rate():
             Config.model_validate(given | {"rate_limit_deg": limit}).build(0.01, FREE).follow(rows)
             for limit in (60.0, 2.0)
         )
-        assert not (free.limited & INPUT).any() and (tight.limited & INPUT).any() == cut
+        assert not (free.limited & INPUT_LIMIT).any() and (tight.limited & INPUT_LIMIT).any() == cut
         assert (tight.pose != free.pose).any() == cut
 
 
 def test_input_beyond_its_limit_is_clipped_and_told():
     cue = washout("ship", 0.01).follow(ride(10, 0.01, [0.0, 0.0, 50.0]))
-    assert (cue.limited & INPUT).all()
+    assert (cue.limited & INPUT_LIMIT).all()
 
 
 def test_gravity_in_body_axes_and_the_worked_example_of_specific_force():
@@ -154,7 +154,7 @@ def test_gravity_in_body_axes_and_the_worked_example_of_specific_force():
     omega, rate, arm = np.array([0.1, 0.2, 0.05]), np.array([0.3, -0.2, 0.1]), np.array([2.0, 0.5, -1.5])
     head = np.array([0.5, -0.3, 0.8]) + np.cross(rate, arm) + np.cross(omega, np.cross(omega, arm))
     np.testing.assert_allclose(head, [0.6675, 0.36875, 1.44], atol=1e-12)
-    flu = np.diag([1.0, -1.0, -1.0]) @ head + gravity(np.radians([[8.0, 5.0, 0.0]]))[0]
+    flu = np.diag([1.0, -1.0, -1.0]) @ head + rest_force(np.radians([[8.0, 5.0, 0.0]]))[0]
     np.testing.assert_allclose(flu, [-0.187498, 0.991343, 8.237563], atol=1e-6)
 
 
@@ -164,10 +164,10 @@ def test_an_adaptive_share_is_that_of_the_least_cost_in_high_waves_and_recovers(
     every, omega = 0.01, 1.2
     t = np.arange(20000) * every
     heave = Adaptive.model_validate(preset("washout", "ship_adaptive") | weights).build(every, FREE).travels[2]
-    small, _ = heave.of(0.01 * np.cos(omega * t))
+    small, _ = heave.displace(0.01 * np.cos(omega * t))
     assert np.ptp(small[-1000:]) == pytest.approx(0.02 / omega**2, rel=0.01) and heave.share > 0.99
-    high, _ = heave.of(2.0 * np.cos(omega * t))
+    high, _ = heave.displace(2.0 * np.cos(omega * t))
     share = 1.0 / (1.0 + 2.0 / omega**4)
     assert np.ptp(high[-1000:]) == pytest.approx(share * 4.0 / omega**2, rel=0.08)
-    heave.of(np.zeros(40000))
+    heave.displace(np.zeros(40000))
     assert heave.share > 0.95 and abs(heave.place) < 0.01

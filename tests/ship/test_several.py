@@ -243,7 +243,7 @@ def test_ships_are_set_one_by_one_and_dumped_as_they_were():
     assert rows["motion"] == "motion_a.csv, motion_c.csv"
     assert any(sentence.startswith("ships.c: the Otter's model") for sentence in config.warnings())
     assert load(scene, {"ships": None, "motion": None}).resolved()["ship"] is None
-    assert schema.schema()["properties"]["ships"]["anyOf"][0]["type"] == "object"
+    assert schema.scene_schema()["properties"]["ships"]["anyOf"][0]["type"] == "object"
 
 
 def test_the_longest_step_is_that_which_every_ship_bears():

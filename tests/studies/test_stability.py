@@ -9,10 +9,10 @@ import pytest
 from ocean_sim.__main__ import answered
 from ocean_sim.parts import compared
 from ocean_sim.reading.scene import load
-from ocean_sim.studies import heeds
+from ocean_sim.studies import reads_key
 from ocean_sim.studies.shared import runs
 from ocean_sim.studies.shared import study as table_module
-from ocean_sim.studies.stability import AXES, COLUMN, spots, summary, verdict
+from ocean_sim.studies.stability import COLUMN_SCENE, EXTREME_AXES, grid_points, map_summary, verdict_of
 
 TANK = """basin: {length: 1.0, depth: 0.5}
 fluid: {kind: delta_sph, spacing: 0.1}
@@ -29,7 +29,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def scene():
-    return load(COLUMN | {"fluid": COLUMN["fluid"] | {"kind": "mueller"}})
+    return load(COLUMN_SCENE | {"fluid": COLUMN_SCENE["fluid"] | {"kind": "mueller"}})
 
 
 def table(gain: float = 0.0, dense: float = 0.0, given: float = 0.0) -> dict[str, np.ndarray]:
@@ -41,28 +41,28 @@ def table(gain: float = 0.0, dense: float = 0.0, given: float = 0.0) -> dict[str
 
 
 def test_every_verdict_can_be_given(scene):
-    assert verdict(DONE, table(0.005, 0.04), scene, False)[0] == "stable"
-    said, why, numbers = verdict(DONE, table(gain=0.03), scene, False)
+    assert verdict_of(DONE, table(0.005, 0.04), scene, False)[0] == "stable"
+    said, why, numbers = verdict_of(DONE, table(gain=0.03), scene, False)
     assert said == "degraded" and why.startswith("energy from nowhere: 3 %")
     assert numbers["energy_gain"] == pytest.approx(0.03, rel=1e-6)
-    assert verdict(DONE, table(dense=0.06), scene, False)[:2] == ("degraded", "mean compression 6 % (bound 5 %)")
-    assert verdict({"outcome": "stopped", "reason": "too fast"}, {}, scene, False)[:2] == ("stopped", "too fast")
-    assert verdict({"outcome": "failed", "reason": "SIGSEGV"}, {}, scene, False)[:2] == ("none", "SIGSEGV")
+    assert verdict_of(DONE, table(dense=0.06), scene, False)[:2] == ("degraded", "mean compression 6 % (bound 5 %)")
+    assert verdict_of({"outcome": "stopped", "reason": "too fast"}, {}, scene, False)[:2] == ("stopped", "too fast")
+    assert verdict_of({"outcome": "failed", "reason": "SIGSEGV"}, {}, scene, False)[:2] == ("none", "SIGSEGV")
 
 
 def test_a_number_that_is_none_is_never_stable(scene):
-    assert verdict(DONE, table(gain=np.nan), scene, False)[0] == "degraded"
-    assert verdict(DONE, table(dense=np.nan), scene, False)[0] == "degraded"
+    assert verdict_of(DONE, table(gain=np.nan), scene, False)[0] == "degraded"
+    assert verdict_of(DONE, table(dense=np.nan), scene, False)[0] == "degraded"
 
 
 def test_under_a_wind_only_what_it_did_not_give_counts(scene):
-    assert verdict(DONE, table(gain=5.0, given=5.0), scene, True)[0] == "stable"
-    assert verdict(DONE, table(gain=5.0, given=4.98), scene, True)[0] == "degraded"
+    assert verdict_of(DONE, table(gain=5.0, given=5.0), scene, True)[0] == "stable"
+    assert verdict_of(DONE, table(gain=5.0, given=4.98), scene, True)[0] == "degraded"
 
 
 def test_a_map_goes_beyond_the_limits_that_theory_sets():
-    plan = spots(True, "tank.yaml")
-    assert {spot.axis.name for spot in plan} == {axis.name for axis in AXES} - {"mass ratio"}
+    plan = grid_points(True, "tank.yaml")
+    assert {spot.axis.name for spot in plan} == {axis.name for axis in EXTREME_AXES} - {"mass ratio"}
     stiff = [spot for spot in plan if spot.axis.name == "compression" and spot.value == 0.0025]
     assert [spot.factor for spot in stiff] == [0.5, 1.0, 2.0, 4.0]
     assert stiff[0].dt < 0.6 * stiff[0].limits["acoustic"] < stiff[-1].limits["acoustic"] < stiff[-1].dt
@@ -73,9 +73,9 @@ def test_a_map_goes_beyond_the_limits_that_theory_sets():
 
 
 def test_no_map_goes_over_a_setting_that_changes_no_number():
-    maps = {(spot.axis.name, spot.scheme) for spot in spots(True)}
+    maps = {(spot.axis.name, spot.scheme) for spot in grid_points(True)}
     compressed = {scheme for name, scheme in maps if name == "compression"}
-    assert compressed == {scheme for scheme in compared("fluid") if heeds(scheme, "fluid.compression")}
+    assert compressed == {scheme for scheme in compared("fluid") if reads_key(scheme, "fluid.compression")}
     assert {"mueller", "delta_sph"} <= compressed and "dfsph" not in compressed
     assert {scheme for name, scheme in maps if name == "viscosity"} == set(compared("fluid"))
 
@@ -84,7 +84,7 @@ def test_the_longest_stable_step_is_the_one_before_the_first_that_is_not():
     place = {"map": "viscosity", "scheme": "mueller", "value": 1.0, "acoustic_s": 0.1}
     verdicts = {0.5: "stable", 1.0: "stable", 2.0: "degraded", 4.0: "stable"}
     rows = [place | {"dt_over_courant": k, "dt_s": 0.06 * k, "verdict": said} for k, said in verdicts.items()]
-    (line,) = summary(rows)
+    (line,) = map_summary(rows)
     assert (line["stable_to"], line["first_break"], line["verdict"]) == (1.0, 2.0, "degraded")
     assert line["acoustic_number"] == pytest.approx(0.6) and line["viscous_number"] is None
 
@@ -96,12 +96,12 @@ def test_the_study_leaves_tables_and_pictures_and_tells_what_has_no_verdict(caps
         Path(folder).mkdir(parents=True)
         columns = table(gain=0.05 if order["scene"]["fluid"]["compression"] == 1.0 else 0.0)
         rows = [dict(zip(columns, values)) for values in zip(*columns.values())]
-        table_module.write(Path(folder) / "accuracy.csv", rows)
+        table_module.write_table(Path(folder) / "accuracy.csv", rows)
         if order["scene"]["wind"]["kind"] == "gusts":
-            return runs.failure("its process was ended by SIGSEGV")
+            return runs.failure_row("its process was ended by SIGSEGV")
         return {"outcome": "stopped", "reason": "too fast"} if order["scene"]["time_step"]["dt"] > 0.08 else DONE
 
-    monkeypatch.setattr(runs, "performed", made_up)
+    monkeypatch.setattr(runs, "perform_run", made_up)
     assert answered(["stability", "tank.yaml", "--quick", "--out", "out"]) == 1
     said = capsys.readouterr().out
     assert "4 without a verdict" in said and "no verdict: wind 24.4, delta_sph" in said and "SIGSEGV" in said

@@ -18,7 +18,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError, parse_mapping
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
-from ocean_sim.studies.sweep import planned
+from ocean_sim.studies.sweep import read_plan
 from tests.processes import alive
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
@@ -65,12 +65,12 @@ def orders(count: int, **more) -> list[dict]:
 def wrong(text: str) -> list[str]:
     Path("plan.yaml").write_text(text)
     with pytest.raises(SceneError) as error:
-        planned(Path("plan.yaml"))
+        read_plan(Path("plan.yaml"))
     return [str(problem) for problem in error.value.problems]
 
 
 def test_a_plan_means_every_combination_in_its_own_order():
-    runs = planned(Path("plan.yaml"))
+    runs = read_plan(Path("plan.yaml"))
     assert len(runs) == 16
     assert [run.settings["seed"] for run in runs[:2]] == [1, 2]
     assert {run.scene.duration for run in runs} == {0.3, 0.4}  # the grid stands further down than `set`
@@ -79,10 +79,10 @@ def test_a_plan_means_every_combination_in_its_own_order():
 
 
 def test_equal_scenes_have_one_address_and_others_another():
-    first, *_, last = planned(Path("plan.yaml"), threads=1)
-    other = planned(Path("plan.yaml"), threads=2)[0]
-    assert runs_module.address(first.order()) == runs_module.address(other.order())
-    assert runs_module.address(first.order()) != runs_module.address(last.order())
+    first, *_, last = read_plan(Path("plan.yaml"), threads=1)
+    other = read_plan(Path("plan.yaml"), threads=2)[0]
+    assert runs_module.run_address(first.order()) == runs_module.run_address(other.order())
+    assert runs_module.run_address(first.order()) != runs_module.run_address(last.order())
 
 
 NAMED = {  # by what names a file: the scene around its name, and two contents of it
@@ -132,9 +132,9 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
             trimesh.creation.box([1.0 + size, 1.0, 3.0]).export("f.stl")
         else:
             Path("f").write_text(text.replace("%d", str(size)))
-        [run] = planned(Path("plan.yaml"))
+        [run] = read_plan(Path("plan.yaml"))
         assert list(run.planned["inputs"]) == [str(tmp_path / ("f.stl" if key == "hull" else "f"))]
-        return runs_module.address(run.order())
+        return runs_module.run_address(run.order())
 
     first = address(1)
     assert address(2) != first and address(1) == first
@@ -145,7 +145,7 @@ def test_a_key_that_signs_packets_is_no_input_and_is_in_no_manifest():
     ship = "ship: otter\nplatform: {kind: hexapod, geometry: hexapod_a, washout: ship}\nstream: {key: key}\n"
     Path("sea.yaml").write_text(SEA + ship)
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: [1]\n")
-    assert planned(Path("plan.yaml"))[0].planned["inputs"] == {}
+    assert read_plan(Path("plan.yaml"))[0].planned["inputs"] == {}
 
 
 def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
@@ -160,9 +160,9 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
         assert answered(["sweep", "plan.yaml", "--out", "out", "--workers", "1", "--json"]) == 0
         surges.append(json.loads(capsys.readouterr().out)[0]["surge_rms_m"])
     assert surges[0] != surges[1]
-    order = planned(Path("plan.yaml"), 1)[0].order()
+    order = read_plan(Path("plan.yaml"), 1)[0].order()
     Path("c.csv").write_text(controls % ("0.5", "0.5"))
-    [(_, answer)] = runs_module.answers([order], Path("late"), 1)
+    [(_, answer)] = runs_module.run_answers([order], Path("late"), 1)
     assert answer["outcome"] == "failed"
     assert answer["reason"] == "a file that the scene names has changed since this run was planned"
     assert not any(Path("late").rglob("answer.json"))
@@ -202,31 +202,31 @@ def test_a_killed_worker_is_a_failure_and_the_others_go_on():
                 os.kill(child.pid, signal.SIGKILL)
 
     asked = orders(4, wait=1.5)
-    begun = Path("out") / runs_module.address(asked[1])
+    begun = Path("out") / runs_module.run_address(asked[1])
     Thread(target=kill_the_second).start()
-    found = dict(runs_module.answers(asked, Path("out"), workers=2))
+    found = dict(runs_module.run_answers(asked, Path("out"), workers=2))
     assert [found[k]["outcome"] for k in range(4)] == ["done", "failed", "done", "done"]
     assert "SIGKILL" in found[1]["reason"]
-    kept = {k: os.stat(Path("out") / runs_module.address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
-    again = dict(runs_module.answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
+    kept = {k: os.stat(Path("out") / runs_module.run_address(asked[k]) / "answer.json").st_mtime_ns for k in (0, 2, 3)}
+    again = dict(runs_module.run_answers(asked, Path("out"), workers=2))  # the same call repeats the failed one alone
     assert [again[k]["outcome"] for k in range(4)] == 4 * ["done"]
     for k, when in kept.items():
-        assert os.stat(Path("out") / runs_module.address(asked[k]) / "answer.json").st_mtime_ns == when
+        assert os.stat(Path("out") / runs_module.run_address(asked[k]) / "answer.json").st_mtime_ns == when
 
 
 def test_a_run_that_falls_or_takes_too_long_says_so():
-    ((_, fallen),) = runs_module.answers(orders(1, fall="no space left"), Path("out"), workers=1)
+    ((_, fallen),) = runs_module.run_answers(orders(1, fall="no space left"), Path("out"), workers=1)
     assert (fallen["outcome"], fallen["reason"]) == ("failed", "no space left")
-    ((_, slow),) = runs_module.answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
+    ((_, slow),) = runs_module.run_answers(orders(1, wait=60.0), Path("out"), workers=1, limit=1.0)
     assert slow["outcome"] == "failed" and "1 s of wall time" in slow["reason"]
 
 
 def test_equal_orders_are_run_once_and_torn_answers_again():
     asked = [*orders(1), *orders(1)]
-    place = Path("out") / runs_module.address(asked[0])
+    place = Path("out") / runs_module.run_address(asked[0])
     place.mkdir(parents=True)
     (place / "answer.json").write_text('{"outcome": "do')
-    found = sorted(runs_module.answers(asked, Path("out"), workers=2))
+    found = sorted(runs_module.run_answers(asked, Path("out"), workers=2))
     assert [k for k, _ in found] == [0, 1] and found[0][1] == found[1][1] == {"outcome": "done", "number": 0}
     assert len(list(Path("out").iterdir())) == 1
 
@@ -250,12 +250,12 @@ def test_a_cluster_gets_the_orders_that_are_left(monkeypatch):
             return ThreadPoolExecutor(2)
 
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, LocalCluster=None))
-    found = dict(runs_module.answers(orders(2), Path("out"), 1, "tcp://there:8786"))
+    found = dict(runs_module.run_answers(orders(2), Path("out"), 1, "tcp://there:8786"))
     assert asked_for == ["tcp://there:8786"] and [found[k]["number"] for k in (0, 1)] == [0, 1]
     with pytest.raises(runs_module.ClusterMissing, match="no Dask scheduler answers at tcp://nowhere:1"):
-        list(runs_module.answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
+        list(runs_module.run_answers(orders(3), Path("out"), 1, "tcp://nowhere:1"))
     assert (
-        len(list(runs_module.answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2
+        len(list(runs_module.run_answers(orders(2), Path("out"), 1, "tcp://nowhere:1"))) == 2
     )  # nothing is left to be run
 
 
@@ -271,7 +271,7 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
             os.kill(pid, signal.SIGKILL)
 
         Thread(target=kill).start()
-        found = dict(runs_module.answers(asked, Path("out"), 2, cluster.scheduler_address))
+        found = dict(runs_module.run_answers(asked, Path("out"), 2, cluster.scheduler_address))
     assert [found[k]["outcome"] for k in range(4)] == 4 * ["done"]
 
 
@@ -297,9 +297,9 @@ list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 
 def test_another_package_has_other_answers(monkeypatch):
     (order,) = orders(1)
-    before = runs_module.address(order)
-    monkeypatch.setattr(runs_module, "program_hash", lambda: "edited")
-    assert runs_module.address(order) != before
+    before = runs_module.run_address(order)
+    monkeypatch.setattr(runs_module, "program", lambda: "edited")
+    assert runs_module.run_address(order) != before
 
 
 def test_a_sweep_leaves_a_table_whose_failures_are_rows(capsys):

@@ -11,24 +11,24 @@ from ocean_sim.__main__ import answered
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
-from ocean_sim.studies import heeds, tradeoff
+from ocean_sim.studies import reads_key, tradeoff
 from ocean_sim.studies.scene_tradeoff import (
-    SEEDS,
+    SEED_COUNTS,
     Budget,
     Repeat,
-    best,
+    best_setting,
     clocks_differ,
-    errors,
-    finest,
-    settings,
-    summary,
-    varied,
+    errors_against,
+    finest_setting,
+    setting_grid,
+    tradeoff_summary,
+    vary_setting,
 )
 from ocean_sim.studies.shared import pareto, runs
 from ocean_sim.studies.shared import study as table
 from ocean_sim.studies.shared.clocked import Clocked
-from ocean_sim.studies.shared.scene_run import seen
-from ocean_sim.studies.tradeoff import TRIALS, clock, equals, front, points
+from ocean_sim.studies.shared.scene_run import run_measures
+from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
 from ocean_sim.validation import problems
 from ocean_sim.verbs import tradeoff as verb
 
@@ -56,16 +56,16 @@ def folder(tmp_path, monkeypatch):
 
 def test_the_front_is_what_nobody_betters():
     pairs = [(1.0, 5.0), (2.0, 3.0), (3.0, 4.0), (2.0, 3.5), (4.0, 1.0), (4.5, 1.0)]
-    assert front(pairs) == [0, 1, 4]
-    assert front([]) == []
+    assert pareto_front(pairs) == [0, 1, 4]
+    assert pareto_front([]) == []
 
 
 def test_the_study_has_every_compared_scheme_on_six_cases_and_every_setting_is_another():
-    plan = points(quick=True)
+    plan = study_points(quick=True)
     of_water = [point for point in plan if point.trial.slot == "fluid"]
     assert len({point.trial.case for point in of_water}) == 6
     assert {point.scheme for point in of_water} == set(compared("fluid")) >= {"mueller", "delta_sph", "dfsph"}
-    addresses = [runs.address(point.order()) for point in points(quick=False)]
+    addresses = [runs.run_address(point.order()) for point in study_points(quick=False)]
     assert len(set(addresses)) == len(addresses) > len(plan)
     changed = {(point.scheme, point.changed) for point in plan if point.trial.case == "standing_wave"}
     assert ("delta_sph", "fluid.support_ratio=2.0") in changed
@@ -73,9 +73,9 @@ def test_the_study_has_every_compared_scheme_on_six_cases_and_every_setting_is_a
 
 
 def test_no_setting_is_varied_that_changes_no_number():
-    for plan in (points(quick=True), points(quick=False)):
+    for plan in (study_points(quick=True), study_points(quick=False)):
         varied = {p.scheme for p in plan if "fluid.compression" in p.settings}
-        assert varied == {scheme for scheme in compared("fluid") if heeds(scheme, "fluid.compression")}
+        assert varied == {scheme for scheme in compared("fluid") if reads_key(scheme, "fluid.compression")}
         assert {"mueller", "delta_sph"} <= varied and "dfsph" not in varied
 
 
@@ -86,11 +86,11 @@ def test_a_wanted_compression_changes_no_number_of_water_that_has_none(scheme):
     for compression in (0.0025, 0.04):
         run(load(FALL, {"fluid.kind": scheme, "fluid.compression": compression}), f"{compression}")
         tables.add(Path(f"{compression}/accuracy.csv").read_bytes())
-    assert len(tables) == 1 + heeds(scheme, "fluid.compression") == (1 if scheme == "dfsph" else 2)
+    assert len(tables) == 1 + reads_key(scheme, "fluid.compression") == (1 if scheme == "dfsph" else 2)
 
 
 def test_every_trial_draws_an_error_that_its_case_promises():
-    for trial in TRIALS:
+    for trial in TRIAL_CASES:
         promised = [
             p.quantity
             for coarse in (True, False)
@@ -108,14 +108,14 @@ def row(scheme: str, wall: float, error: float | None, particles: int = 100, cha
 
 def test_schemes_are_compared_at_equal_time_and_at_equal_number():
     rows = [row("slow", 4.0, 1.0), row("slow", 9.0, 0.1, 400), row("fast", 1.0, -3.0), row("fast", 3.5, 2.0, 400)]
-    found = {(line["at equal"], line["scheme"]): line["error"] for line in equals(rows, "wall_per_s")}
+    found = {(line["at equal"], line["scheme"]): line["error"] for line in equal_cost_rows(rows, "wall_per_s")}
     assert found["time up to 4 s/s", "slow"] == 1.0 and found["time up to 4 s/s", "fast"] == 2.0
     assert found["100 particles", "fast"] == -3.0 and found["400 particles", "slow"] == 0.1
 
 
 def test_a_busy_machine_is_told_by_its_clocks():
-    assert clock([row("a", 1.0, 1.0)]) == "wall_per_s"
-    assert clock([row("a", 2.0, 1.0) | {"cpu_per_s": 1.0}]) == "cpu_per_s"
+    assert clock_column([row("a", 1.0, 1.0)]) == "wall_per_s"
+    assert clock_column([row("a", 2.0, 1.0) | {"cpu_per_s": 1.0}]) == "cpu_per_s"
 
 
 def test_a_run_is_timed_three_times_over():
@@ -130,22 +130,22 @@ def test_a_run_is_timed_three_times_over():
 
 
 def test_surfaces_are_run_coarse_and_fine_and_peers_are_marks():
-    of_surfaces = [point for point in points(quick=True) if point.trial.case == "surface_slab"]
+    of_surfaces = [point for point in study_points(quick=True) if point.trial.case == "surface_slab"]
     assert {(point.scheme, point.settings.get("resolution", 1.0)) for point in of_surfaces if not point.changed} == {
         (kind, factor) for kind in ("cloth", "marching_cubes") for factor in (1.0, 0.5)
     }
-    assert all(trial.peers for trial in TRIALS if trial.case in ("hydrostatic", "taylor_green"))
+    assert all(trial.peers for trial in TRIAL_CASES if trial.case in ("hydrostatic", "taylor_green"))
 
 
 def test_a_table_is_read_as_it_was_written(tmp_path):
     rows = [{"a": 1.5, "b": None, "c": "x=1", "d": True}, {"a": 2, "b": [1], "c": "", "d": False}]
-    table.write(tmp_path / "a.csv", rows)
-    assert table.read(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
+    table.write_table(tmp_path / "a.csv", rows)
+    assert table.read_table(tmp_path / "a.csv") == [rows[0], rows[1] | {"c": None}]
 
 
 def test_pictures_hold_failures_too(tmp_path):
     rows = [row("mueller", 1.0, 0.0), row("dfsph", 2.0, 1.0, changed="fluid.compression=0.04"), row("dfsph", 3.0, None)]
-    pareto.draw(tmp_path / "a.png", TRIALS[2], rows, "wall_per_s")
+    pareto.draw_pareto(tmp_path / "a.png", TRIAL_CASES[2], rows, "wall_per_s")
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
@@ -178,7 +178,7 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
         {"setting": "fine", "wall_per_s": 8.0, "cpu_per_s": 0.8, "x": 1.0, "x_spread": 0.0},
         {"setting": "too fine", "wall_per_s": 15.0, "cpu_per_s": 1.5, "x": 0.0, "x_spread": 0.0},
     ]
-    found = best(rows, "x", Budget.of("realtime"))
+    found = best_setting(rows, "x", Budget.of("realtime"))
     assert found is not None and found["setting"] == "fine"
     assert clocks_differ(rows).startswith("the machine was busy: wall time is 10 times processor time")
     assert "wall time is 0.5 times processor time" in clocks_differ([shared])
@@ -190,8 +190,8 @@ def test_a_budget_counts_processor_time_where_a_run_has_waited_for_others():
     [
         ("wind: still", 1),
         ("wind: {kind: stress, u10: 5.0}", 1),
-        ("wind: {kind: vortex, noise: [1.0, 0.0, 0.0]}", SEEDS[True]),
-        ("wind: wide", SEEDS[True]),
+        ("wind: {kind: vortex, noise: [1.0, 0.0, 0.0]}", SEED_COUNTS[True]),
+        ("wind: wide", SEED_COUNTS[True]),
     ],
 )
 def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys, wind, seeds):
@@ -202,10 +202,10 @@ def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys,
         out.mkdir(parents=True)
         time = np.arange(0.0, 20.0, 0.05)
         size = order["scene"]["fluid"]["height"]
-        table.write(out / "gauges.csv", [{"time_s": t, "centre_m": size * np.sin(2.0 * t)} for t in time])
+        table.write_table(out / "gauges.csv", [{"time_s": t, "centre_m": size * np.sin(2.0 * t)} for t in time])
         return {"outcome": "done", "reason": "", "wall_per_s": 5.0, "cpu_per_s": 0.5, "wall_s": 9.0, "cpu_s": 1.0}
 
-    monkeypatch.setattr(runs, "performed", made_up)
+    monkeypatch.setattr(runs, "perform_run", made_up)
     Path("sea.yaml").write_text(SEA + wind + "\n")
     words = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--budget", "realtime", "--quick", "--out", "o"]
     assert answered(words) == 0
@@ -216,36 +216,38 @@ def test_where_nothing_is_drawn_from_the_seed_one_is_enough(monkeypatch, capsys,
 
 
 def test_the_finest_value_is_known_by_its_key():
-    assert finest("fluid.spacing", [1.0, 0.5, 0.8]) == 0.5
-    assert finest("fluid.particles", [1000, 6000]) == 6000
-    assert finest("runtime.precision", ["f64", "f32"]) == "f64"
-    assert finest("profile", ["reference", "ci"]) == "reference"
-    assert finest("title", ["a", "b"]) == "b"
+    assert finest_setting("fluid.spacing", [1.0, 0.5, 0.8]) == 0.5
+    assert finest_setting("fluid.particles", [1000, 6000]) == 6000
+    assert finest_setting("runtime.precision", ["f64", "f32"]) == "f64"
+    assert finest_setting("profile", ["reference", "ci"]) == "reference"
+    assert finest_setting("title", ["a", "b"]) == "b"
 
 
 def test_what_varies_is_said_and_what_is_wrong_with_it():
-    vary = varied(["fluid.height=0.5, 0.25", "basin.walls=[none, periodic]"])
+    vary = vary_setting(["fluid.height=0.5, 0.25", "basin.walls=[none, periodic]"])
     assert [node.plain() for node in vary["fluid.height"]] == [0.5, 0.25]
     for text, said in (("fluid.height", "expected KEY=A,B,C"), ("=1,2", "expected KEY"), ("a=[1", "not valid YAML")):
         with pytest.raises(SceneError, match=said):
-            varied([text])
+            vary_setting([text])
     with pytest.raises(SceneError, match="2 to 200 can be compared"):
-        settings("sea.yaml", None, {}, varied(["fluid.height=0.5"]), True)
+        setting_grid("sea.yaml", None, {}, vary_setting(["fluid.height=0.5"]), True)
     with pytest.raises(SceneError, match=r"--vary fluid\.hight=1,2: fluid\.hight: unknown key; did you mean"):
-        settings("sea.yaml", None, {}, varied(["fluid.hight=1,2"]), True)
+        setting_grid("sea.yaml", None, {}, vary_setting(["fluid.hight=1,2"]), True)
 
 
 def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
-    plan = settings("sea.yaml", None, {}, varied(["fluid.height=0.2,0.1", "runtime.precision=f32,f64"]), True)
+    plan = setting_grid("sea.yaml", None, {}, vary_setting(["fluid.height=0.2,0.1", "runtime.precision=f32,f64"]), True)
     assert len(plan) == 4 and [one.finest for one in plan].count(True) == 1
     assert plan[0].line() == "--set fluid.height=0.2 --set runtime.precision=f32"
     assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
     assert "gauges" in plan[0].scenes[0].observers
-    assert runs.address(Repeat(plan[0], 0).order()) != runs.address(Repeat(plan[0], 0, again=True).order())
+    assert runs.run_address(Repeat(plan[0], 0).order()) != runs.run_address(Repeat(plan[0], 0, again=True).order())
 
 
 def test_a_line_can_be_pasted_whatever_the_values():
-    plan = settings("sea.yaml", None, {}, varied(["runtime.pin=true,false", "health=null,{every: 1.0}"]), True)
+    plan = setting_grid(
+        "sea.yaml", None, {}, vary_setting(["runtime.pin=true,false", "health=null,{every: 1.0}"]), True
+    )
     assert plan[0].line() == "--set runtime.pin=true --set health=null"
     assert plan[1].line() == """--set runtime.pin=true --set 'health={"every": 1.0}'"""
 
@@ -261,10 +263,10 @@ def test_the_study_of_cases_leaves_tables_and_pictures(monkeypatch, capsys):
         facts = {"particles": 100 / fine**2, "neighbours": 20.0, "wall_per_s": 2.0 / fine, "cpu_per_s": 1.0 / fine}
         return {"outcome": "done", "reason": "", "errors": errors} | facts
 
-    few = tuple(trial for trial in TRIALS if trial.case in ("dam_break_front", "ship_rao"))
-    monkeypatch.setattr(tradeoff, "TRIALS", few)
-    monkeypatch.setattr(verb, "TRIALS", few)
-    monkeypatch.setattr(runs, "performed", made_up)
+    few = tuple(trial for trial in TRIAL_CASES if trial.case in ("dam_break_front", "ship_rao"))
+    monkeypatch.setattr(tradeoff, "TRIAL_CASES", few)
+    monkeypatch.setattr(verb, "TRIAL_CASES", few)
+    monkeypatch.setattr(runs, "perform_run", made_up)
     assert answered(["tradeoff", "--quick", "--out", "out"]) == 0
     said = capsys.readouterr().out
     assert "processor time is compared" in said and "too fast" in said and "400" in said
@@ -276,19 +278,19 @@ def written(folder: str, amplitude: float, period: float) -> Result:
     time = np.arange(0.0, 20.0, 0.05)
     height = amplitude * np.sin(2.0 * np.pi * time / period)
     Path(folder).mkdir()
-    table.write(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
-    table.write(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
+    table.write_table(Path(folder) / "gauges.csv", [{"time_s": t, "a_m": y} for t, y in zip(time, height)])
+    table.write_table(Path(folder) / "motion.csv", [{"time_s": t, "heave_m": y + 3.0} for t, y in zip(time, height)])
     legs = [{"time_s": t} | {f"leg{k}_m": y for k in range(1, 7)} for t, y in zip(time, height)]
-    table.write(Path(folder) / "platform.csv", legs)
+    table.write_table(Path(folder) / "platform.csv", legs)
     return Result(folder)
 
 
 def test_errors_are_those_that_were_put_in():
-    found = errors(written("one", 0.5, 2.0), written("other", 0.4, 2.0))
+    found = errors_against(written("one", 0.5, 2.0), written("other", 0.4, 2.0))
     assert found["a_hs_m"] == pytest.approx(0.2, rel=0.01) and found["a_tz_s"] == pytest.approx(0.0, abs=1e-6)
     for name in ("a_rms_m", "heave_rms_m", "legs_rms_m"):
         assert found[name] == pytest.approx(0.1 / np.sqrt(2.0), rel=0.01)
-    assert errors(Result("one"), written("third", 0.5, 2.5))["a_tz_s"] == pytest.approx(0.5, rel=0.01)
+    assert errors_against(Result("one"), written("third", 0.5, 2.5))["a_tz_s"] == pytest.approx(0.5, rel=0.01)
 
 
 def heading(folder: str, ahead: float, swing: float) -> Result:
@@ -296,7 +298,7 @@ def heading(folder: str, ahead: float, swing: float) -> Result:
     time = np.arange(0.0, 20.0, 0.05)
     yaw = np.remainder(ahead + swing * np.sin(2.0 * np.pi * time / 2.0) + np.pi, 2.0 * np.pi) - np.pi
     Path(folder).mkdir()
-    table.write(Path(folder) / "motion.csv", [{"time_s": t, "yaw_rad": y} for t, y in zip(time, yaw)])
+    table.write_table(Path(folder) / "motion.csv", [{"time_s": t, "yaw_rad": y} for t, y in zip(time, yaw)])
     return Result(folder)
 
 
@@ -304,8 +306,8 @@ def heading(folder: str, ahead: float, swing: float) -> Result:
 def test_a_ship_that_heads_for_minus_z_swings_as_much_as_any(ahead):
     """Her yaw leaps from pi to -pi: sweeps and studies took that for a swing of up to 0.9 rad."""
     one, other = heading("one", ahead, 0.02), heading("other", ahead - 0.01, 0.02)
-    assert seen(one)["yaw_rms_rad"] == pytest.approx(0.02 / np.sqrt(2.0), rel=1e-6)
-    assert errors(one, other)["yaw_rms_rad"] == pytest.approx(0.01, rel=1e-6)
+    assert run_measures(one)["yaw_rms_rad"] == pytest.approx(0.02 / np.sqrt(2.0), rel=1e-6)
+    assert errors_against(one, other)["yaw_rms_rad"] == pytest.approx(0.01, rel=1e-6)
 
 
 def choice(name: str, wall: float, error: float | None, spread: float = 0.0) -> dict:
@@ -314,25 +316,25 @@ def choice(name: str, wall: float, error: float | None, spread: float = 0.0) -> 
 
 def test_a_setting_is_better_only_beyond_the_spread():
     rows = [choice("cheap", 0.2, 1.1, 0.05), choice("dear", 0.8, 1.0, 0.05), choice("finest", 5.0, 0.0)]
-    assert best(rows, "e", Budget.of("realtime"))["setting"] == "dear"
+    assert best_setting(rows, "e", Budget.of("realtime"))["setting"] == "dear"
     rows[0]["e_spread"] = 0.2  # now nobody can tell
-    assert best(rows, "e", Budget.of("realtime"))["setting"] == "cheap"
-    assert best(rows, "e", Budget.of("30s"))["setting"] == "finest"
-    assert best(rows, "e", Budget.of("1ms")) is None
-    assert best([choice("lost", 0.1, None)], "e", Budget.of("realtime")) is None
+    assert best_setting(rows, "e", Budget.of("realtime"))["setting"] == "cheap"
+    assert best_setting(rows, "e", Budget.of("30s"))["setting"] == "finest"
+    assert best_setting(rows, "e", Budget.of("1ms")) is None
+    assert best_setting([choice("lost", 0.1, None)], "e", Budget.of("realtime")) is None
 
 
 def test_a_setting_that_failed_once_has_no_error():
-    plan = settings("sea.yaml", None, {}, varied(["fluid.height=0.2,0.1"]), True)
+    plan = setting_grid("sea.yaml", None, {}, vary_setting(["fluid.height=0.2,0.1"]), True)
     done = {"outcome": "done", "reason": "", "wall_per_s": 1.0, "wall_s": 2.0}
-    whole = summary(plan[0], [done, done | {"wall_per_s": 3.0}], [{"e": 1.0}, {"e": 2.0}])
+    whole = tradeoff_summary(plan[0], [done, done | {"wall_per_s": 3.0}], [{"e": 1.0}, {"e": 2.0}])
     assert (whole["e"], whole["wall_per_s"]) == (1.5, 2.0) and whole["e_spread"] == pytest.approx(np.sqrt(0.5))
-    lost = summary(plan[0], [done, {"outcome": "stopped", "reason": "too fast"}], [{"e": 1.0}, {}])
+    lost = tradeoff_summary(plan[0], [done, {"outcome": "stopped", "reason": "too fast"}], [{"e": 1.0}, {}])
     assert (lost["e"], lost["outcome"], lost["reason"]) == (None, "stopped", "too fast")
 
 
 def test_the_study_of_a_scene_answers_with_a_line_to_paste_and_proves_it(capsys, monkeypatch):
-    monkeypatch.setitem(SEEDS, True, 1)
+    monkeypatch.setitem(SEED_COUNTS, True, 1)
     asked = ["tradeoff", "sea.yaml", "--vary", "fluid.height=0.2,0.1", "--quick", "--out", "out"]
     assert answered([*asked, "--budget", "600s"]) == 0
     said = capsys.readouterr().out
@@ -360,8 +362,8 @@ def test_names_of_points_that_lie_together_stay_apart():
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(0.0, 1.0)
     for k in range(8):
-        pareto.named(axes, f"a long setting {k}", (0.5 + 0.01 * k, 0.5 + 0.003 * k), fontsize=6)
-    pareto.apart(figure)
+        pareto.name_points(axes, f"a long setting {k}", (0.5 + 0.01 * k, 0.5 + 0.003 * k), fontsize=6)
+    pareto.shift_apart(figure)
     boxes = [Text.get_window_extent(name) for name in axes.get_children() if isinstance(name, Annotation)]
     assert len(boxes) == 8
     assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

@@ -72,7 +72,7 @@ def test_a_gate_runs_what_it_can_judge_and_has_time_for():
 
 def test_what_was_left_out_is_said_in_one_sentence(tmp_path, capsys, monkeypatch):
     """Whatever those give that are run; here none is."""
-    monkeypatch.setattr(validate, "answers", lambda orders, workers: [])
+    monkeypatch.setattr(validate, "case_answers", lambda orders, workers: [])
     words = ["validate", "poiseuille", "couette", "ship_o*", "--out", str(tmp_path)]
     assert answered([*words, "--coarse"]) == 0
     said = capsys.readouterr().out

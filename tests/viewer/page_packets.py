@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.viewer.protocol import FULL, MAGIC
+from ocean_sim.viewer.protocol import FULL_SCALE, PACKET_MAGIC
 
 
-def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Header and arrays of a packet; raises ValueError."""
     if data[:1] == b"\x78":
         data = zlib.decompress(data)
-    if data[:4] != MAGIC:
+    if data[:4] != PACKET_MAGIC:
         raise ValueError("this is not a packet")
     begin = 8 + int.from_bytes(data[4:8], "little")
     header = json.loads(data[8:begin])
@@ -28,7 +28,7 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 def opened(whole: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The positions [m] that whole numbers in a box stand for."""
-    return 0.5 * (high + low) + 0.5 * (high - low) / FULL * whole
+    return 0.5 * (high + low) + 0.5 * (high - low) / FULL_SCALE * whole
 
 
 def summed(planes: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import pytest
 
 from ocean_sim.parts import PACKAGE
 from ocean_sim.viewer.replay import replay_file
-from ocean_sim.viewer.still import page
+from ocean_sim.viewer.still import page_document
 from tests.viewer import _chromium
 
 pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
@@ -57,7 +57,7 @@ def run(tmp_path_factory):
 
 
 def test_the_page_is_small_and_calls_nobody():
-    document = page("<a> title", {"mode": "live"}).decode()
+    document = page_document("<a> title", {"mode": "live"}).decode()
     assert len(document) < 200_000 and "&lt;a&gt; title" in document
     assert "/*program*/" not in document and "<!--data-->" not in document
     for word in ("http://", "https://", "src=", "@import"):
@@ -69,11 +69,15 @@ PLACES = "a /*program*/ /*start*/ <!--data--> {0} {{x}} \\g<0> %s </title></scri
 
 def test_words_that_stand_for_places_of_the_page_are_only_words():
     """In the title, and in the names of runs: the rest of the document is as with any other."""
-    plain = page("title", {"mode": "live"}, {"sky": b"0"}).decode()
-    assert page(PLACES, {"mode": "live"}, {"sky": b"0"}).decode().replace(html.escape(PLACES), "title") == plain
+    plain = page_document("title", {"mode": "live"}, {"sky": b"0"}).decode()
+    assert (
+        page_document(PLACES, {"mode": "live"}, {"sky": b"0"}).decode().replace(html.escape(PLACES), "title") == plain
+    )
     start = {"mode": "replay", "runs": [{"title": PLACES, "name": PLACES}]}
-    document = page(PLACES, start).decode()
-    assert document.count("<script") == document.count("</script") == page("title", {}).decode().count("</script")
+    document = page_document(PLACES, start).decode()
+    assert (
+        document.count("<script") == document.count("</script") == page_document("title", {}).decode().count("</script")
+    )
     (given,) = re.findall(r"const START = (\{.*\});\n", document)
     assert json.loads(given) == start
 

@@ -19,25 +19,25 @@ def test_a_packet_comes_back():
     }
     data = p.packet("frame", arrays, {"speed": {"high": 3.0}}, time=1.5)
     for sent in (data, zlib.compress(data)):
-        head, found = page_packets.unpacked(sent)
+        head, found = page_packets.unpack(sent)
         assert head["kind"] == "frame" and head["time"] == 1.5 and head["arrays"][1]["high"] == 3.0
         assert all(
             np.array_equal(found[name], array) and found[name].dtype == array.dtype for name, array in arrays.items()
         )
-    assert data.startswith(p.MAGIC)
+    assert data.startswith(p.PACKET_MAGIC)
 
 
 def test_positions_in_a_box_are_kept_to_half_a_step():
     low, high = np.array([-20.0, -7.5, -3.0]), np.array([20.0, 15.0, 3.0])
     inside = low + np.random.default_rng(1).random((500, 3)) * (high - low)
-    back = page_packets.opened(p.boxed(inside, low, high), low, high)
-    assert np.abs(back - inside).max(axis=0) == pytest.approx((high - low) / p.FULL / 4.0, rel=0.05)
-    assert (p.boxed(np.array([[99.0, -99.0, np.nan]]), low, high) == [[p.FULL, -p.FULL, 0]]).all()
+    back = page_packets.opened(p.box_positions(inside, low, high), low, high)
+    assert np.abs(back - inside).max(axis=0) == pytest.approx((high - low) / p.FULL_SCALE / 4.0, rel=0.05)
+    assert (p.box_positions(np.array([[99.0, -99.0, np.nan]]), low, high) == [[p.FULL_SCALE, -p.FULL_SCALE, 0]]).all()
 
 
 def test_differences_add_up_again():
     values = np.random.default_rng(2).integers(-32768, 32768, (9, 40)).astype(np.int16)
-    assert np.array_equal(page_packets.summed(p.differences(values)), values)
+    assert np.array_equal(page_packets.summed(p.moment_differences(values)), values)
 
 
 @pytest.mark.parametrize(
@@ -51,13 +51,16 @@ def test_differences_add_up_again():
 )
 def test_what_is_no_command_is_refused(message):
     with pytest.raises(p.BadMessage, match="not a command"):
-        p.command(message)
+        p.parse_command(message)
 
 
 def test_commands():
-    assert p.command('{"do": "pause"}') == p.Act(do="pause")
-    assert p.command('{"do": "steer", "ship": "tug", "throttle": 1, "rudder": -0.2}').throttle == 1.0
-    assert p.command('{"do": "route", "ship": "tug", "points": [[1, 2], [3.5, 4]]}').points == [(1.0, 2.0), (3.5, 4.0)]
+    assert p.parse_command('{"do": "pause"}') == p.Act(do="pause")
+    assert p.parse_command('{"do": "steer", "ship": "tug", "throttle": 1, "rudder": -0.2}').throttle == 1.0
+    assert p.parse_command('{"do": "route", "ship": "tug", "points": [[1, 2], [3.5, 4]]}').points == [
+        (1.0, 2.0),
+        (3.5, 4.0),
+    ]
 
 
 def test_colours_with_a_shared_exponent_are_kept_to_a_half_percent_of_the_brightest():

@@ -11,7 +11,7 @@ from ocean_sim.files.csv_file import read_columns
 from ocean_sim.viewer.protocol import packet
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Server
-from ocean_sim.viewer.still import page, sky_packet
+from ocean_sim.viewer.still import page_document, sky_packet
 from tests.viewer import _chromium
 from tests.viewer.test_page import in_a_browser, run  # noqa: F401
 
@@ -28,7 +28,7 @@ def live(run):  # noqa: F811
     """A page that shows a barge, and a server that keeps what the page asks for."""
     barge = Recorded(run)
     still = barge.still()
-    document = page("barge", {"mode": "live"})
+    document = page_document("barge", {"mode": "live"})
     schema = {"properties": {"wind": {"enum": ["still", "wide"]}}, "$defs": {}}
     files = {
         "/": ("text/html; charset=utf-8", lambda: document),

@@ -15,7 +15,7 @@ import pytest
 aiohttp = pytest.importorskip("aiohttp", reason="the page needs aiohttp: pip install '.[browser]'")
 
 from ocean_sim.conventions import Refused  # noqa: E402
-from ocean_sim.viewer.protocol import BadMessage, command, packet  # noqa: E402
+from ocean_sim.viewer.protocol import BadMessage, packet, parse_command  # noqa: E402
 from ocean_sim.viewer.server import Server  # noqa: E402
 from tests.conftest import quickly  # noqa: E402
 
@@ -234,7 +234,7 @@ BEYOND = [
 @pytest.mark.parametrize("more", BEYOND)
 def test_questions_have_bounds(more):
     with pytest.raises(BadMessage):
-        command(json.dumps({"do": "waves", "verb": "elevation", **more}))
+        parse_command(json.dumps({"do": "waves", "verb": "elevation", **more}))
 
 
 HALF_OPEN = """
@@ -287,7 +287,7 @@ def test_a_page_still_gets_in_beside_many_half_open_connections(server, count, c
 def test_who_sends_no_whole_request_or_takes_no_answer_is_closed_in_time(monkeypatch):
     """Silent, a letter now and then, idle after an answer, and one that takes no answer; not one who watches."""
     monkeypatch.setattr("ocean_sim.viewer.server.MAX_REQUEST_SECONDS", 0.5)
-    monkeypatch.setattr("ocean_sim.viewer.server.STALLED", 0.5)
+    monkeypatch.setattr("ocean_sim.viewer.server.MAX_SEND_SECONDS", 0.5)
     files = {**FILES, "/long": ("text/plain", lambda: bytes(30_000_000))}
     with Server(files, port=0) as server:
 

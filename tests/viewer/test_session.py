@@ -16,7 +16,7 @@ from ocean_sim.platform.shared import packets
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
-from ocean_sim.viewer.answers import keys
+from ocean_sim.viewer.answers import key_table
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source
@@ -80,7 +80,7 @@ def lake(tmp_path):
 
 
 def ask(session, **command):
-    session.desk.waiting.append(Order(1, p.command(json.dumps(command))))
+    session.desk.waiting.append(Order(1, p.parse_command(json.dumps(command))))
     session.obey()
 
 
@@ -105,7 +105,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
 def test_a_frame_says_where_everything_is(session):
     simulation, desk = session.simulation, session.desk
     session.watch.show(0.0)
-    head, arrays = page_packets.unpacked(desk.frames[-1])
+    head, arrays = page_packets.unpack(desk.frames[-1])
     assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
     heights = simulation.surface.elevations(session.watch.points)
     assert np.abs(arrays["height"] - heights).max() < 1e-3
@@ -115,8 +115,8 @@ def test_a_frame_says_where_everything_is(session):
     low, high = session.watch.setting.box
     assert np.abs(page_packets.opened(arrays["particles"], low, high) - there).max() < 1e-3
     assert arrays["poses"][0, :3] == pytest.approx(simulation.ships["ship"].body.position, abs=1e-5)
-    still, _ = page_packets.unpacked(desk.stills[-1])
-    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.VERSION
+    still, _ = page_packets.unpack(desk.stills[-1])
+    assert len(still["scalars"]) == len(arrays["scalars"]) and still["protocol"] == p.PROTOCOL_VERSION
     assert len(desk.frames[-1]) < 12_000 and still["tile"] == {
         "nx": 16,
         "nz": 16,
@@ -128,26 +128,26 @@ def test_a_frame_says_where_everything_is(session):
 def test_particles_are_boxed_in_the_kernel_as_the_protocol_boxes_them(session):
     particles = session.simulation.fluid.particles
     low, high = np.array([-5.0, -8.0, -30.0]), np.array([20.0, 2.0, 20.0])  # so that some lie outside
-    rows = particles.in_box(*p.scaled(low, high), p.FULL, 1)
+    rows = particles.in_box(*p.box_scale(low, high), p.FULL_SCALE, 1)
     places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
     order = particles.id.to_numpy()
     positions, velocities = (np.empty((particles.n, 3)) for _ in range(2))
     positions[order], velocities[order] = particles.position.to_numpy(), particles.velocity.to_numpy()
-    assert np.array_equal(places, p.boxed(positions, low, high))
+    assert np.array_equal(places, p.box_positions(positions, low, high))
     assert speed == pytest.approx(np.linalg.norm(velocities, axis=1), abs=1e-12)
-    assert np.array_equal(particles.in_box(*p.scaled(low, high), p.FULL, 3), rows[::3])
+    assert np.array_equal(particles.in_box(*p.box_scale(low, high), p.FULL_SCALE, 3), rows[::3])
 
 
 def test_play_step_and_pause(session):
     simulation = session.simulation
     before = simulation.steps
-    session.go_on(0.02)
+    session.advance(0.02)
     assert simulation.steps == before
     ask(session, do="step")
-    session.go_on(0.02)
+    session.advance(0.02)
     assert simulation.steps == before + 1 and session.panel.paused
     ask(session, do="play")
-    session.go_on(0.02)
+    session.advance(0.02)
     ask(session, do="pause")
     assert simulation.steps > before + 1
 
@@ -174,7 +174,7 @@ def test_a_person_steers_and_a_route_is_sailed(session):
     pilot = session.pilots["ship"]
     assert pilot.config.speed == 2.5 and pilot.near == np.ptp(ship.drawn()[0][:, 2])  # her length
     throttle, rudder = pilot.order(ship.actuators.time + 0.1, ship.body)
-    session.follow()
+    session.follow_routes()
     assert session.desk.last("panel")["ships"][0]["route"] == [[x + 40.0, z]]  # she is at the first
     assert throttle > 0.0 and rudder != 0.0
     ask(session, do="steer", ship="ship", throttle=0.2, rudder=0.0)
@@ -271,7 +271,7 @@ def test_what_is_saved_is_the_scene_that_is_played(session):
 
 
 def test_every_key_has_its_unit_and_range():
-    found = {row["key"]: row for row in keys(load("showcase"))}
+    found = {row["key"]: row for row in key_table(load("showcase"))}
     spacing = found["fluid.spacing"]
     assert (spacing["unit"], spacing["range"]) == ("m", "> 0") and spacing["meaning"]
     assert {"seed", "duration", "basin.depth", "runtime.threads", "time_step.courant_number"} <= set(found)
@@ -280,7 +280,7 @@ def test_every_key_has_its_unit_and_range():
 
 
 def test_keys_of_several_ships_are_those_of_their_kind():
-    found = {row["key"]: row for row in keys(load("gallery/two_ships"))}
+    found = {row["key"]: row for row in key_table(load("gallery/two_ships"))}
     assert found["ships.moored.heading_deg"]["unit"] == "deg" and found["ships.tug.heading_deg"]["meaning"]
 
 
@@ -292,10 +292,10 @@ def test_a_record_is_a_run_folder_that_replays(session, tmp_path):
     folder = session.claim.folder
     ask(session, do="steer", ship="ship", throttle=1.0, rudder=0.1)
     while session.claim is not None:
-        session.go_on(0.05)
+        session.advance(0.05)
     run = Recorded(folder)
-    head, arrays = page_packets.unpacked(run.stream())
-    heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL
+    head, arrays = page_packets.unpack(run.stream())
+    heights = page_packets.summed(arrays["height"]).astype(float) * head["arrays"][0]["high"] / p.FULL_SCALE
     with np.load(run.files[-1]) as frame:
         assert np.abs(heights[-1].reshape(16, 16) - frame["elevation"]).max() < 1e-3
     assert "throttle 1" in (folder / "touched.txt").read_text()
@@ -334,7 +334,7 @@ def test_who_steers_in_the_page_rides_on_the_platform(tmp_path):
             with suppress(OSError):
                 while True:
                     with suppress(TimeoutError):
-                        came.append(packets.unpacked(listening.recv(2048)))
+                        came.append(packets.unpack(listening.recv(2048)))
 
         threading.Thread(target=listen, daemon=True).start()
         more = f"stream: {{to: 'udp://127.0.0.1:{listening.getsockname()[1]}'}}\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import runtime
-from ocean_sim.viewer.sliders import Slider, bound, sliders_of
+from ocean_sim.viewer.sliders import Slider, restore_sliders, sliders_of
 
 
 def kernels():
@@ -24,7 +24,7 @@ def test_sliders_of_a_simulation_built_anew_keep_what_was_set():
     taken = []
     before = [Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("b", 1.0, 0.0, 3.0, taken.append)]
     before[0].move(2.5)
-    anew = bound([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("c", 1.0, 0.0, 3.0, taken.append)], before)
+    anew = restore_sliders([Slider("a", 1.0, 0.0, 3.0, taken.append), Slider("c", 1.0, 0.0, 3.0, taken.append)], before)
     assert anew[0].value == 2.5 and taken == [2.5, 2.5] and anew[1].value == 1.0
 
 

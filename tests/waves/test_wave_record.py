@@ -8,7 +8,7 @@ import pytest
 
 from ocean_sim import waves
 from ocean_sim.__main__ import answered
-from ocean_sim.verbs.waves import sampling
+from ocean_sim.verbs.waves import sampling_facts
 from ocean_sim.waves.orbits import breaking_cover, surface_fall
 from ocean_sim.waves.record import (
     Treatment,
@@ -316,7 +316,7 @@ def test_the_sampling_error_is_the_scatter_of_records_of_one_sea():
     deviations = cut.std(axis=1)
     errors = [sampling_error(record) for record in cut]
     assert np.mean(errors) == pytest.approx(deviations.std() / deviations.mean(), rel=0.1)
-    assert sampling([0.35, 0.12, 0.09]) == [
+    assert sampling_facts([0.35, 0.12, 0.09]) == [
         "4 sqrt m0 of irregular waves has a standard error of 9 to 12 % in a record of this length"
     ]
 

@@ -280,7 +280,7 @@ def test_the_bend_of_the_surface_is_found(width):
         x[:, 1] += wave
         fluid.particles.position.from_numpy(x)
         fluid.begin()
-        fluid.exposure.find()
+        fluid.exposure.find_areas()
         x, names = fluid.particles.position.to_numpy(), fluid.particles.id.to_numpy()
         bend, area = (f.to_numpy()[names] for f in (fluid.exposure.bending.bend, fluid.exposure.area))
     crossed = np.ones(len(x)) if width is None else np.cos(k * x[:, 2])
@@ -303,7 +303,7 @@ def test_air_that_does_not_press_on_waves_knows_no_bend():
 
 def test_momentum_is_the_same_however_much_counts_as_surface(monkeypatch):
     """W1 in f32, on flat water; with a lower threshold half as many particles again count as exposed."""
-    monkeypatch.setattr(exposure_module, "EXPOSED", 0.003)
+    monkeypatch.setattr(exposure_module, "MIN_EXPOSED_AREA", 0.003)
     config = scene(wind={"kind": "stress", "gain": 30.0})
     with ocean_sim.Simulation(config) as simulation:
         gained, time = momentum(simulation, 60)

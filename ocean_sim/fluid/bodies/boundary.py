@@ -1,20 +1,20 @@
-"""Solid bodies in the water, as samples of what lies within one support of their faces: they stand in the sums of the
-water's laws as particles would, and what the water does to them is gathered back.
+"""Solid bodies in the water, as samples within one support of their faces: samples stand in the sums of the water's
+laws as particles would, and the forces of the water on them are summed.
 
 A sample counts by its volume over that of a particle (Akinci et al. 2012, ACM Trans. Graph. 31). To each particle it
-shows that particle's own pressure, continued to where it is: across the nearest face by the weight of the water less
-the acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
-along it by that weight less what all but wind and viscosity accelerated the particle by in its last step, which is the
-pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry half a
-spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. Its velocity is the
-body's where water is pressed together, and that which a mirror there would show where it rubs. A sample is pushed as
-strongly as it pushes. Flat sides mirror samples as they mirror particles: what an image of a sample presses across its
-side is that side's, all else is the body's.
+shows that particle's own pressure, continued to the sample: across the nearest face by the weight of the water less the
+acceleration of the body (the pressure gradient at a wall of Adami, Hu & Adams 2012, J. Comput. Phys. 231, eq. 26),
+along the face by that weight less the acceleration of the particle in its last step without wind and viscosity, which
+is the pressure gradient there: friction and wind bend no isobar. A body that pulled water along its faces would carry
+half a spacing of it as mass. Both sides of a thin body keep their own pressure, and still water is exact. The velocity
+of a sample is the body's in the compression of water, and that of a mirror image in friction. A sample is pushed as
+strongly as it pushes. Flat sides mirror samples as they mirror particles: the push of an image across its side is on
+that side, all else is on the body.
 
-A gate is a body that moves as the scene says, whatever the water does to it; once it has left, its samples are in no
-cell. A step takes it where it is when the step ends. Its work is that of its force along its way; what bounces from its
-faces is put to walls. Samples hold up part of the weight of the water next to them, as walls do: of a gate that slides
-along water that is work, which the water does not gain; it shows in the residual of the energy.
+A gate is a body that moves as the scene says, under any load; once it has left, its samples are in no cell. A step uses
+its place at the end of the step. Its work is that of its force along its way; impulses of particles that bounce from
+its faces are booked to walls. Samples hold up part of the weight of the water next to them, as walls do: for a gate
+that slides along water that is work which the water does not gain; it shows in the residual of the energy.
 """
 
 from collections.abc import Sequence
@@ -40,8 +40,8 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
 
 MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
-UPRIGHT = np.eye(3)
-ZERO = np.zeros(3)
+NO_ROTATION = np.eye(3)
+ZERO_VECTOR = np.zeros(3)
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,19 @@ class Body:
     floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """What its samples count for in the water's laws: of a gate that is thinner than the support so much more than
-        their volume that the first row of water before it is held as by solid ground; 1 of anything else."""
+        """Weight of its samples in the water's laws over their volume. It is 1, but for a gate thinner than the support
+        so much more that the gate holds the first row of water as solid ground does."""
         count, apart = self.across
         if count == 0:
             return 1.0
         rows = np.arange(1, ceil(smoothing.support / spacing) + 1) * spacing  # of solid ground, from the first of water
         layers = 0.5 * spacing + (np.arange(count) + 0.5) * apart
-        return pressing(rows, smoothing, spacing) / (pressing(layers, smoothing, spacing) * apart / spacing)
+        return plane_pressure(rows, smoothing, spacing) / (plane_pressure(layers, smoothing, spacing) * apart / spacing)
 
 
-def pressing(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
-    """What planes of particles press on a particle so far away [m], over what a pair presses: sum of -grad W / slope
-    across the planes."""
+def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
+    """Push of planes of particles on a particle so far away [m], over that of a pair: sum of -grad W / slope across the
+    planes."""
     last = ceil(smoothing.support / spacing)
     along = spacing * np.array(list(product(range(-last, last + 1), repeat=smoothing.dimension - 1)), dtype=float)
     r = np.sqrt(away[:, None] ** 2 + (along**2).sum(axis=1))
@@ -78,7 +78,7 @@ def pressing(away: np.ndarray, smoothing: Smoothing, spacing: float) -> float:
     return float((away[:, None] * weights).sum())
 
 
-def boxes(lattice: Lattice, support: float) -> list[Body]:
+def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
     """The obstacles of the basin, sampled about as densely as the water, no deeper than it can feel."""
     basin, bodies = lattice.basin, []
     for obstacle in basin.config.obstacles:
@@ -102,8 +102,8 @@ def boxes(lattice: Lattice, support: float) -> list[Body]:
     return bodies
 
 
-def floating(lattice: Lattice, support: float) -> dict[str, Body]:
-    """What floats in the basin, likewise, by name."""
+def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
+    """Bodies that float in the basin, by name, sampled in the same way."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.felt:
@@ -111,8 +111,8 @@ def floating(lattice: Lattice, support: float) -> dict[str, Body]:
     return bodies
 
 
-def at_work(bodies: Sequence[Body]) -> bool:
-    """Whether some of them move, so that they work on the water."""
+def any_moves(bodies: Sequence[Body]) -> bool:
+    """True if some of them move, and so work on the water."""
     return any(body.floats or body.gate is not None for body in bodies)
 
 
@@ -142,7 +142,7 @@ def three(rows: Template, body, first: Template):
 
 @in_kernels
 class Boundary:
-    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` says what they feel."""
+    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` are those on them."""
 
     def __init__(
         self,
@@ -163,7 +163,7 @@ class Boundary:
         self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
         self.moved = True  # whether they have, since they were sorted
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
-        self.moving, self.working = bool(self.gates), accounts and at_work(bodies)
+        self.moving, self.working = bool(self.gates), accounts and any_moves(bodies)
         self.given = sum(not body.floats for body in bodies)  # they come first; what floats moves after the water
         self.speed = 0.0  # [m/s] of the fastest gate
         # In the order of the bodies; positions are from the origin [m], in the body's axes and in those of the tank.
@@ -211,17 +211,19 @@ class Boundary:
                 self.motion[k, MOTION.gone] = 1.0
             else:
                 self.speed = max(self.speed, float(np.linalg.norm(moved.velocity)))
-                self.place(k, self.bodies[k].origin + moved.way, UPRIGHT, moved.velocity, ZERO, moved.acceleration)
+                self.place(
+                    k, self.bodies[k].origin + moved.way, NO_ROTATION, moved.velocity, ZERO_VECTOR, moved.acceleration
+                )
 
     def place(
         self,
         body: int,
         position: np.ndarray,
-        rotation: np.ndarray = UPRIGHT,
-        velocity: ArrayLike = ZERO,
-        angular_velocity: ArrayLike = ZERO,
-        acceleration: ArrayLike = ZERO,
-        angular_acceleration: ArrayLike = ZERO,
+        rotation: np.ndarray = NO_ROTATION,
+        velocity: ArrayLike = ZERO_VECTOR,
+        angular_velocity: ArrayLike = ZERO_VECTOR,
+        acceleration: ArrayLike = ZERO_VECTOR,
+        angular_acceleration: ArrayLike = ZERO_VECTOR,
     ) -> None:
         """Put a body's origin at `position` [m], turned by the (3, 3) matrix `rotation` from its axes to those of the
         tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
@@ -235,10 +237,10 @@ class Boundary:
         """Take over where the bodies are, if they have moved."""
         if self.moved:
             self.moved = False
-            self.take(self.motion)
+            self.sort_samples(self.motion)
 
     @ti.kernel
-    def take(self, motion: Doubles2):
+    def sort_samples(self, motion: Doubles2):
         """Move the samples with their bodies, and sort them by cell: stable, by counting."""
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -247,8 +249,8 @@ class Boundary:
             for b, k in ti.ndrange(motion.shape[0], 3):
                 self.box[b, 0, k], self.box[b, 1, k] = -tm.inf, tm.inf
             for s in range(self.n):
-                self.turn(s, motion)
-                c = self.grid.cell_at(self.grid.indices_at(self.where(s, motion)))
+                self.turn_arm(s, motion)
+                c = self.grid.cell_at(self.grid.indices_at(self.sample_position(s, motion)))
                 if ti.static(self.moving):
                     if motion[self.owner[s], MOTION.gone] > 0.0:
                         c = self.grid.cell_count  # after all cells
@@ -260,7 +262,7 @@ class Boundary:
                 s = self.n - 1 - k
                 to = self.start[self.cell[s]] - 1
                 self.start[self.cell[s]] = to  # and at last where it begins
-                self.put(s, to, motion)
+                self.store_sample(s, to, motion)
             for b, k in ti.ndrange(motion.shape[0], 3):
                 up, low = self.box[b, 0, k], self.box[b, 1, k]
                 self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
@@ -270,7 +272,7 @@ class Boundary:
                         self.box[b, 0, k] = -tm.inf  # near nothing
 
     @ti.func
-    def turn(self, s, motion: Template):
+    def turn_arm(self, s, motion: Template):
         """Turn the arm of sample s with its body."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
@@ -280,14 +282,14 @@ class Boundary:
             self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
 
     @ti.func
-    def where(self, s, motion: Template):
+    def sample_position(self, s, motion: Template):
         """Position of sample s [m], once its arm is turned."""
         return self.grid.wrapped(ti.cast(three(motion, self.owner[s], MOTION.position) + vector(self.arm, s), float))
 
     @ti.func
-    def put(self, s, to, motion: Template):
+    def store_sample(self, s, to, motion: Template):
         """Put sample s where it belongs in the order of the cells."""
-        b, arm, x, facing = self.owner[s], vector(self.arm, s), self.where(s, motion), vector(self.facing, s)
+        b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
         spin = three(motion, b, MOTION.angular_velocity)
         swept = spin.cross(arm)
         v = three(motion, b, MOTION.velocity) + swept
@@ -302,7 +304,7 @@ class Boundary:
 
     @ti.func
     def near(self, x):
-        """Whether x lies within one support of a body."""
+        """True if x lies within one support of a body."""
         found = False
         for b in range(ti.static(len(self.bodies))):
             away = tm.vec3(0.0)
@@ -322,19 +324,19 @@ class Boundary:
         return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func
-    def own_velocity(self, s, mirror):
-        """Of sample s [m/s], as a mirror shows it."""
+    def mirrored_velocity(self, s, mirror):
+        """Velocity of sample s [m/s] in a mirror."""
         return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
 
     @ti.func
-    def opposed(self, v, s, mirror):
+    def opposed_velocity(self, v, s, mirror):
         """Velocity [m/s] that keeps water of velocity v out of sample s: twice that of the sample less v."""
-        return 2.0 * self.own_velocity(s, mirror) - v
+        return 2.0 * self.mirrored_velocity(s, mirror) - v
 
     @ti.func
-    def rubbing(self, v, s, mirror):
+    def rubbing_velocity(self, v, s, mirror):
         """Velocity [m/s] with which sample s rubs on water of velocity v: the water's own where it slips."""
-        return ti.select(self.free[s] == 1, v, self.opposed(v, s, mirror))
+        return ti.select(self.free[s] == 1, v, self.opposed_velocity(v, s, mirror))
 
     @ti.func
     def react(self, law: Template, dt):
@@ -342,7 +344,7 @@ class Boundary:
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
-                for s in range(b * self.block, ti.min((b + 1) * self.block, self.there())):
+                for s in range(b * self.block, ti.min((b + 1) * self.block, self.sample_count())):
                     x = tm.vec3(self.position.x[s], self.position.y[s], self.position.z[s])
                     force, name = self.water.total(x, law, s), self.name[s]
                     self.force.x[name], self.force.y[name], self.force.z[name] = force[0], force[1], force[2]
@@ -356,16 +358,16 @@ class Boundary:
                             self.work[name, 1] = self.work[name, 1] - ti.cast(dt * force[3 + k] * v[k], ti.f64)
 
     @ti.func
-    def counted(self, s):
-        """How many particles sample s counts for."""
+    def particle_equivalent(self, s):
+        """Number of particles for which sample s counts."""
         share = self.share[s]
         if ti.static(self.moving):
             share *= self.strength[self.owner[self.name[s]]]
         return share
 
     @ti.func
-    def there(self):
-        """How many samples are there: those of bodies that have left come last."""
+    def sample_count(self):
+        """Number of samples in the basin; those of bodies that have left come last."""
         n = self.n
         if ti.static(self.moving):
             n = self.start[self.grid.cell_count]
@@ -379,7 +381,7 @@ class Boundary:
             share = self.around.total(x, self.volume, 0.0)[0]
         return share
 
-    def summed(self, law: Law) -> "SampleSum":
+    def sample_sum(self, law: Law) -> "SampleSum":
         """Sum of a law over the samples around a particle."""
         return SampleSum(self, law)
 
@@ -402,16 +404,16 @@ class Boundary:
                 borne[1, b, k] = borne[1, b, k] + torque[k]
 
     def works(self) -> np.ndarray:
-        """(k, 2) work [J] of each body on the water since the start, and what of it the law of the water has put under
-        walls."""
-        return self.of_each(self.work)
+        """(k, 2) work [J] of each body on the water since the start, and the part of it that the law of the water books
+        under walls."""
+        return self.sum_by_body(self.work)
 
     def impulses(self) -> np.ndarray:
         """Impulse (k, 3) of the water on each body since the start [N s]."""
-        return self.of_each(self.impulse)
+        return self.sum_by_body(self.impulse)
 
-    def of_each(self, summed: ti.Field) -> np.ndarray:
-        """What the samples of each body have summed, together."""
+    def sum_by_body(self, summed: ti.Field) -> np.ndarray:
+        """Sum over the samples of each body."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
@@ -433,14 +435,14 @@ class Volume:
 
 @in_kernels
 class SampleSum:
-    """What a particle's pair law sums over the samples around it."""
+    """Sum of a pair law over the samples around a particle."""
 
     def __init__(self, boundary: Boundary, law: Law) -> None:
         self.boundary, self.law, self.sums = boundary, law, law.terms.size
 
     @ti.func
     def term(self, own, s, d, mirror):
-        return self.boundary.counted(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
+        return self.boundary.particle_equivalent(s) * self.law.pair(own, self.law.sample(own, s, d, mirror))
 
     @ti.func
     def total(self, x, own):
@@ -467,7 +469,7 @@ class Reaction:
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
         away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
-        push = self.boundary.counted(own) * law.pair(here, law.sample(here, own, away, mirror))
+        push = self.boundary.particle_equivalent(own) * law.pair(here, law.sample(here, own, away, mirror))
         total = ti.Vector.zero(float, self.sums)
         for first, acceleration in ti.static(enumerate(self.forces)):
             force = -self.mass * acceleration(here, push)

@@ -1,8 +1,8 @@
 """An emitter: a mouth from which water flows at a given rate and velocity until there are as many particles as its cap.
 
 Particles leave in layers across the mouth, whose area is rate over speed: the first at time 0, then one in the time in
-which the rate fills it. What left between two steps is on its parabola at the end of the step, so neither how many
-there are nor, until they meet others, where they are depends on the time step.
+which the rate fills it. Particles that left between two steps are on their parabola at the end of the step, so neither
+their number nor, until they meet others, their place depends on the time step.
 """
 
 from collections.abc import Iterator
@@ -19,8 +19,8 @@ from ocean_sim.model import Model, quantity
 
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 MOST_PARTICLES = 2**26  # their neighbours are counted in 32 bits
-LATE = 1e-9  # [layers] rounding of the time
-TOUCHING = 1e-6  # [spacings] rounding of a place
+LAYER_ROUNDING = 1e-9  # [layers] rounding of the time
+PLACE_ROUNDING = 1e-6  # [spacings] rounding of a place
 
 
 class Emitter(Model):
@@ -36,7 +36,7 @@ class Emitter(Model):
     """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
     def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
-        """What is wrong with these numbers in this basin, before a lattice can be made of them."""
+        """Faults of these numbers in this basin, before a lattice can be made of them."""
         for key in ("position", "velocity"):
             numbers = getattr(self, key)
             if len(numbers) != basin.dimension and (basin.dimension == 3 or numbers[2] != 0.0):
@@ -47,7 +47,7 @@ class Emitter(Model):
 
 @dataclass(frozen=True)
 class Jet:
-    """What leaves an emitter."""
+    """The particles that leave an emitter."""
 
     config: Emitter
     dimension: int
@@ -62,7 +62,7 @@ class Jet:
 
     @property
     def area(self) -> float:
-        """Of the mouth [m2]; in 2-D its width [m]."""
+        """Area of the mouth [m2]; in 2-D its width [m]."""
         return self.config.rate / float(np.linalg.norm(self.velocity))
 
     @cached_property
@@ -92,12 +92,12 @@ class Jet:
         """Time from layer to layer [s]."""
         return len(self.sites) * self.volume / self.config.rate
 
-    def number(self, time: float) -> int:
-        """How many particles there are at a time [s]."""
-        layers = int(time / self.interval + LATE) + 1
+    def particle_count(self, time: float) -> int:
+        """Number of particles at a time [s]."""
+        layers = int(time / self.interval + LAYER_ROUNDING) + 1
         return min(self.config.cap, self.first + layers * len(self.sites))
 
-    def left(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def emitted_state(self, first: int, last: int, time: float, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) positions [m] and velocities [m/s] at a time [s] of the particles from number `first` to before
         `last`, under an acceleration `pull` [m/s2] since they left."""
         layer, site = np.divmod(np.arange(first, last) - self.first, len(self.sites))
@@ -106,7 +106,7 @@ class Jet:
 
 
 def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
-    """What is wrong with what leaves an emitter in this basin: (path below `fluid.emitter`, sentence)."""
+    """Faults of a jet in this basin: (path below `fluid.emitter`, sentence)."""
     config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"
@@ -126,7 +126,7 @@ def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
     behind = jet.sites - jet.spacing * jet.velocity / np.linalg.norm(jet.velocity)
     for side in basin.sides:
         beyond = float(((behind[:, side.axis] - side.position) * (1.0 if side.upper else -1.0)).max())
-        if beyond > TOUCHING * jet.spacing:
+        if beyond > PLACE_ROUNDING * jet.spacing:
             sentence = f"the mouth is too near {side.name}, the wall behind it, whose mirror image pushes what leaves: "
             yield (
                 ("position",),

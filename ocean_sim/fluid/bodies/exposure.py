@@ -1,10 +1,10 @@
-"""The area that particles show to the air: found every few steps, kept by the particles' numbers in between.
+"""Area that particles show to the air: found every few steps, held by the particles' numbers in between.
 
-Where a wind presses, how the surface bends is found, too. Exposed areas lie below the surface, at a depth of `skin` on
-the average, and there a wave of wavenumber k moves less by the share k skin: a pressure P that acts on them does too
-little work by as much. What does all of it is -grad(P chi), where chi falls from 1 on the surface to 0 inside: water
-takes it as it takes a pressure on its surface. Its part -P grad chi is P on the exposed areas; the other one, -chi
-grad P, comes to -skin grad P on each plan area, for the integral of chi over the depth is the mean depth of its slope.
+Under a wind that presses on slopes, the bend of the surface is found, too. Exposed areas lie at a mean depth `skin`
+below the surface, where a wave of wavenumber k moves less by the share k skin: a pressure P on them does too little
+work by as much. The force -grad(P chi), with chi falling from 1 on the surface to 0 inside, does all of it. Its part -P
+grad chi is P on the exposed areas; its part -chi grad P comes to -skin grad P on each plan area, as the integral of chi
+over the depth is the mean depth of its slope.
 """
 
 from typing import Any
@@ -19,17 +19,19 @@ from ocean_sim.fluid.sph.smoothing import Stencil
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
-EXPOSED = 0.1  # of the spacing, in space squared: a particle with a smaller exposed area lies inside the water
-BLOCK = 4096  # particles whose areas are added by one thread
-UNEVEN = 2.0  # factor by which exposed areas are scaled at most
-STEEPEST = 1.0  # slope at most of a surface whose bend is found
-NARROW = 0.01  # of its greatest: determinant of places so nearly on a line that a bend across it is not found
-LAG = 0.5  # [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew
+MIN_EXPOSED_AREA = 0.1  # [spacing, in space squared] a particle with a smaller exposed area lies inside the water
+AREAS_PER_THREAD = 4096  # particles whose areas are added by one thread
+MAX_AREA_FACTOR = 2.0  # factor by which exposed areas are scaled at most
+MAX_SURFACE_SLOPE = 1.0  # greatest slope in the fit of the bend
+MIN_DETERMINANT = 0.01  # share of its greatest below which places lie on a line, and no bend across it is found
+RENEWAL_DISTANCE = (
+    0.5  # [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew
+)
 
 
 def memory(n: int, word: int, bends: bool) -> int:
     """Bytes of the fields for so many particles, in words of this size; `bends`: whether the bend is found."""
-    return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // BLOCK)
+    return ((9 if bends else 3) * n + 1) * word + 8 * -(-n // AREAS_PER_THREAD)
 
 
 @in_kernels
@@ -53,9 +55,9 @@ class Exposure(Law):
         self.particles, self.smoothing, self.neighbours = particles, smoothing, neighbours
         self.plan_area, self.reads = plan_area, positions
         self.constant = -2.0 * (particles.mass / particles.rest_density) ** 2 * smoothing.slope
-        self.least = EXPOSED * particles.spacing ** (smoothing.dimension - 1)  # [m2]
+        self.least = MIN_EXPOSED_AREA * particles.spacing ** (smoothing.dimension - 1)  # [m2]
         self.area = Components(particles.n)  # by the number of the particle [m2]
-        self.level = ti.field(ti.f64, shape=-(-particles.n // BLOCK))
+        self.level = ti.field(ti.f64, shape=-(-particles.n // AREAS_PER_THREAD))
         self.even = ti.field(float, shape=())  # plan area over the sum of level areas
         self.left = 0.0  # [m] that water and crests may still go
         self.bends = bends
@@ -64,16 +66,16 @@ class Exposure(Law):
             self.bending = Bend(self)
         self.add_bodies(boundary)
 
-    def renew(self, dt: float, speed: float) -> None:
+    def renew_if_due(self, dt: float, speed: float) -> None:
         """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed
         [m/s]."""
         if self.left <= 0.0:
-            self.find()
-            self.left = LAG * self.particles.spacing
+            self.find_areas()
+            self.left = RENEWAL_DISTANCE * self.particles.spacing
         self.left -= dt * speed
 
     @ti.kernel
-    def find(self):
+    def find_areas(self):
         """Find all areas, then scale them so that, seen from above, they sum to the plan area of the water, where that
         is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on the
         surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
@@ -83,7 +85,7 @@ class Exposure(Law):
             self.neighbours.walk(self.bending, False)
         for b in self.level:
             total = ti.cast(0.0, ti.f64)
-            for i in range(b * BLOCK, ti.min((b + 1) * BLOCK, self.particles.count.there())):
+            for i in range(b * AREAS_PER_THREAD, ti.min((b + 1) * AREAS_PER_THREAD, self.particles.count.there())):
                 total += self.area.y[i]
             self.level[b] = total
         ti.loop_config(serialize=True)
@@ -93,7 +95,10 @@ class Exposure(Law):
                 level += self.level[b]
             scale = ti.cast(1.0, ti.f64)
             if ti.static(self.plan_area > 0.0):
-                scale = ti.min(ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / UNEVEN), UNEVEN)
+                scale = ti.min(
+                    ti.max(self.plan_area / ti.max(level, 1e-9 * self.plan_area), 1.0 / MAX_AREA_FACTOR),
+                    MAX_AREA_FACTOR,
+                )
             self.even[None] = ti.cast(scale, float)
 
     @ti.func
@@ -115,21 +120,21 @@ class Exposure(Law):
     @ti.func
     def finish(self, i, own, total, beyond, group):
         """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
-        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so what faces them is not exposed."""
+        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so water at them is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
         for k, component in ti.static(enumerate(self.area)):
             component[self.particles.id[i]] = area[k]
         if ti.static(self.bends):
-            slope = tm.clamp(-tm.vec2(area.x, area.z) / area.y, -STEEPEST, STEEPEST)
+            slope = tm.clamp(-tm.vec2(area.x, area.z) / area.y, -MAX_SURFACE_SLOPE, MAX_SURFACE_SLOPE)
             seen = tm.vec3(slope.x, slope.y, area.y) if area.y > 0.0 else tm.vec3(0.0)
             self.surface.x[i], self.surface.y[i], self.surface.z[i] = seen.x, seen.y, seen.z
 
     @ti.func
     def bend_of(self, i):
-        """How much the slope along x changes in going `skin` along x, that along x along z, and that along z along z,
-        where particle i is [1]; zero inside the water."""
+        """Change over a way `skin` of the slope along x in going along x, of that along x along z, and of that along z
+        along z, at particle i [1]; zero inside the water."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.of(i)
@@ -180,7 +185,7 @@ class Bend(Law):
         """Slopes that change by H x make the sums H M + M H of twice these, M that of x x: solved for a symmetric H."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
-        bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < NARROW * xx * zz
+        bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz
         if own[self.row.area] > 0.0:
             if xx * zz > 0.0 and not narrow:
                 mixed = 2.0 * total[self.terms.cross] - xz * (along_x / xx + along_z / zz)

@@ -19,12 +19,12 @@ from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.waves.absorption import DAMPING_POWER, damping_rate, sea_reflection
 
-REGULAR, RANDOM = 1.0, 2.0  # [wavelengths] of a zone
-MOST = 0.5  # of the basin that the zones along an axis take
-SHORT = 0.5  # [wavelengths] a zone that is shorter sends most back
-FEWEST = 4.0  # spacings that a wave of a target must be long to be there
-UNKNOWN_PART, UNKNOWN_RATE = 0.25, 2.5  # of the basin, [sqrt(|g| / depth)]: zones for waves that nobody named
-GONE = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
+REGULAR_ZONE_WAVES, RANDOM_ZONE_WAVES = 1.0, 2.0  # [wavelengths] default lengths of a zone
+MAX_ZONE_SHARE = 0.5  # share of the basin in the zones along an axis
+MIN_ZONE_WAVES = 0.5  # [wavelengths] a shorter zone reflects most
+MIN_WAVE_SPACINGS = 4.0  # [spacings] shortest wave of a target
+UNKNOWN_PART, UNKNOWN_RATE = 0.25, 2.5  # share of the basin, [sqrt(|g| / depth)]: zones for unknown waves
+GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m] of what is not there
 
 
 @dataclass(frozen=True)
@@ -48,18 +48,18 @@ class Zone:
 
     @property
     def wavelength(self) -> float:
-        """Of the highest of the waves [m]."""
+        """Length of the highest wave [m]."""
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
     def sent_back(self) -> tuple[float, float]:
-        """Height over that of the waves of what comes back, by linear theory: of the highest, and of all of them."""
+        """Reflected height over that of the waves by linear theory: of the highest, and of all of them."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
 
     @property
     def statement(self) -> str:
-        """What it is, in numbers."""
+        """Description of the zone in numbers."""
         what = f"absorbing side {self.side}: a zone of {self.length:.3g} m, "
         rate = f"rate {self.rate:.3g} 1/s at the side"
         aim = "" if not any(self.current) else f"; towards a current of {list(self.current)} m/s"
@@ -75,8 +75,8 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Why it absorbs badly."""
-        if self.coming is None or self.length >= SHORT * self.wavelength:
+        """Reason for which it absorbs badly, or None."""
+        if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.sent_back
         return (
@@ -85,21 +85,21 @@ class Zone:
         )
 
 
-def coming(basin: Basin, initial: Initial | None) -> waves.Components | None:
+def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | None:
     """The waves of a scene: of its wavemaker, of its initial state, or of the period at which its tank moves."""
     if any(waves.basin_faults(basin)):
         return None
     if basin.piston is not None:
         return basin.piston.sea
     began = None if initial is None else initial.sea(basin)
-    return began or basin.swung
+    return began or basin.tank_wave
 
 
 def zones(lattice: Lattice) -> tuple[Zone, ...]:
-    """Of each absorbing side of the water on a lattice, in the order of the sides."""
+    """Zone before each absorbing side of the water on a lattice, in the order of the sides."""
     basin = lattice.basin
     absorbing = [side for side in basin.sides if side.absorbing is not None]
-    of_scene = coming(basin, lattice.config.initial) if absorbing else None
+    of_scene = scene_waves(basin, lattice.config.initial) if absorbing else None
     return tuple(zone(side, basin, of_scene, absorbing, lattice.spacing) for side in absorbing)
 
 
@@ -111,14 +111,14 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
     if target is not None and target.waves is not None:
         given = target.waves.sea(basin)
         if target.waves.spectrum is not None:
-            given = borne(given, target.waves.spectrum.significant_wave_height, FEWEST * spacing)
+            given = borne(given, target.waves.spectrum.significant_wave_height, MIN_WAVE_SPACINGS * spacing)
         given = fitted(given, basin)
     sea, size = given or of_scene, basin.upper[axis] - basin.lower[axis]
     length, rate = UNKNOWN_PART * size, UNKNOWN_RATE * free_fall_speed(basin) / basin.depth
     if sea is not None:
         k = float(sea.wavenumber[sea.highest])
-        wanted = (RANDOM if sea.random else REGULAR) * 2.0 * pi / k
-        length = asked.length or min(wanted, MOST * size / sum(other.axis == axis for other in absorbing))
+        wanted = (RANDOM_ZONE_WAVES if sea.random else REGULAR_ZONE_WAVES) * 2.0 * pi / k
+        length = asked.length or min(wanted, MAX_ZONE_SHARE * size / sum(other.axis == axis for other in absorbing))
         rate = damping_rate(k, sea.depth, sea.gravity, length)
     length, rate = asked.length or length, asked.rate or rate
     begin = side.position - length if side.upper else side.position + length
@@ -127,14 +127,14 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """What is wrong with zones but possible."""
+    """Warn of zones that are short or crowded."""
     for one in found:
         if one.warning is not None:
             yield one.warning
     for axis in sorted({one.axis for one in found}):
         along = [one for one in found if one.axis == axis]
         part = sum(one.length for one in along) / along[0].size
-        if part > MOST + 1e-9:
+        if part > MAX_ZONE_SHARE + 1e-9:
             names = " and ".join(one.side for one in along)
             yield f"the zones before absorbing sides ({names}) take {part:.0%} of the basin along {'xyz'[axis]}"
 
@@ -195,14 +195,14 @@ class Walls:
             target.turn(time)
         for b, gate in self.gates:
             moved = gate.at(time)
-            faces = GONE if moved is None else self.first[b] + moved.way
+            faces = GONE_FACES if moved is None else self.first[b] + moved.way
             for side, k in product(range(2), range(3)):
                 self.faces[b, side, k] = faces[side, k]
             for k in range(3):
                 self.speed[b, k] = 0.0 if moved is None else moved.velocity[k]
 
     @ti.func
-    def bounced(self, x, v):
+    def bounce(self, x, v):
         """Position and velocity after the walls: stopped at the wall, normal velocity returned with the restitution,
         tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
@@ -216,17 +216,17 @@ class Walls:
                         low = self.images.side[s, SIDE.position] + self.gap
             inside = tm.clamp(x[k], low, up)
             if inside != x[k]:
-                v = self.returned(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
+                v = self.reflect(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))
                 x[k] = inside
         if ti.static(self.obstacles > 0):
             for b in range(self.obstacles):
-                x, v = self.kept_out(b, x, v)
+                x, v = self.leave_obstacle(b, x, v)
         return x, v
 
     @ti.func
-    def returned(self, v, k: Template, wall, outward):
-        """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops what
-        goes up the axis, -1 where what goes down."""
+    def reflect(self, v, k: Template, wall, outward):
+        """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops motion
+        up the axis, -1 where it stops motion down."""
         speed = outward * (v[k] - wall)
         if speed > 0.0:
             returned = wall - self.restitution * (v[k] - wall)
@@ -239,7 +239,7 @@ class Walls:
         return v
 
     @ti.func
-    def kept_out(self, b, x, v):
+    def leave_obstacle(self, b, x, v):
         """Position and velocity after obstacle b: out through its nearest face that lies in the basin."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
@@ -256,12 +256,12 @@ class Walls:
                     wall = 0.0
                     if ti.static(len(self.gates) > 0):
                         wall = self.speed[b, k]
-                    v = self.returned(v, k, wall, ti.select(across > x[k], -1.0, 1.0))
+                    v = self.reflect(v, k, wall, ti.select(across > x[k], -1.0, 1.0))
                     x[k] = across
         return x, v
 
     @ti.func
-    def relaxed(self, x, v, dt):
+    def relax(self, x, v, dt):
         """Velocity after dt in the zones before absorbing sides: dv/dt = rate s^q (target - v), q = DAMPING_POWER, s
         from 0 at the edge of a zone to 1 at its side, solved over dt."""
         for axis, begin, end, rate, target in ti.static(self.zones):
@@ -271,7 +271,7 @@ class Walls:
         return v
 
     @ti.func
-    def held_back(self, v, dt):
+    def limit_motion(self, v, dt):
         """Velocity that moves no further than the motion limit in dt, and whether it was too fast."""
         fast = 0
         if ti.static(self.limited):

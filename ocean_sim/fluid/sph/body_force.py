@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ocean_sim.basin import KARMAN, LOWEST, Basin, RoughBed
+from ocean_sim.basin import KARMAN_CONSTANT, MIN_ROW_SHARE, Basin, RoughBed
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
@@ -67,7 +67,7 @@ class Bed:
         """tau / (rho |u| u) at a height z [m]."""
         coefficient = float(self.in_row)
         if ti.static(self.logarithmic):
-            share = KARMAN / ti.log(tm.max(z, LOWEST * self.row) / self.z0)
+            share = KARMAN_CONSTANT / ti.log(tm.max(z, MIN_ROW_SHARE * self.row) / self.z0)
             coefficient = share * share
         return coefficient
 

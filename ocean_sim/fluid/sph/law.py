@@ -51,7 +51,7 @@ class Law(ABC):
     def add_bodies(self, boundary: Any) -> None:
         """Sum over the samples of a Boundary's bodies, too; None: there are none. Call it once `terms` are known."""
         if boundary is not None:
-            self.bodies, self.boundary, self.solid = True, boundary, boundary.summed(self)
+            self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
     @ti.func
     def prefactor(self, own):

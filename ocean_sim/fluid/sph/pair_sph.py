@@ -69,7 +69,7 @@ class Force(Law):
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
         """A sample of a solid body with the velocity by which it rubs; all else is the particle's own."""
-        return displaced(own, d, self.boundary.rubbing(vec3(own, self.row.velocity), s, mirror))
+        return displaced(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
     def react(self, dt):
@@ -167,9 +167,9 @@ class MomentumLaw(Force):
         """Where particle i goes from x [m] at v [m/s]: without walls and with them [m]; its velocity there [m/s]; and
         1 if the motion limit held it back."""
         fluid, walls = self.fluid, self.fluid.walls
-        pushed, fast = walls.held_back(walls.relaxed(x, v, dt), dt)
+        pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
         x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.drifted) * dt * pushed)
-        x_new, v_new = walls.bounced(x_free, pushed)
+        x_new, v_new = walls.bounce(x_free, pushed)
         return x_free, x_new, v_new, fast
 
     @ti.func

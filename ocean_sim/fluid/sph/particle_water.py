@@ -172,10 +172,10 @@ class ParticleWater(ParticleFluid):
         """Add what has left the emitter by now, at the end of a step."""
         if self.jet is None:
             return
-        first, last = self.particles.count.now, self.jet.number(self.time)
+        first, last = self.particles.count.now, self.jet.particle_count(self.time)
         if last == first:
             return
-        x, v = self.jet.left(first, last, self.time, self.pull.at_mouth())
+        x, v = self.jet.emitted_state(first, last, self.time, self.pull.at_mouth())
         precision = self.particles.position.precision
         self.join(first, x.astype(precision), v.astype(precision))
         self.particles.count.set(last)

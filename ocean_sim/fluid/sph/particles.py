@@ -193,7 +193,7 @@ class Particles:
 def seeded(lattice: Lattice) -> Particles:
     """Particles in the state that their water starts from; an emitter has let out its first layer."""
     n, jet = lattice.n, lattice.jet
-    count = Count(n if jet is None else jet.number(0.0), n)
+    count = Count(n if jet is None else jet.particle_count(0.0), n)
     particles = Particles(
         n=n,
         count=count,
@@ -211,7 +211,7 @@ def seeded(lattice: Lattice) -> Particles:
         config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
     )
     if jet is not None:
-        x, v = jet.left(jet.first, count.now, 0.0, np.zeros(3))
+        x, v = jet.emitted_state(jet.first, count.now, 0.0, np.zeros(3))
         position, velocity = np.concatenate([position, x]), np.concatenate([velocity, v])
         pressure = np.concatenate([pressure, np.zeros(len(x))])
     dtype = particles.position.precision

@@ -86,7 +86,7 @@ class Compression(KeptLaw):
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
-        return displaced(own, d, self.boundary.own_velocity(s, mirror))
+        return displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):

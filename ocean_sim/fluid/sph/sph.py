@@ -368,16 +368,16 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
     rows: list[LedgerRow] = []
     if not with_bodies(basin):
         return []
-    from ocean_sim.fluid.bodies.boundary import at_work, boxes, floating, memory
+    from ocean_sim.fluid.bodies.boundary import any_moves, floating_bodies, memory, obstacle_bodies
 
-    afloat = {key_of(name): [body] for name, body in floating(lattice, grid.support).items()}
-    of_parts = {"basin": boxes(lattice, grid.support)} | afloat
+    afloat = {key_of(name): [body] for name, body in floating_bodies(lattice, grid.support).items()}
+    of_parts = {"basin": obstacle_bodies(lattice, grid.support)} | afloat
     for part, bodies in of_parts.items():
         count, why = sum(len(body.position) for body in bodies), "basin.obstacles"
         if part in afloat:
             why = f"{part}.kind is pressure: the water feels the hull"
         if bodies:
-            working = accounts and any(at_work(found) for found in of_parts.values())
+            working = accounts and any(any_moves(found) for found in of_parts.values())
             size = memory(count, len(bodies), 0 if rows else grid.cell_count, word, working)
             size += 0 if rows else word * told * lattice.n
             rows.append(LedgerRow(part, f"{count} samples of solid bodies", size, why))
@@ -414,10 +414,10 @@ class Sph(ParticleWater):
         self.dt = ti.field(float, shape=())  # [s]
         self.bodies = with_bodies(basin)
         if self.bodies:
-            from ocean_sim.fluid.bodies.boundary import Boundary, boxes, floating
+            from ocean_sim.fluid.bodies.boundary import Boundary, floating_bodies, obstacle_bodies
 
             lattice, support = sizes.grid.lattice, sizes.grid.support
-            bodies = [*boxes(lattice, support), *floating(lattice, support).values()]
+            bodies = [*obstacle_bodies(lattice, support), *floating_bodies(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
         self.last_acceleration = self.carried[own:]  # [m/s2], which solid bodies are told
@@ -438,7 +438,7 @@ class Sph(ParticleWater):
 
     def drive(self, dt: float) -> None:
         if self.exposed:
-            self.exposure.renew(dt, self.status.max_speed + self.reference_speed)
+            self.exposure.renew_if_due(dt, self.status.max_speed + self.reference_speed)
         super().drive(dt)
         if self.boundary is not None:
             self.boundary.advance(self.time)

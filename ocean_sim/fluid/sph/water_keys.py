@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import ROUNDING, Basin, Box, odd_gravity
+from ocean_sim.basin import BOX_ROUNDING, Basin, Box, odd_gravity
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
@@ -93,7 +93,7 @@ class WaterConfig(FluidConfig):
             found += tank.config.motion.warnings(preflight.duration)
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
-            if spacing is not None and thin < TIGHT * spacing - ROUNDING:
+            if spacing is not None and thin < TIGHT * spacing - BOX_ROUNDING:
                 found.append(
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
                     f"take {TIGHT:g} spacings, or a smaller fluid.spacing"

@@ -1,1 +1,1 @@
-"""What the modules of `observers` share; none of it is a kind that a scene may name."""
+"""Shared by the modules of `observers`; none of it is a kind that a scene may name."""

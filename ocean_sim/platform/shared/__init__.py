@@ -1,1 +1,1 @@
-"""What the modules of `platform` share; none of it is a kind that a scene may name."""
+"""Modules shared by the kinds of `platform`; none is a kind that a scene may name."""

@@ -1,8 +1,8 @@
-"""Poses of a platform as datagrams: a sender that keeps time, a receiver without jumps, and what it reports back.
+"""Poses of a platform as datagrams: a sender that keeps time, and a receiver without jumps that reports back.
 
-`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets, reports where the legs are to
-where they come from, and prints what comes; a further word names the file of a key. With `stop` in front of the
-address it stops the platform that listens there.
+`python -m ocean_sim.platform.shared.datagrams udp://127.0.0.1:5005` receives packets, prints them, and reports
+the legs to their sender; a further word names the file of a key. With `stop` before the address it stops the platform
+that listens there.
 """
 
 import socket
@@ -18,55 +18,55 @@ import numpy as np
 
 from ocean_sim.files import input_file
 from ocean_sim.parts import preset
-from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smoothly
-from ocean_sim.platform.shared.limits import EVERY, Drive, Judge
+from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smooth_step
+from ocean_sim.platform.shared.limits import COMMAND_INTERVAL, Drive, Judge
 from ocean_sim.platform.shared.packets import (
+    LegReport,
     Packet,
-    Reading,
-    along_flu,
-    halt,
-    halts,
-    packed,
-    reading,
-    reported,
-    signed,
-    unpacked,
-    verified,
+    is_stop_packet,
+    pack,
+    pack_report,
+    parse_report,
+    pose_along_flu,
+    sign,
+    stop_packet,
+    unpack,
+    verify,
 )
 
-LEAST_KEY, MOST_KEY = 16, 4096  # bytes
-LOOPBACK = "127.0.0.1"
-BRAKE = 0.15  # [s] in which a platform that is stopped loses its speed
+MIN_KEY_BYTES, MAX_KEY_BYTES = 16, 4096  # bytes
+LOOPBACK_HOST = "127.0.0.1"
+BRAKE_TIME = 0.15  # [s] in which a platform that is stopped loses its speed
 USAGE = """usage: python -m ocean_sim.platform.shared.datagrams [udp://127.0.0.1:5005] [KEYFILE]
        python -m ocean_sim.platform.shared.datagrams stop udp://127.0.0.1:5005 [KEYFILE]
 The first receives packets, prints what comes, and reports where the legs are; the second stops that platform."""
-SPIN = 0.0005  # [s] before its time for which a packet is waited for without sleeping
-KEY = input_file.Rule(f"a key has {LEAST_KEY} to {MOST_KEY} bytes")
-CHECKS = (input_file.Checked("A key, `stream.key`", (KEY,)),)
+SPIN_TIME = 0.0005  # [s] before its time for which a packet is waited for without sleeping
+KEY_RULE = input_file.Rule(f"a key has {MIN_KEY_BYTES} to {MAX_KEY_BYTES} bytes")
+CHECKS = (input_file.Checked("A key, `stream.key`", (KEY_RULE,)),)
 
 
-def key_in(file: str) -> bytes:
-    """The key in a file, which sender and receiver share; raises Unreadable, a ValueError."""
-    key = input_file.read_bytes(file, MOST_KEY).strip()
-    if len(key) < LEAST_KEY:
-        raise KEY.broken(file, f"it has {len(key)} bytes")
+def read_key(file: str) -> bytes:
+    """Read the key that sender and receiver share; raises Unreadable, a ValueError."""
+    key = input_file.read_bytes(file, MAX_KEY_BYTES).strip()
+    if len(key) < MIN_KEY_BYTES:
+        raise KEY_RULE.broken(file, f"it has {len(key)} bytes")
     return key
 
 
-def address(url: str) -> tuple[str, int]:
-    """Host and port of `udp://127.0.0.1:5005`; without a host it is this machine. Raises ValueError."""
+def parse_address(url: str) -> tuple[str, int]:
+    """Host and port of a URL like `udp://127.0.0.1:5005`, by default of this machine. Raises ValueError."""
     try:
         parts = urlsplit(url if "//" in url else f"//{url}", scheme="udp")
-        host, port = parts.hostname or LOOPBACK, parts.port
+        host, port = parts.hostname or LOOPBACK_HOST, parts.port
     except ValueError:
-        host, port, parts = LOOPBACK, None, None
+        host, port, parts = LOOPBACK_HOST, None, None
     if parts is None or parts.scheme != "udp" or not port or parts.path not in ("", "/"):
-        raise ValueError(f"{url!r} is not like udp://{LOOPBACK}:5005")
+        raise ValueError(f"{url!r} is not like udp://{LOOPBACK_HOST}:5005")
     return host, port
 
 
 class Jitter(NamedTuple):
-    """How evenly packets went out."""
+    """Evenness of the packets sent."""
 
     packets: int
     interval: float  # mean time from packet to packet [s]
@@ -82,7 +82,7 @@ class Jitter(NamedTuple):
 
 
 class Latency(NamedTuple):
-    """The way of packets to a platform and of its reports back."""
+    """Times from packets to the reports of the platform."""
 
     packets: int
     median: float  # [s]
@@ -95,11 +95,10 @@ class Latency(NamedTuple):
 
 
 class Sender:
-    """Sends rows at the pace of their own time, with a key signed. Raises ValueError where the address is malformed or
-    the layout has no place for a signature, OSError where the host is unknown.
+    """Sender of rows at the pace of their own time, signed if it has a key. Raises ValueError for a malformed address
+    or a layout without place for a signature, OSError for an unknown host.
 
-    A row that comes too late is sent at once and the clock is set by it: what follows keeps its pace, there is no
-    burst.
+    A row that comes too late is sent at once and sets the clock: later rows keep their pace, without a burst.
     """
 
     left_out = ("socket", "start", "sent", "due", "left", "readings", "key", "began")  # by a checkpoint
@@ -107,7 +106,7 @@ class Sender:
     def __init__(self, url: str, layout: str = "ocean_sim", key: bytes = b"") -> None:
         if key and layout != "ocean_sim":
             raise ValueError(f"packets of {layout} have no place for a signature; take ocean_sim")
-        self.address, self.layout = address(url), layout
+        self.address, self.layout = parse_address(url), layout
         self.key, self.began = key, time.time_ns()
         try:
             kind = socket.getaddrinfo(*self.address, type=socket.SOCK_DGRAM)[0][0]
@@ -118,16 +117,16 @@ class Sender:
         self.sent: list[float] = []  # [s]
         self.due: list[float] = []  # times of the rows [s]
         self.left: dict[int, float] = {}  # when each packet was sent [s], by its number
-        self.readings: list[tuple[float, Reading]] = []  # what the platform reports, and when it came [s]
+        self.readings: list[tuple[float, LegReport]] = []  # what the platform reports, and when it came [s]
 
     def send(self, packet: Packet) -> None:
-        """Wait until it is time, taking reports as they come, then send."""
-        data, now = packed(packet, self.layout), time.perf_counter()
-        data = signed(data, self.key, self.began) if self.key else data
+        """Wait until the time of a packet, taking reports as they come, then send it."""
+        data, now = pack(packet, self.layout), time.perf_counter()
+        data = sign(data, self.key, self.began) if self.key else data
         if self.start is None or now > self.start + packet.time:
             self.start = now - packet.time
         while (left := self.start + packet.time - time.perf_counter()) > 0.0:
-            if left > SPIN and select([self.socket], [], [], left - SPIN)[0]:
+            if left > SPIN_TIME and select([self.socket], [], [], left - SPIN_TIME)[0]:
                 self.listen()
         self.socket.sendto(data, self.address)
         self.sent.append(time.perf_counter())
@@ -136,17 +135,17 @@ class Sender:
         self.listen()
 
     def listen(self) -> None:
-        """Take what the platform has reported, if it does."""
+        """Take all reports of the platform so far."""
         while True:
             try:
                 data = self.socket.recv(2048, socket.MSG_DONTWAIT)
             except OSError:  # nothing has come, or nobody listens there
                 return
             with suppress(ValueError):
-                self.readings.append((time.perf_counter(), reading(data)))
+                self.readings.append((time.perf_counter(), parse_report(data)))
 
     def latency(self) -> "Latency | None":
-        """From sending a packet to the report that it counted; None where nothing reports."""
+        """Times from sending a packet to the report that it counted, or None without reports."""
         first: dict[int, float] = {}
         for came, found in self.readings:
             first.setdefault(found.seq, came)
@@ -156,13 +155,13 @@ class Sender:
         median, most = np.percentile(ways, [50.0, 99.0]).tolist()
         return Latency(len(ways), median, most, max(ways))
 
-    def stopped(self) -> str:
-        """What the platform says of a stop, in words; empty where it was not stopped."""
+    def stop_report(self) -> str:
+        """Report of a stop of the platform, in words; empty without one."""
         came = next((came for came, found in self.readings if found.stopped), None)
         return "" if came is None else f"the platform was stopped, {came - self.sent[0]:.2f} s after the first packet"
 
     def jitter(self) -> Jitter:
-        """How evenly the packets went out so far."""
+        """Evenness of the packets sent so far."""
         gaps, wanted = np.diff(self.sent), np.diff(self.due)
         if not len(gaps):
             return Jitter(len(self.sent), 0.0, 0.0, 0.0, 0.0)
@@ -173,8 +172,8 @@ class Sender:
         self.socket.close()
 
 
-class Smooth:
-    """The pose that a platform is driven to by packets that come as they come.
+class SmoothPose:
+    """Pose of a platform that follows packets, however they arrive.
 
     It lies on the line between the last two packets, one interval behind. Without packets it is held, and when
     they begin or return it moves over to them within `ramp` [s], also to those of a new stream. After `home` [s]
@@ -190,22 +189,22 @@ class Smooth:
         self.glide: tuple[float, np.ndarray, np.ndarray] | None = None  # since when, from which pose, how fast
 
     def stop(self, now: float) -> None:
-        """Glide to rest from where it is at `now` [s], and stay there."""
+        """Glide to rest from the pose at `now` [s], and stay there."""
         if self.glide is None:
             pose = self.pose(now)
-            self.glide = now, pose, (pose - self.pose(now - EVERY)) / EVERY
+            self.glide = now, pose, (pose - self.pose(now - COMMAND_INTERVAL)) / COMMAND_INTERVAL
 
-    def silence(self, now: float) -> float:
+    def silent_time(self, now: float) -> float:
         """Time since the last packet [s]."""
         return now - self.line[-1][0] if self.line else np.inf
 
-    def take(self, packet: Packet, now: float) -> None:
-        """A packet that came at `now` [s]."""
+    def accept(self, packet: Packet, now: float) -> None:
+        """Accept a packet that came at `now` [s], or count it as out of order."""
         self.came += 1
         if self.last is None:
             self.returned = now
         else:
-            silent, ahead = self.silence(now) > self.hold, packet.seq - self.last.seq
+            silent, ahead = self.silent_time(now) > self.hold, packet.seq - self.last.seq
             if ahead <= 0 and not silent:
                 self.reordered += 1
                 return
@@ -220,20 +219,20 @@ class Smooth:
         """(6,) x, y, z [m], roll, pitch, yaw [rad] at `now` [s]."""
         if self.glide is not None and now >= self.glide[0]:
             since, pose, speed = self.glide
-            return pose + speed * BRAKE * (1.0 - np.exp((since - now) / BRAKE))
+            return pose + speed * BRAKE_TIME * (1.0 - np.exp((since - now) / BRAKE_TIME))
         if not self.line:
             return self.held
         (first, before), (second, after) = self.line[0], self.line[-1]
         part = min(1.0, (now - second) / (second - first)) if second > first else 1.0
         pose = before + part * (after - before)
-        pose = self.held + smoothly(np.clip((now - self.returned) / self.ramp, 0.0, 1.0)) * (pose - self.held)
-        return pose * (1.0 - smoothly(np.clip((self.silence(now) - self.home) / self.ramp, 0.0, 1.0)))
+        pose = self.held + smooth_step(np.clip((now - self.returned) / self.ramp, 0.0, 1.0)) * (pose - self.held)
+        return pose * (1.0 - smooth_step(np.clip((self.silent_time(now) - self.home) / self.ramp, 0.0, 1.0)))
 
 
-class Receiver(Smooth):
-    """The pose, and the legs, of a platform that trusts no network.
+class Receiver(SmoothPose):
+    """Pose and legs of a platform that trusts no network.
 
-    A packet counts where it is whole and finite, from the source that the stream began with, newer than the one before,
+    A packet counts if it is whole and finite, from the source that the stream began with, newer than the one before,
     and a pose to which the legs can have come since; with a `key`, also signed, and of no stream older than one seen.
     One that stops the platform counts from anywhere, with a key if it is signed. All else is counted and dropped. In
     silence the platform brakes and holds its pose, then it goes home, and only there a stream may come from elsewhere.
@@ -250,66 +249,70 @@ class Receiver(Smooth):
         self.source: object = None
         self.foreign = self.implausible = 0
 
-    def hear(self, data: bytes, source: object, now: float) -> Packet | None:
-        """The packet in what came from a source at `now` [s], or None where it does not count."""
-        if halts(data, self.key):
+    def accept_datagram(self, data: bytes, source: object, now: float) -> Packet | None:
+        """Packet in a datagram from a source at `now` [s], or None if it does not count."""
+        if is_stop_packet(data, self.key):
             self.stop(now)
             return None
         if self.glide is not None:
             return None
         try:
-            inner, began = verified(data, self.key) if self.key else (data, 0)
-            packet = unpacked(inner)
+            inner, began = verify(data, self.key) if self.key else (data, 0)
+            packet = unpack(inner)
         except ValueError:
             self.strange += 1
             return None
-        if self.source not in (None, source) and self.silence(now) < self.home + self.ramp:
+        if self.source not in (None, source) and self.silent_time(now) < self.home + self.ramp:
             self.foreign += 1
             return None
-        silent, pose = self.silence(now) > self.hold, along_flu(packet)
+        silent, pose = self.silent_time(now) > self.hold, pose_along_flu(packet)
         old = self.last is not None and packet.seq <= self.last.seq
         again = began < self.began or (old and began == self.began)
         if self.key and (again or (began > self.began and not silent)):
             self.reordered += 1  # a signed stream goes on, or gives way to a later one; none is played again
             return None
-        if (silent or not old) and not self.judge.passes(pose, packet.time, now, silent):
+        if (silent or not old) and not self.judge.is_plausible(pose, packet.time, now, silent):
             self.implausible += 1
             return None
         self.source, self.began = source, began
-        self.take(packet._replace(pose=tuple(pose)), now)
+        self.accept(packet._replace(pose=tuple(pose)), now)
         return packet
 
     def advance(self, now: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6) lengths [m] and (n, 6) speeds [m/s] of the legs in the rows that are due until `now` [s]."""
+        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of the legs in the rows that are due until `now` [s]."""
         return self.drive.advance(self.pose, now)
 
     def report(self) -> bytes:
-        """Where its legs are, and the last packet that counted, as bytes."""
+        """Report of its legs and of the last packet that counted, as bytes."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
-        return reported(Reading(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
+        return pack_report(LegReport(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
 
 
-def ready_made(name: str) -> Geometry:
+def preset_geometry(name: str) -> Geometry:
     """The geometry configs/geometry/<name>.yaml."""
     return Geometry.model_validate(preset("geometry", name))
 
 
-def received(url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None) -> Receiver:
-    """Wait for a first packet that counts, then receive until none came for `patience` [s], whatever else came,
-    reporting every packet, and to its sender where the legs are, also when the platform is stopped; by default for the
-    platform `hexapod_a`. Raises OSError or ValueError."""
-    host, port = address(url)
-    platform = platform or Receiver(ready_made("hexapod_a"))
+def receive_stream(
+    url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None
+) -> Receiver:
+    """Wait for a first packet that counts, then receive until none counted for `patience` [s].
+
+    Hands every such packet to `report`, and reports the legs to its sender, also when the platform is stopped; by
+    default for the platform `hexapod_a`. Raises OSError or ValueError.
+    """
+    host, port = parse_address(url)
+    platform = platform or Receiver(preset_geometry("hexapod_a"))
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as listening:
         listening.bind((host, port))
-        listening.settimeout(EVERY)
-        while not platform.line or platform.silence(time.perf_counter()) < patience:
+        listening.settimeout(COMMAND_INTERVAL)
+        while not platform.line or platform.silent_time(time.perf_counter()) < patience:
             platform.advance(time.perf_counter())
             try:
                 data, source = listening.recvfrom(2048)
             except TimeoutError:
                 continue
-            packet = platform.hear(data, source, time.perf_counter())
+            packet = platform.accept_datagram(data, source, time.perf_counter())
             if packet is not None or (platform.glide is not None and source == platform.source):
                 listening.sendto(platform.report(), source)
             if packet is not None:
@@ -324,39 +327,39 @@ def print_some(packet: Packet) -> None:
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
-def stop(url: str, key: bytes = b"") -> None:
+def stop_platform(url: str, key: bytes = b"") -> None:
     """Stop the platform that listens at an address. Raises OSError or ValueError."""
-    host, port = address(url)
+    host, port = parse_address(url)
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as sending:
-        sending.sendto(halt(key, time.time_ns()), (host, port))
+        sending.sendto(stop_packet(key, time.time_ns()), (host, port))
 
 
-def listens(url: str, key: bytes = b"") -> None:
-    """Receive a stream, and print how it came. Raises OSError or ValueError."""
+def print_stream(url: str, key: bytes = b"") -> None:
+    """Receive a stream and print a summary. Raises OSError or ValueError."""
     print(f"waiting for packets at {url}", flush=True)
-    seen = received(url, 10.0, print_some, Receiver(ready_made("hexapod_a"), key))
+    seen = receive_stream(url, 10.0, print_some, Receiver(preset_geometry("hexapod_a"), key))
     kinds = ("lost", "out of order", "strange", "from elsewhere", "implausible")
     counts = zip(kinds, (seen.lost, seen.reordered, seen.strange, seen.foreign, seen.implausible))
     ends = "; it was stopped" if seen.glide is not None else ""
-    told = ", ".join(f"{count} {kind}" for kind, count in counts)
-    print(f"{seen.came} packets, {told}; {seen.stalls} stalls{ends}")
+    totals = ", ".join(f"{count} {kind}" for kind, count in counts)
+    print(f"{seen.came} packets, {totals}; {seen.stalls} stalls{ends}")
 
 
 def main(words: Sequence[str]) -> int:
     """Receive a stream, or stop a platform, as the words of a command say; its exit code."""
     stops = [*words[:1]] == ["stop"]
-    rest = words[1:] if stops else words or [f"udp://{LOOPBACK}:5005"]
+    rest = words[1:] if stops else words or [f"udp://{LOOPBACK_HOST}:5005"]
     if "--help" in words or not 1 <= len(rest) <= 2:
         print(USAGE, file=sys.stdout if "--help" in words else sys.stderr)
         return 0 if "--help" in words else 2
     url = rest[0]
     try:
-        secret = key_in(rest[1]) if len(rest) > 1 else b""
+        secret = read_key(rest[1]) if len(rest) > 1 else b""
         if stops:
-            stop(url, secret)
+            stop_platform(url, secret)
             print(f"stop sent to {url}")
         else:
-            listens(url, secret)
+            print_stream(url, secret)
     except (OSError, ValueError) as error:
         print(error if isinstance(error, ValueError) else f"{url}: {error.strerror or error}", file=sys.stderr)
         return 2

@@ -13,12 +13,12 @@ from ocean_sim.model import Model, Vector3, quantity
 Joints = Annotated[tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3], Field(strict=False)]
 
 NEWTON_STEPS = 30
-CLOSE = 1e-13  # [m] of a leg
-FINE = 60  # halvings of an interval
+LEG_TOLERANCE = 1e-13  # [m]
+BISECTION_STEPS = 60
 
 
 class Geometry(Model):
-    """Where the joints are, and what the legs can do."""
+    """Joints and legs of a hexapod."""
 
     base: Joints = quantity("m")
     """The joints on the floor, leg by leg: x, y, z."""
@@ -40,7 +40,7 @@ class Geometry(Model):
 
     @model_validator(mode="after")
     @np.errstate(all="ignore")
-    def _assembles(self) -> "Geometry":
+    def _check_assembly(self) -> "Geometry":
         if self.longest - self.shortest <= 2.0 * self.buffer:
             stroke = f"{self.shortest:g} to {self.longest:g} m"
             raise ValueError(f"a stroke of {stroke} with a buffer of {self.buffer:g} m at both ends leaves no travel")
@@ -62,7 +62,7 @@ class Geometry(Model):
 
 
 class Hexapod:
-    """Kinematics of one geometry; neutral is level, with legs that are half way out on average."""
+    """Kinematics of one geometry; neutral is level, with the legs half way out on average."""
 
     def __init__(self, geometry: Geometry) -> None:
         self.base = np.array(geometry.base)  # (6, 3) [m]
@@ -70,50 +70,50 @@ class Hexapod:
         self.low, self.high = geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer  # [m]
         self.radius = float(np.linalg.norm(self.joints, axis=1).mean())  # [m]
         self.condition_limit = geometry.condition_limit
-        self.neutral_height = self.height(0.5 * (self.low + self.high))
+        self.neutral_height = self.level_height(0.5 * (self.low + self.high))
         self.neutral_legs = self.legs(np.zeros((1, 6)))[0]
 
-    def height(self, length: float) -> float:
-        """Of the level platform [m] when its legs are so long on average; NaN where they cannot be."""
+    def level_height(self, length: float) -> float:
+        """Height [m] of the level platform for a mean length of its legs [m], or NaN if they cannot have it."""
         offset = self.joints - self.base
         reach = np.linalg.norm(offset[:, :2], axis=1)
 
-        def mean(z: float) -> float:
+        def mean_length(z: float) -> float:
             return float(np.hypot(reach, offset[:, 2] + z).mean())
 
         low, high = -float(offset[:, 2].min()), length + float(np.abs(offset[:, 2]).max()) + 1.0
-        if not mean(low) < length:
+        if not mean_length(low) < length:
             return float("nan")
-        return halved(lambda z: mean(z) <= length, low, high)
+        return bisect_last(lambda z: mean_length(z) <= length, low, high)
 
-    def arms(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6, 3) legs from base to platform, and (n, 6, 3) joints from the platform's origin, of (n, 6) poses."""
-        arm = self.joints @ np.swapaxes(rotation(pose[:, 3:]), 1, 2)
+    def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Legs (n, 6, 3) from base to platform and joints (n, 6, 3) from the platform's origin, of poses (n, 6)."""
+        arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm
 
     def legs(self, pose: np.ndarray) -> np.ndarray:
-        """(n, 6) leg lengths [m] of (n, 6) poses: inverse kinematics, |t + R p - b|."""
-        return np.sqrt((self.arms(pose)[0] ** 2).sum(axis=2))
+        """Leg lengths (n, 6) [m] of poses (n, 6): inverse kinematics, |t + R p - b|."""
+        return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """(n, 6, 6) leg speeds over velocity [m/s] and rate [rad/s] in the axes of the floor: rows (u, R p x u)."""
-        leg, arm = self.arms(pose)
+        """Leg speeds over velocity [m/s] and rate [rad/s] in the axes of the floor (n, 6, 6): rows (u, R p x u)."""
+        leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
 
     def condition(self, pose: np.ndarray) -> np.ndarray:
-        """(n,) condition number of the Jacobian, with turns measured at the radius of the platform's joints."""
+        """Condition numbers (n,) of the Jacobian, with turns measured at the radius of the platform's joints."""
         values = np.linalg.svd(self.jacobian(pose) / np.repeat([1.0, self.radius], 3), compute_uv=False)
         return values[:, 0] / np.maximum(values[:, -1], 1e-300)
 
     def pose(self, legs: np.ndarray, guess: np.ndarray | None = None) -> np.ndarray:
-        """(n, 6) poses of (n, 6) leg lengths by Newton's method from (n, 6) guesses, or else from neutral; NaN where
-        there is none near."""
+        """Poses (n, 6) of leg lengths (n, 6) by Newton's method from guesses (n, 6), by default from neutral; NaN for
+        lengths without a pose nearby."""
         pose = np.zeros((len(legs), 6)) if guess is None else guess.copy()
         for _ in range(NEWTON_STEPS):
             miss = legs - self.legs(pose)
-            far = np.abs(miss).max(axis=1) > CLOSE
+            far = np.abs(miss).max(axis=1) > LEG_TOLERANCE
             if not far.any():
                 break
             jacobian = self.jacobian(pose[far])
@@ -121,49 +121,49 @@ class Hexapod:
             with np.errstate(all="ignore"):
                 step = np.linalg.solve(jacobian, miss[far][:, :, None])[:, :, 0]
             pose[far] += np.clip(step, -0.5, 0.5)
-        pose[np.abs(legs - self.legs(pose)).max(axis=1) > 1e3 * CLOSE] = np.nan
+        pose[np.abs(legs - self.legs(pose)).max(axis=1) > 1e3 * LEG_TOLERANCE] = np.nan
         return pose
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """(n,) part of its stroke that the leg nearest to its end uses, counted from neutral; above 1 is outside."""
+        """Used part (n,) of the stroke of the leg nearest to its end, counted from neutral; above 1 is outside."""
         return self.strokes(pose).max(axis=1)
 
     def strokes(self, pose: np.ndarray) -> np.ndarray:
-        """(n, 6) part of its stroke, out or in from neutral, that each leg uses."""
+        """Used part (n, 6) of the stroke of each leg, out or in from neutral."""
         legs, neutral = self.legs(pose), self.neutral_legs
         return (legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)
 
-    def allowed(self, pose: np.ndarray) -> np.ndarray:
-        """(n,) whether a pose is within the stroke and not singular."""
+    def is_allowed(self, pose: np.ndarray) -> np.ndarray:
+        """True (n,) if a pose is within the stroke and not singular."""
         within = self.usage(pose) <= 1.0
         within[within] = self.condition(pose[within]) <= self.condition_limit
         return within
 
     def excursions(self) -> np.ndarray:
-        """(6, 2) lowest and highest that each motion alone can reach from neutral [m, rad]."""
+        """Lowest and highest value (6, 2) of each motion alone from neutral [m, rad]."""
         ways = np.concatenate([-np.eye(6), np.eye(6)])  # to their lowest and highest
         most = np.where(ways[:, :3].any(axis=1), self.high, 1.5)
         steps = np.linspace(0.0, 2.0 * most, 400)
-        inside = self.allowed((steps[:, :, None] * ways).reshape(-1, 6)).reshape(steps.shape)
+        inside = self.is_allowed((steps[:, :, None] * ways).reshape(-1, 6)).reshape(steps.shape)
         last = inside.argmin(axis=0) - 1
         low, high = np.take_along_axis(steps, np.stack([last, last + 1]), axis=0)
-        for _ in range(FINE):
+        for _ in range(BISECTION_STEPS):
             middle = 0.5 * (low + high)
-            holds = self.allowed(middle[:, None] * ways)
+            holds = self.is_allowed(middle[:, None] * ways)
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return np.stack([-low[:6], low[6:]], axis=1)
 
 
-def halved(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """The last number between `low`, where it holds, and `high` for which it does."""
-    for _ in range(FINE):
+def bisect_last(holds: Callable[[float], bool], low: float, high: float) -> float:
+    """Largest number between `low`, where `holds` is true, and `high` for which it is, by bisection."""
+    for _ in range(BISECTION_STEPS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)
     return low
 
 
-def rotation(angles: np.ndarray) -> np.ndarray:
-    """(n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll) of (n, 3) roll, pitch, yaw [rad]."""
+def rotation_matrices(angles: np.ndarray) -> np.ndarray:
+    """Matrices (n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll) of roll, pitch, yaw (n, 3) [rad]."""
     (a, b, c), (ca, cb, cc) = np.sin(angles).T, np.cos(angles).T
     rows = [
         [cc * cb, cc * b * a - c * ca, cc * b * ca + c * a],
@@ -174,20 +174,20 @@ def rotation(angles: np.ndarray) -> np.ndarray:
 
 
 def rates_to_turn(angles: np.ndarray) -> np.ndarray:
-    """(n, 3, 3) from rates of roll, pitch and yaw to the rate of turn [rad/s] in the axes of the floor."""
+    """Matrices (n, 3, 3) from rates of roll, pitch and yaw to the rate of turn [rad/s] in the axes of the floor."""
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)
 
 
-def felt(pose: np.ndarray, acceleration: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) specific force [m/s2] and (n, 3) rate [rad/s] on the platform in its own axes, in (n, 6) poses with (n, 3)
-    accelerations [m/s2] and (n, 3) rates of roll, pitch and yaw [rad/s]."""
-    turn = rotation(pose[:, 3:])
+def felt_motion(pose: np.ndarray, acceleration: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform in its own axes, in poses (n, 6) with
+    accelerations (n, 3) [m/s2] and rates of roll, pitch and yaw (n, 3) [rad/s]."""
+    turn = rotation_matrices(pose[:, 3:])
     spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
     return np.einsum("nji,nj->ni", turn, acceleration + [0.0, 0.0, GRAVITY]), np.einsum("nji,nj->ni", turn, spin)
 
 
-def smoothly(s: np.ndarray) -> np.ndarray:
-    """10 s^3 - 15 s^4 + 6 s^5, from 0 to 1 without a jump in acceleration."""
+def smooth_step(s: np.ndarray) -> np.ndarray:
+    """Step 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, without a jump in acceleration."""
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

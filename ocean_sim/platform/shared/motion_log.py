@@ -1,4 +1,4 @@
-"""Motion logs: what a ship did, row by row, as `motion.csv` has it; read, checked, and converted to other axes."""
+"""Motion logs, the rows of `motion.csv`: read, checked, and converted to other axes."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -13,51 +13,55 @@ from ocean_sim.files import csv_file
 from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
 from ocean_sim.files.input_file import Checked, Rule
 
-TIME = csv_file.TIME_COLUMN
-QUATERNION = ("qw", "qx", "qy", "qz")
-ANGLES = ("roll_rad", "pitch_rad", "yaw_rad")
-RATES = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
-FORCES = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
-REQUIRED = (TIME, "sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad", *RATES, *FORCES)
-UNIT = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
+TIME_COLUMN = csv_file.TIME_COLUMN
+QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
+ANGLE_COLUMNS = ("roll_rad", "pitch_rad", "yaw_rad")
+RATE_COLUMNS = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
+FORCE_COLUMNS = ("specific_force_x_m_s2", "specific_force_y_m_s2", "specific_force_z_m_s2")
+POSE_COLUMNS = ("sway_m", "heave_m", "surge_m", "pitch_rad", "yaw_rad", "roll_rad")
+REQUIRED_COLUMNS = (TIME_COLUMN, *POSE_COLUMNS, *RATE_COLUMNS, *FORCE_COLUMNS)
+UNIT_PATTERN = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 Columns = tuple[Sequence[str], np.ndarray]  # names of (n, k) values
 
 # Components along the axes of each frame, from those along FLU (x forward, y left, z up).
-AXES = {frame: conventions.FRAMES[frame] @ conventions.FRAMES["flu"].T for frame in ("flu", "ned", "ship")}
-FRAMES = {**AXES, "world": AXES["ship"]}
+FRAME_AXES = {frame: conventions.FRAMES[frame] @ conventions.FRAMES["flu"].T for frame in ("flu", "ned", "ship")}
+LOG_FRAMES = {**FRAME_AXES, "world": FRAME_AXES["ship"]}
 AXES_IN_WORDS = {
     "flu": "x forward, y left, z up (ISO 8855, ROS)",
     "ned": "x forward, y to starboard, z down (SNAME, NED)",
     "ship": "x to port, y up, z to the bow",
 }
 
-SLOWEST = 10.0  # rows a second that a platform can be driven by
-FASTEST = 50.0  # [m/s] that a ship may move from row to row
-FASTEST_TURN = 20.0  # [rad/s]
-MOST_FELT = 20.0  # [m/s2] in the half of all rows
-UNEVEN = 0.01  # part of the time between rows by which it may differ
-CHUNK = 2000  # rows at a time
+MIN_ROW_RATE = 10.0  # rows a second that a platform can be driven by
+MAX_SPEED = 50.0  # [m/s] that a ship may move from row to row
+MAX_TURN_RATE = 20.0  # [rad/s]
+MAX_MEDIAN_FORCE = 20.0  # [m/s2] in the half of all rows
+INTERVAL_TOLERANCE = 0.01  # part of the time between rows by which it may differ
+CHUNK_ROWS = 2000  # rows at a time
 
-COMPARED_SECONDS = 0.5  # over which columns that say the same are compared: noise from row to row does not count
+COMPARED_SECONDS = 0.5  # span of compared changes: noise from row to row does not count
 MIN_COMPARED_ROWS = 8  # fewer are alike by chance
 # Correlations of a column with its opposite, at most with another column, and with itself.
-OPPOSITE, UNLIKE, ALIKE = -0.8, 0.8, 0.9
+OPPOSITE_CORRELATION, UNLIKE_CORRELATION, ALIKE_CORRELATION = -0.8, 0.8, 0.9
 MAX_FACTOR, MAX_FELT_FACTOR = 1.5, 3.0  # between columns that say the same; a ship also feels what short waves do
 MIN_TURN, MIN_SPEED, MIN_CHANGE, MIN_FELT = 1e-3, 0.01, 0.01, 0.05  # [rad/s], [m/s], [m/s2]: less is not compared
 SURE_TURN = 0.05  # [rad/s] beside which angles, or rates, that move by less than a tenth of it are wrong
 MAX_TURNED_APART = 0.02  # [rad] between a quaternion and the angles, in half of all rows
 UNIT_FACTORS = {180.0 / np.pi: "degrees", GRAVITY: "g", 1000.0: "mm", 100.0: "cm", 3.6: "km/h", 1.9438: "knots"}
 
-AXES_NAMED = Rule(f"its head says its axes, `# frame:` one of {', '.join(FRAMES)}, and gravity points down in them")
-EVEN = Rule(f"rows are evenly spaced, to the digits of their times, {SLOWEST:g} a second or more, without a gap")
-POSSIBLE = Rule(
-    f"a ship moves at less than {FASTEST:g} m/s, turns at less than {FASTEST_TURN:g} rad/s and feels about 1 g"
+AXES_RULE = Rule(f"its head says its axes, `# frame:` one of {', '.join(LOG_FRAMES)}, and gravity points down in them")
+EVEN_RULE = Rule(
+    f"rows are evenly spaced, to the digits of their times, {MIN_ROW_RATE:g} a second or more, without a gap"
 )
-AGREEING = Rule(
+POSSIBLE_RULE = Rule(
+    f"a ship moves at less than {MAX_SPEED:g} m/s, turns at less than {MAX_TURN_RATE:g} rad/s and feels about 1 g"
+)
+AGREEMENT_RULE = Rule(
     "columns that say the same agree: angles, rates and quaternion, positions, velocities and accelerations, "
     "and specific force with all of them and gravity"
 )
-CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", (AXES_NAMED, EVEN, POSSIBLE, AGREEING)),)
+LOG_RULES = (AXES_RULE, EVEN_RULE, POSSIBLE_RULE, AGREEMENT_RULE)
+CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", LOG_RULES),)
 
 
 class Ride(NamedTuple):
@@ -70,13 +74,13 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def chunks(self) -> Iterator["Ride"]:
-        """The rows in their order, some at a time."""
-        for k in range(0, len(self.time), CHUNK):
-            yield Ride(*(column[k : k + CHUNK] for column in self))
+        """Rows in their order, a chunk at a time."""
+        for k in range(0, len(self.time), CHUNK_ROWS):
+            yield Ride(*(column[k : k + CHUNK_ROWS] for column in self))
 
 
 class MotionLog(NamedTuple):
-    """A motion log that has been read: its table and what a platform needs of it."""
+    """A motion log that has been read: its table, and the ride for a platform."""
 
     table: Table
     frame: str  # ship, ned or flu
@@ -88,121 +92,126 @@ class MotionLog(NamedTuple):
         """Number of rows over which columns are compared: of COMPARED_SECONDS, or less in a short log."""
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
-    def changes(self, values: np.ndarray) -> np.ndarray:
-        """(m - n, 3) mean rate of change of (m, 3) values over the n rows that are compared."""
+    def mean_rates(self, values: np.ndarray) -> np.ndarray:
+        """Mean rates of change (m - n, 3) of values (m, 3) over the n compared rows."""
         n = self.compared_rows
         return (values[n:] - values[:-n]) / (n * self.every)
 
-    def means(self, values: np.ndarray) -> np.ndarray:
-        """(m - n, 3) mean of (m, 3) values over the n rows that are compared, by the trapezoidal rule."""
+    def mean_values(self, values: np.ndarray) -> np.ndarray:
+        """Means (m - n, 3) of values (m, 3) over the n compared rows, by the trapezoidal rule."""
         n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
         whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
         return (whole[n:] - whole[:-n]) / n
 
 
-def signs(frame: str) -> np.ndarray:
-    """(3,) by which roll, pitch and yaw about the frame's own axes, in their FLU sense, have to be taken."""
+def frame_signs(frame: str) -> np.ndarray:
+    """Signs (3,) of roll, pitch and yaw about the axes of a frame, in their FLU sense."""
     return np.array([1.0, -1.0, -1.0]) if frame == "ned" else np.ones(3)
 
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
-    """What a platform needs of columns along the axes of this frame."""
-    force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in (FORCES, RATES, ANGLES))
+    """The ride for a platform, from columns along the axes of a frame."""
+    groups = FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS
+    force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in groups)
+    signs = frame_signs(frame)
     seq = table.get("seq", np.arange(len(force))).astype(int)
-    return Ride(table[TIME], seq, force @ FRAMES[frame], rate * signs(frame), attitude * signs(frame))
+    return Ride(table[TIME_COLUMN], seq, force @ LOG_FRAMES[frame], rate * signs, attitude * signs)
 
 
-def read(path: str | Path) -> MotionLog:
-    """A whole motion log. Raises Unreadable, a ValueError, where it cannot be read, or is none."""
+def read_log(path: str | Path) -> MotionLog:
+    """Read and check a whole motion log. Raises Unreadable, a ValueError."""
     table = csv_file.Table(path)
-    missing = next((name for name in REQUIRED if name not in table), None)
+    missing = next((name for name in REQUIRED_COLUMNS if name not in table), None)
     if missing is not None:
-        words = [name for name in table if name.isidentifier() and name not in REQUIRED]
-        other = next((name for name in words if name.startswith(UNIT.sub("_", missing))), None)
+        words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
+        other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing))), None)
         raise NAMED_COLUMNS_RULE.broken(
             path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}"
         )
     frame = table.head.get("frame", "ship")
-    if frame not in FRAMES:
-        raise AXES_NAMED.broken(path, f"its head says frame {frame!r}")
-    table.series(*(name for name in (*REQUIRED, "seq") if name in table), fewest=2)
-    log = MotionLog(table, "ship" if frame == "world" else frame, spacing(table), ride_of(table, frame))
-    believable(log)
-    agreeing(log)
+    if frame not in LOG_FRAMES:
+        raise AXES_RULE.broken(path, f"its head says frame {frame!r}")
+    table.series(*(name for name in (*REQUIRED_COLUMNS, "seq") if name in table), fewest=2)
+    log = MotionLog(table, "ship" if frame == "world" else frame, row_interval(table), ride_of(table, frame))
+    check_plausible(log)
+    check_agreement(log)
     return log
 
 
-def spacing(table: Table) -> float:
-    """Time between rows [s], which has to be the same everywhere."""
-    time, steps = table[TIME], np.diff(table[TIME])
+def row_interval(table: Table) -> float:
+    """Time between rows [s]; raises Unreadable if it varies."""
+    time, steps = table[TIME_COLUMN], np.diff(table[TIME_COLUMN])
     every = float(np.median(steps))
-    off = np.abs(steps - every) > UNEVEN * every + table.resolution(TIME)
+    off = np.abs(steps - every) > INTERVAL_TOLERANCE * every + table.resolution(TIME_COLUMN)
     off |= np.diff(table.get("seq", np.arange(len(time)))) != 1
     if off.any():
         k = int(np.argmax(off))
         where = f"between {time[k]:.12g} s and {time[k + 1]:.12g} s, rows {k + 1} and {k + 2}"
-        raise EVEN.broken(table.path, f"rows are missing or out of order {where}; they should be {every:g} s apart")
-    if every > 1.0 / SLOWEST:
-        raise EVEN.broken(table.path, f"it has a row every {every:g} s")
-    return as_logged(float(time[-1] - time[0]) / len(steps))
+        found = f"rows are missing or out of order {where}; they should be {every:g} s apart"
+        raise EVEN_RULE.broken(table.path, found)
+    if every > 1.0 / MIN_ROW_RATE:
+        raise EVEN_RULE.broken(table.path, f"it has a row every {every:g} s")
+    return round_interval(float(time[-1] - time[0]) / len(steps))
 
 
-def as_logged(every: float) -> float:
-    """A time between rows [s] with the digits that a log keeps of it, whose times have nine: so a platform does in a
-    run what it does on the run's log."""
+def round_interval(every: float) -> float:
+    """Round a time between rows [s] to the digits of a log, whose times have nine: a platform then moves alike in a run
+    and on the log of the run."""
     return float(f"{every:.8g}")
 
 
-def believable(log: MotionLog) -> None:
-    """Refuse what no ship can do: jumps, other units, angles and rates that disagree, gravity along another axis."""
-    ride, time, path, pose = log.ride, log.ride.time, log.table.path, rotation(log.ride)
-    jump = np.linalg.norm(np.diff(position(log), axis=0), axis=1)
+def check_plausible(log: MotionLog) -> None:
+    """Refuse a log with motions of no ship: jumps, other units, angles against rates, gravity along another axis."""
+    ride, time, path, pose = log.ride, log.ride.time, log.table.path, ride_rotations(log.ride)
+    jump = np.linalg.norm(np.diff(log_positions(log), axis=0), axis=1)
     leap = np.degrees((pose[:-1].inv() * pose[1:]).magnitude())
     for size, most, words in (
-        (jump, FASTEST, "jumps by {:.3g} m between {}"),
-        (leap, np.degrees(FASTEST_TURN), "turns by {:.3g} degrees between {}; are its angles in degrees?"),
+        (jump, MAX_SPEED, "jumps by {:.3g} m between {}"),
+        (leap, np.degrees(MAX_TURN_RATE), "turns by {:.3g} degrees between {}; are its angles in degrees?"),
     ):
         if (size > most * np.diff(time)).any():
             k = int(np.argmax(size))
             where = f"{time[k]:.12g} s and {time[k + 1]:.12g} s, row {k + 2}"
-            raise POSSIBLE.broken(path, f"the ship {words.format(size[k], where)}")
-    if np.abs(ride.rate).max() > FASTEST_TURN or np.abs(ride.attitude).max() > 1000.0:
-        raise POSSIBLE.broken(path, f"it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
-    turn, rate = log.changes(np.unwrap(ride.attitude, axis=0)), log.means(euler_rates(ride))
-    compare(path, (ANGLES, turn), (RATES, rate), MIN_TURN)
+            raise POSSIBLE_RULE.broken(path, f"the ship {words.format(size[k], where)}")
+    if np.abs(ride.rate).max() > MAX_TURN_RATE or np.abs(ride.attitude).max() > 1000.0:
+        raise POSSIBLE_RULE.broken(path, f"it turns at {np.abs(ride.rate).max():.3g} rad/s; are its angles in degrees?")
+    turn, rate = log.mean_rates(np.unwrap(ride.attitude, axis=0)), log.mean_values(euler_rates(ride))
+    compare_columns(path, (ANGLE_COLUMNS, turn), (RATE_COLUMNS, rate), MIN_TURN)
     sizes = np.stack([turn.std(axis=0), rate.std(axis=0)])
     for k in np.flatnonzero(sizes.max(axis=0) > np.maximum(SURE_TURN, 10.0 * sizes.min(axis=0))).tolist():
-        found = f"{ANGLES[k]} turns by {sizes[0, k]:.3g} rad/s, {RATES[k]} says {sizes[1, k]:.3g} (standard deviations)"
-        raise AGREEING.broken(path, found)
+        found = f"{ANGLE_COLUMNS[k]} turns by {sizes[0, k]:.3g} rad/s, {RATE_COLUMNS[k]} says {sizes[1, k]:.3g}"
+        raise AGREEMENT_RULE.broken(path, f"{found} (standard deviations)")
     felt = float(np.median(np.linalg.norm(ride.specific_force, axis=1)))
-    up = float(turned(ride.attitude, ride.specific_force)[:, 2].mean())
-    if 0.5 < felt < 2.0 or felt > MOST_FELT:
+    up = float(turn_to_level(ride.attitude, ride.specific_force)[:, 2].mean())
+    if 0.5 < felt < 2.0 or felt > MAX_MEDIAN_FORCE:
         unit = "g" if felt < 2.0 else "another unit"
         found = f"its specific force is about {felt:.3g} m/s2, at rest {GRAVITY}; is it in {unit}?"
-        raise POSSIBLE.broken(path, found)
+        raise POSSIBLE_RULE.broken(path, found)
     if felt > 5.0 and up < 0.5 * felt:
         means = f"frame {log.table.head.get('frame', 'ship')}, {AXES_IN_WORDS[log.frame]}"
         found = f"gravity does not point down ({up:.3g} m/s2 upward); is it really in {means}?"
-        raise AXES_NAMED.broken(path, found)
+        raise AXES_RULE.broken(path, found)
 
 
-def agreeing(log: MotionLog) -> None:
-    """Refuse positions and what follows from them that disagree, by how they change within COMPARED_SECONDS."""
-    table, pose, axes = log.table, rotation(log.ride), FRAMES[log.frame]
+def check_agreement(log: MotionLog) -> None:
+    """Refuse positions that disagree with their derivatives, by the changes within COMPARED_SECONDS."""
+    table, pose, axes = log.table, ride_rotations(log.ride), LOG_FRAMES[log.frame]
     for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
         pairs = [pair for pair in pairs if table.keys() >= {*pair}]
         if pairs:
             names, others = zip(*pairs)
             whole, parts = (np.column_stack(table.finite(*columns)) for columns in (names, others))
-            compare(table.path, (names, log.changes(whole)), (others, log.means(parts)), least)
-    says, gravity = log.changes(log.changes(position(log))), pose.inv().apply([0.0, 0.0, GRAVITY])
+            compare_columns(table.path, (names, log.mean_rates(whole)), (others, log.mean_values(parts)), least)
+    says, gravity = log.mean_rates(log.mean_rates(log_positions(log))), pose.inv().apply([0.0, 0.0, GRAVITY])
     n = (len(pose) - len(says)) // 2
-    follows = pose[n : len(pose) - n].inv().apply(says) + log.means(log.means(gravity))
-    felt = FORCES, log.means(log.means(log.ride.specific_force)) @ axes.T
-    compare(table.path, felt, (("positions, angles and gravity",) * 3, follows @ axes.T), MIN_FELT, MAX_FELT_FACTOR)
-    if all(name in table for name in QUATERNION):
-        w, *vector = table.finite(*QUATERNION)
+    follows = pose[n : len(pose) - n].inv().apply(says) + log.mean_values(log.mean_values(gravity))
+    felt = FORCE_COLUMNS, log.mean_values(log.mean_values(log.ride.specific_force)) @ axes.T
+    compare_columns(
+        table.path, felt, (("positions, angles and gravity",) * 3, follows @ axes.T), MIN_FELT, MAX_FELT_FACTOR
+    )
+    if all(name in table for name in QUATERNION_COLUMNS):
+        w, *vector = table.finite(*QUATERNION_COLUMNS)
         quaternion = np.column_stack([np.column_stack(vector) @ axes, w])
         off = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0).max()
         apart = np.median(2.0 * np.arccos(np.minimum(np.abs((quaternion * pose.as_quat()).sum(axis=1)), 1.0)))
@@ -210,12 +219,12 @@ def agreeing(log: MotionLog) -> None:
             found = (
                 f"its quaternion, qw first, is up to {off:.3g} from unit length and in half of the rows {apart:.3g} rad"
             )
-            raise AGREEING.broken(table.path, f"{found} from its angles: is its order another, or its sense?")
+            raise AGREEMENT_RULE.broken(table.path, f"{found} from its angles: is its order another, or its sense?")
 
 
-def compare(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
-    """Refuse columns (n, k) that disagree with others (n, k): another sign, axis or unit; where either moves less than
-    `least`, nothing is known."""
+def compare_columns(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
+    """Refuse columns (n, k) that disagree with others (n, k) in sign, axis or unit; a column that moves less than
+    `least` tells nothing."""
     (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
         return
@@ -227,30 +236,30 @@ def compare(path: str | Path, own: Columns, other: Columns, least: float, most: 
         match, k, ratio = like[i, i], int(np.abs(like[i]).argmax()), sizes[0, i] / sizes[1, i]
         factor = np.copysign(ratio, match)
         found = f"{names[i]} changes by {factor:.3g} times what {others[i]} make of it (correlation {match:.2f})"
-        if match < OPPOSITE:
-            raise AGREEING.broken(path, f"{found}: is one of the other sign?")
-        if abs(like[i, k]) > ALIKE and match < UNLIKE:
-            raise AGREEING.broken(path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
-        if match > ALIKE and not 1.0 / most < ratio < most:
+        if match < OPPOSITE_CORRELATION:
+            raise AGREEMENT_RULE.broken(path, f"{found}: is one of the other sign?")
+        if abs(like[i, k]) > ALIKE_CORRELATION and match < UNLIKE_CORRELATION:
+            raise AGREEMENT_RULE.broken(path, f"{found}, but as {others[k]} ({like[i, k]:.2f}): are axes exchanged?")
+        if match > ALIKE_CORRELATION and not 1.0 / most < ratio < most:
             apart = max(ratio, 1.0 / ratio)
             unit = next((unit for factor, unit in UNIT_FACTORS.items() if 0.9 < apart / factor < 1.1), "another unit")
-            raise AGREEING.broken(path, f"{found}: is one in {unit}?")
+            raise AGREEMENT_RULE.broken(path, f"{found}: is one in {unit}?")
 
 
-def position(log: MotionLog) -> np.ndarray:
-    """(n, 3) surge, sway and heave [m] in their FLU sense."""
-    return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * signs(log.frame)
+def log_positions(log: MotionLog) -> np.ndarray:
+    """Surge, sway and heave (n, 3) [m] in their FLU sense."""
+    return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * frame_signs(log.frame)
 
 
-def rotation(ride: Ride) -> Any:
-    """SciPy's rotations (n,) of body axes to those of the world."""
+def ride_rotations(ride: Ride) -> Any:
+    """SciPy's rotations (n,) from body axes to those of the world."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_euler("ZYX", ride.attitude[:, ::-1])
 
 
-def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(n, 3) Ry(pitch) Rx(roll) of (n, 3): body axes to those that are level and head as the ship does."""
+def turn_to_level(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Turn vectors (n, 3) by Ry(pitch) Rx(roll), from body axes to level axes with the heading of the ship."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     x, y, z = vector.T
     along = sr * y + cr * z
@@ -258,49 +267,51 @@ def turned(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def euler_rates(ride: Ride) -> np.ndarray:
-    """(n, 3) rates of roll, pitch and yaw [rad/s] from body rates; near a pitch of 90 degrees they are held finite."""
+    """Rates (n, 3) of roll, pitch and yaw [rad/s] from body rates, kept finite near a pitch of 90 degrees."""
     (sr, sp, _), (cr, cp, _) = np.sin(ride.attitude).T, np.cos(ride.attitude).T
     p, q, r = ride.rate.T
     about_z = (sr * q + cr * r) / np.where(np.abs(cp) < 1e-3, 1e-3, cp)
     return np.column_stack([p + sp * about_z, cr * q - sr * r, about_z])
 
 
-def converted(log: MotionLog, frame: str) -> Iterator[list[str]]:
-    """The rows of a log in the axes of another frame, each of which is plus or minus one of the log's own; columns that
-    have no axes stay as they are written."""
-    names, turn = log.table.names, AXES[frame] @ AXES[log.frame].T
+def convert_rows(log: MotionLog, frame: str) -> Iterator[list[str]]:
+    """Rows of a log in the axes of another frame, each plus or minus one of the log's own; columns without axes keep
+    their text."""
+    names, turn = log.table.names, FRAME_AXES[frame] @ FRAME_AXES[log.frame].T
     sources = {name: (name, False) for name in names}  # of each column, and whether they change their sign
-    for triple in vectors(names):
+    for triple in vector_columns(names):
         for name, row in zip(triple, turn):
             k = int(np.argmax(np.abs(row)))
             sources[name] = triple[k], bool(row[k] < 0.0)
     if (turn < 0.0).any():
-        sources |= {name: (name, True) for name in sideways(names)}
+        sources |= {name: (name, True) for name in sign_changing_columns(names)}
     for cells in map(log.table.cells, log.table.rows):
         own = dict(zip(names, cells))
-        yield [negated(own[source]) if negative else own[source] for source, negative in sources.values()]
+        yield [negate_cell(own[source]) if negative else own[source] for source, negative in sources.values()]
 
 
-def negated(cell: str) -> str:
-    """A number with the other sign, its digits as they are; 0 has none."""
+def negate_cell(cell: str) -> str:
+    """A number in text with the other sign and the same digits; 0 has no sign."""
     cell = cell.strip().removeprefix("+")
     if cell.startswith("-"):
         return cell[1:]
     return f"-{cell}" if float(cell) else cell
 
 
-def convertible(log: MotionLog) -> None:
-    """Refuse a log that cannot be converted to other axes: a vector lacks a component, or a cell is not a number."""
-    wanted = [name for triple in vectors(log.table.names) for name in triple] + sideways(log.table.names)
+def check_convertible(log: MotionLog) -> None:
+    """Refuse a log that cannot be converted to other axes: a vector without a component, or a cell without a number."""
+    wanted = [name for triple in vector_columns(log.table.names) for name in triple] + sign_changing_columns(
+        log.table.names
+    )
     log.table.finite(*wanted)
 
 
-def sideways(names: list[str]) -> list[str]:
-    """The columns that change their sign between NED and the other frames."""
+def sign_changing_columns(names: list[str]) -> list[str]:
+    """Columns that change their sign between NED and the other frames."""
     return [name for name in names if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
 
 
-def vectors(names: list[str]) -> list[list[str]]:
-    """The components along x, y and z of each vector; the quaternion's last three are one."""
+def vector_columns(names: list[str]) -> list[list[str]]:
+    """Columns along x, y and z of each vector; the last three of the quaternion are one."""
     found = [["qx", "qy", "qz"]] if "qx" in names else []
     return found + [[name.replace("_x_", f"_{axis}_") for axis in "xyz"] for name in names if "_x_" in name]

@@ -1,4 +1,4 @@
-"""What washouts have in common: scales, tilt and turns; each kind adds how the platform travels.
+"""Common parts of washouts: scales, tilt and turns; each kind adds the travel of the platform.
 
 Reid and Nahon, UTIAS Report 296 (1985). Specific force is freed of gravity in level axes that head as the ship does,
 scaled, and travelled as the kind says; its slow part along x and y tilts the platform, slower than people notice.
@@ -15,8 +15,8 @@ from pydantic import Field
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.model import Model, Vector3, quantity
-from ocean_sim.platform import INPUT, TILT_RATE, Cue
-from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turned
+from ocean_sim.platform import INPUT_LIMIT, TILT_RATE_LIMIT, Cue
+from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turn_to_level
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -45,21 +45,21 @@ class WashingConfig(Model):
 
 
 class Travelling(Protocol):
-    """How a platform travels along one axis."""
+    """Travel of a platform along one axis."""
 
-    def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) displacement [m] for (n,) scaled accelerations [m/s2], and (n,) whether the input was cut."""
+    def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and True (n,) for cut input."""
 
 
 class Filter:
-    """A transfer function at a fixed rate (Tustin), that goes on where it stopped."""
+    """A transfer function at a fixed rate (Tustin) that keeps its state between calls."""
 
     def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
-        self.sections = designed(zeros, poles, gain, every)
+        self.sections = design_sections(zeros, poles, gain, every)
         self.state = np.zeros((len(self.sections), 2))
 
-    def of(self, signal: np.ndarray) -> np.ndarray:
-        """(n,) the filtered signal: direct form II transposed, one section after the other."""
+    def apply(self, signal: np.ndarray) -> np.ndarray:
+        """Filter a signal (n,): direct form II transposed, one section after the other."""
         values, ends = signal.tolist(), []
         for section, (one, two) in zip(self.sections.tolist(), self.state.tolist()):
             b_0, b_1, b_2, _, a_1, a_2 = section
@@ -72,18 +72,18 @@ class Filter:
         return np.array(values)
 
 
-def designed(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """(m, 6) second-order sections of a transfer function at a rate: designed by SciPy once, and then in the cache, as
-    `scipy.signal` takes longer to import than a platform takes for a minute of motion."""
+def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
+    """Second-order sections (m, 6) of a transfer function at a rate: designed by SciPy once, and then in the cache, as
+    the import of `scipy.signal` takes longer than a minute of motion of a platform."""
     import scipy
 
-    def made() -> dict[str, np.ndarray]:
+    def design() -> dict[str, np.ndarray]:
         from scipy.signal import bilinear_zpk, zpk2sos
 
         return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
 
     asked = [np.asarray(part, dtype=complex).tolist() for part in (zeros, poles, [gain, every])]
-    return cached_arrays("filters", repr([np.__version__, scipy.__version__, asked]).encode(), made)["sections"]
+    return cached_arrays("filters", repr([np.__version__, scipy.__version__, asked]).encode(), design)["sections"]
 
 
 def second_order(frequency: float, damping: float) -> list[complex]:
@@ -99,9 +99,9 @@ class Tilt:
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
-    def of(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) asin(f / g) of the slow part of (n,) f [m/s2], and (n,) whether its rate was limited."""
-        wanted = np.arcsin(np.clip(self.slow.of(force) / GRAVITY, -1.0, 1.0)).tolist()
+    def follow_force(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Angles (n,) asin(f / g) of the slow part of f (n,) [m/s2], and True (n,) at a limited rate."""
+        wanted = np.arcsin(np.clip(self.slow.apply(force) / GRAVITY, -1.0, 1.0)).tolist()
         angle, step, angles, held = self.angle, self.step, [], []
         for target in wanted:
             turn = target - angle
@@ -128,33 +128,33 @@ class Washing:
     def follow(self, ride: Ride) -> Cue:
         config = self.config
         limited = np.zeros(len(ride.time), dtype=int)
-        level = turned(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]
-        acceleration = self.clipped(level * config.force_scale, config.acceleration_limit, limited)
+        level = turn_to_level(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]
+        acceleration = self.clip_input(level * config.force_scale, config.acceleration_limit, limited)
         rates = euler_rates(ride) * config.rotation_scale * [turn is not None for turn in self.turns]
-        rates = self.clipped(rates, float(np.radians(config.rate_limit_deg)), limited)
+        rates = self.clip_input(rates, float(np.radians(config.rate_limit_deg)), limited)
         pose = np.zeros((len(ride.time), 6))
         for k, travel in enumerate(self.travels):
-            pose[:, k], cut = travel.of(acceleration[:, k])
-            limited[cut] |= INPUT
+            pose[:, k], cut = travel.displace(acceleration[:, k])
+            limited[cut] |= INPUT_LIMIT
         for k, turn in enumerate(self.turns):
-            pose[:, 3 + k] = ride.attitude[:, k] * config.rotation_scale[k] if turn is None else turn.of(rates[:, k])
-        push = self.lasting(ride)
+            pose[:, 3 + k] = ride.attitude[:, k] * config.rotation_scale[k] if turn is None else turn.apply(rates[:, k])
+        push = self.lasting_force(ride)
         for k, axis, sign in ((3, 1, 1.0), (4, 0, -1.0)):  # a push lifts the side that it points to
-            angle, held = self.tilts[k - 3].of(push[:, axis])
+            angle, held = self.tilts[k - 3].follow_force(push[:, axis])
             pose[:, k] += sign * angle
-            limited[held] |= TILT_RATE
+            limited[held] |= TILT_RATE_LIMIT
         scaled_attitude = ride.attitude * config.rotation_scale
-        inertial = (ride.specific_force - gravity(ride.attitude)) * config.force_scale
-        return Cue(pose, limited, inertial + gravity(scaled_attitude), ride.rate * config.rotation_scale)
+        inertial = (ride.specific_force - rest_force(ride.attitude)) * config.force_scale
+        return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
 
-    def clipped(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """(n, 3) within its limit; where it was not, `limited` is marked."""
-        limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT
+    def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
+        """Clip (n, 3) to a limit, and mark clipped rows in `limited` (n,)."""
+        limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT_LIMIT
         return np.clip(wanted, -limit, limit)
 
-    def lasting(self, ride: Ride) -> np.ndarray:
-        """(n, 2) scaled specific force along x and y without what an angle that is followed shows by itself [m/s2]."""
-        force, own = ride.specific_force[:, :2].copy(), gravity(ride.attitude)
+    def lasting_force(self, ride: Ride) -> np.ndarray:
+        """Scaled specific force (n, 2) [m/s2] along x and y, without the part that a followed angle shows by itself."""
+        force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]
         if self.turns[0] is None:
@@ -163,7 +163,7 @@ class Washing:
         return np.clip(force * self.config.force_scale[:2], -limit, limit)
 
 
-def gravity(attitude: np.ndarray) -> np.ndarray:
-    """(n, 3) specific force at rest [m/s2] along body axes: g times what is up."""
+def rest_force(attitude: np.ndarray) -> np.ndarray:
+    """Specific force at rest (n, 3) [m/s2] along body axes: g times the unit vector upward."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     return GRAVITY * np.column_stack([-sp, cp * sr, cp * cr])

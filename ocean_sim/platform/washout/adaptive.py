@@ -2,9 +2,9 @@
 
 After Parrish, Dieudonne, Bowles & Martin (1975, J. Aircraft 12, 44), as in Reid and Nahon, UTIAS Report 296 (1985):
 along each axis the platform follows p a - 2 zeta omega v - omega^2 s of a scaled acceleration a, and the share p keeps
-a cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They go down its slope; here p is what makes its mean of
-late least, in closed form, since all of s is proportional to a share that changes slowly: waves are not distorted. So
-small motions pass nearly whole, and large ones are scaled down evenly in place of being stopped.
+a cost low, (a - s'')^2 + W_s s^2 + W_v v^2 + W_p (p - 1)^2. They descend its gradient; here p minimises the recent
+mean of the cost in closed form, as s is proportional to a share that changes slowly: waves are not distorted. So small
+motions pass nearly whole, and large ones are scaled down evenly instead of being stopped.
 """
 
 from typing import Literal
@@ -33,12 +33,12 @@ class Config(WashingConfig):
     """Time over which the cost is averaged; it must be longer than the waves, or it distorts them."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
-        """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
+        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
         return Washing(self, every, [AdaptiveTravel(self, axis, every) for axis in range(3)])
 
 
 class AdaptiveTravel:
-    """From acceleration to displacement along one axis."""
+    """Filter from acceleration to displacement along one axis."""
 
     def __init__(self, config: Config, axis: int, every: float) -> None:
         self.every, omega = every, config.return_frequency[axis]
@@ -50,8 +50,8 @@ class AdaptiveTravel:
         self.whole_place, self.whole_speed = 0.0, 0.0  # of a platform that travelled all of it
         self.wanted, self.dear = 0.0, 0.0  # means of late: of a s'', and of s''^2 + W_s s^2 + W_v v^2 with share 1
 
-    def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) displacement [m] for (n,) scaled accelerations [m/s2]; none of them is cut."""
+    def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2]; none of them is cut."""
         dt, moved = self.every, []
         for a in acceleration.tolist():
             whole = a - self.drag * self.whole_speed - self.pull * self.whole_place

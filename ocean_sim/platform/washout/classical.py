@@ -1,4 +1,4 @@
-"""Classical washout: filters remove what a platform cannot travel; tilt lets gravity stand in for what lasts.
+"""Classical washout: filters remove motions beyond the travel; tilt lets gravity stand in for lasting accelerations.
 
 Reid and Nahon, UTIAS Report 296 (1985). Each high-pass of an acceleration and its integrations are one stable filter,
 so no integrator can wind up.
@@ -22,7 +22,7 @@ from ocean_sim.platform.shared.washing import (
 
 
 class Config(WashingConfig):
-    """Classical washout: filters remove what a platform cannot travel, and tilt lets gravity stand in for lasting
+    """Classical washout: filters remove motions beyond the travel, and tilt lets gravity stand in for lasting
     accelerations."""
 
     kind: Literal["classical"] = "classical"
@@ -34,14 +34,14 @@ class Config(WashingConfig):
     """Corner frequency of one more high-pass, which brings the platform back to neutral; 0 is none."""
 
     def build(self, every: float, travel: np.ndarray) -> Washing:
-        """`every`: time between rows [s]; `travel` (3, 2): lowest and highest x, y, z that can be reached [m]."""
+        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
         back, frequency, damping = self.translation_return, self.translation_frequency, self.translation_damping
         travels = [Travel(frequency[k], damping, back[k], every, tuple(travel[k])) for k in range(3)]
         return Washing(self, every, travels)
 
 
 class Travel:
-    """From acceleration to displacement along one axis, washed out."""
+    """Filter from acceleration to displacement along one axis, washed out."""
 
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
@@ -52,28 +52,28 @@ class Travel:
         self.filter = Filter(zeros, poles, 1.0, every)
         self.low, self.high = ends
 
-    def of(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) displacement [m], and (n,) whether the input was cut.
+    def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements (n,) [m], and True (n,) for cut input.
 
-        Beyond the end of the travel what pushes further out is cut, so that the platform comes back as soon as the
-        motion turns, and not when a filter full of it has run empty.
+        Beyond the end of the travel an acceleration further out is cut, so that the platform comes back as soon as the
+        motion turns, and not after a filter full of it has run empty.
         """
         moved, cut, start = np.empty(len(acceleration)), np.zeros(len(acceleration), dtype=bool), 0
         while start < len(acceleration):
             state = self.filter.state
-            moved[start:] = self.filter.of(acceleration[start:])
-            out = np.flatnonzero(~self.within(moved[start:], acceleration[start:]))
+            moved[start:] = self.filter.apply(acceleration[start:])
+            out = np.flatnonzero(~self.is_within(moved[start:], acceleration[start:]))
             if not len(out):
                 break
             end = start + int(out[0])
             self.filter.state = state
             if end > start:
-                self.filter.of(acceleration[start:end])
-            moved[end] = self.filter.of(np.zeros(1))[0]
+                self.filter.apply(acceleration[start:end])
+            moved[end] = self.filter.apply(np.zeros(1))[0]
             cut[end] = True
             start = end + 1
         return moved, cut
 
-    def within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """(n,) whether it is inside its travel, or pushed towards it."""
+    def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """True (n,) if a displacement is inside the travel, or pushed towards it."""
         return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

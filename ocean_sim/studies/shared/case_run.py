@@ -10,17 +10,17 @@ import numpy as np
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Fluid
 from ocean_sim.studies.shared.clocked import BLOCK_STEPS, TIMED_PARTS, WARM_UP_STEPS, Clocked
-from ocean_sim.studies.shared.scene_run import plain
+from ocean_sim.studies.shared.scene_run import plain_values
 from ocean_sim.validation import problems
 from ocean_sim.validation.shared.case import Number, Problem, Promise
 
 MAX_REPEATS = 3  # runs at most; the median time of their parts counts
 SURFACE_FRAMES = WARM_UP_STEPS + 3 * BLOCK_STEPS * TIMED_PARTS  # by which a surface is timed
 # By slot, what is laid over a set-up: a run of particles that leaves the physical world is a failure.
-WATCHED: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
+WATCHED_SCENES: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
 
 
-def ordered(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
+def run_order(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
     """The order of a set-up's run; it is timed `MAX_REPEATS` times, but not again once `patience` [s] of processor
     time have passed."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
@@ -36,12 +36,14 @@ def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Runs the set-up and measures it, on one thread; the errors are those of the first run, since all are the same."""
     problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
-    scene = problem.load(order["scheme"], {"runtime.threads": 1} | WATCHED.get(problem.slot, {}) | dict(order["set"]))
+    scene = problem.load(
+        order["scheme"], {"runtime.threads": 1} | WATCHED_SCENES.get(problem.slot, {}) | dict(order["set"])
+    )
     began = perf_counter()
-    run = measured(problem, order, scene)
+    run = measure_run(problem, order, scene)
     costs, repeats = run.pop("costs"), 1
     while run["outcome"] == "done" and repeats < MAX_REPEATS and process_time() < order["machine"]["patience"]:
-        costs, repeats = costs + measured(problem, order, scene)["costs"], repeats + 1
+        costs, repeats = costs + measure_run(problem, order, scene)["costs"], repeats + 1
     spent, cpu = ([cost[key] for cost in costs] for key in ("wall_per_s", "cpu_per_s"))
     clock = {"wall_per_s": median(spent), "wall_per_s_min": min(spent), "wall_per_s_max": max(spent)} if spent else {}
     clock |= {"cpu_per_s": median(cpu)} if cpu else {}
@@ -49,7 +51,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
     return run | clock | {"wall_s": perf_counter() - began, "processor_s": process_time()}
 
 
-def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
+def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
     """One run: errors by quantity, what it was made of, and its cost."""
     with Clocked(scene) as simulation:
         try:
@@ -64,22 +66,26 @@ def measured(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, A
             "reason": reason,
             "particles": 0 if fluid.particles is None else int(fluid.particles.count.now),
             "spacing_m": None if fluid.particles is None else float(fluid.particles.spacing),
-            "neighbours": neighbours(fluid),
+            "neighbours": neighbour_count(fluid),
             "time_step_s": simulation.cost()["time_step_s"],
             "threads": simulation.backend.threads,
-            "errors": [row(order, promise, number) for promise, number in zip(problem.promises, found, strict=True)],
+            "errors": [
+                error_row(order, promise, number) for promise, number in zip(problem.promises, found, strict=True)
+            ],
             "costs": simulation.costs(),
         }
 
 
-def row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
+def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
     """The outcome of a promise."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
-    return {key: found[key] for key in kept} | plain({key: found[key] for key in ("value", "reference", "error")})
+    return {key: found[key] for key in kept} | plain_values(
+        {key: found[key] for key in ("value", "reference", "error")}
+    )
 
 
-def neighbours(fluid: Fluid) -> float | None:
+def neighbour_count(fluid: Fluid) -> float | None:
     """Mean number of neighbours at the end; None for water without particles, or where it diverged."""
     water = fluid.of_particles
     if water is None:

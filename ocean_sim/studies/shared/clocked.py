@@ -45,15 +45,15 @@ class Clocked(Simulation):
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
         ]
-        return [cost(steps) for steps in parts if steps]
+        return [median_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
         """Cost of the whole run, as `costs` gives it of a part; None for too short a run."""
         steps = self.spent[WARM_UP_STEPS:]
-        return cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
+        return median_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 
-def cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
+def median_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
     """The cost of steps, each with its simulated, wall and processor time."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}

@@ -5,24 +5,24 @@ from typing import Any
 
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import BLUE, ORANGE, RED
-from ocean_sim.studies.shared.pareto import spaced
+from ocean_sim.studies.shared.pareto import spread_heights
 
-LOOKS = {
+VERDICT_LOOKS = {
     "stable": (BLUE, "o"),
     "degraded": (ORANGE, "^"),
     "stopped": (RED, "X"),
     "none": ("black", "s"),
 }
-LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
+LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force": ("sqrt(h / a)", ":")}
 
 
-def draw(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
+def draw_maps(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
     """One map, as a file."""
     with atomic_write(path) as draft:
-        drawn(name, rows).savefig(draft, dpi=110)
+        draw_map(name, rows).savefig(draft, dpi=110)
 
 
-def drawn(name: str, rows: list[dict[str, Any]]) -> Any:
+def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
     """One map, a panel a scheme, as a matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -35,17 +35,17 @@ def drawn(name: str, rows: list[dict[str, Any]]) -> Any:
         here = [row for row in rows if row["scheme"] == scheme]
         axes.set_xscale("log")
         low, high = min(row["dt_s"] for row in here) / 2.0, max(row["dt_s"] for row in here) * 3.0
-        for limit, (label, style) in LINES.items():
+        for limit, (label, style) in LIMIT_LINES.items():
             ends = {values.index(row["value"]): row[f"{limit}_s"] for row in here if row.get(f"{limit}_s")}
             at = sorted(ends) if any(low < end < high for end in ends.values()) else []
             axes.plot([ends[n] for n in at], at, ls=style, marker="|", color="0.45", lw=1.1, label=label)
-        for verdict, (colour, mark) in LOOKS.items():
+        for verdict, (colour, mark) in VERDICT_LOOKS.items():
             own = [row for row in here if row["verdict"] == verdict]
             if own or verdict != "none":
                 at = [values.index(row["value"]) for row in own]
                 axes.plot([row["dt_s"] for row in own], at, mark, color=colour, ms=9, label=verdict)
         axes.set_xlim(low, high)
-        spaced(axes.xaxis)
+        spread_heights(axes.xaxis)
         axes.set_yticks(range(len(values)), [f"{value:g}" for value in values])
         axes.set_ylim(-0.6, len(values) - 0.4)
         axes.set_xlabel("time step [s]")

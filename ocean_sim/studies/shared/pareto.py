@@ -6,10 +6,10 @@ from typing import Any
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import SERIES
 from ocean_sim.studies.scene_tradeoff import Budget
-from ocean_sim.studies.tradeoff import Trial, front
+from ocean_sim.studies.tradeoff import Trial, pareto_front
 
-MARKS = ("o", "s", "^", "D", "v", "P")
-SPEEDS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
+MARK_SHAPES = ("o", "s", "^", "D", "v", "P")
+COST_LABELS = {"wall_per_s": "wall seconds", "cpu_per_s": "processor seconds (the machine was busy)"}
 CROWDED_AXIS_RATIO = 100.0  # ends of an axis so far apart need no number within a decade
 PICTURE_DPI = 110  # of the pictures
 NAME_SHIFTS = [
@@ -19,50 +19,50 @@ MARK_RADIUS_PIXELS = 4.0  # pixels that a mark takes to each side
 MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarithmic axis
 
 
-def draw(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
+def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
     """One case: its error against the time in the column `speed`, and against the number of particles if any."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     of = f" of {trial.work}" if trial.work else ""
-    axes_of = {speed: f"{SPEEDS[speed]}{of} per simulated second, one thread", "particles": "particles"}
+    axes_of = {speed: f"{COST_LABELS[speed]}{of} per simulated second, one thread", "particles": "particles"}
     if not any(row.get("particles") for row in rows):
         del axes_of["particles"]
     figure = Figure(figsize=(7.2 * len(axes_of), 5.4), layout="constrained")
     FigureCanvasAgg(figure)
     for k, (key, label) in enumerate(axes_of.items()):
         axes = figure.add_subplot(1, len(axes_of), k + 1)
-        panel(axes, key, trial, rows)
+        draw_panel(axes, key, trial, rows)
         axes.set_xlabel(label)
         if k == 0:
             axes.legend(fontsize="x-small", loc="best")
     figure.suptitle(f"{trial.case}: {trial.quantity}", fontsize="medium")
-    apart(figure)
+    shift_apart(figure)
     with atomic_write(path) as draft:
         figure.savefig(draft, dpi=PICTURE_DPI)
 
 
-def panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
+def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
     """The error of a case over the column `key`."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
     done = [row for row in there if row.get("error") is not None]
-    limits(axes, key, trial, there, done)
-    scattered(axes, key, trial, done)
-    failed(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
-    best = [done[i] for i in front([(row[key], height(row)) for row in done])]
-    at, error = [row[key] for row in best], [height(row) for row in best]
+    axis_limits(axes, key, trial, there, done)
+    scatter_points(axes, key, trial, done)
+    list_failures(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
+    best = [done[i] for i in pareto_front([(row[key], text_height(row)) for row in done])]
+    at, error = [row[key] for row in best], [text_height(row) for row in best]
     axes.step(at, error, where="post", color="black", lw=0.8, zorder=1, label="front: none is cheaper and better")
-    margins(axes, key, trial)
+    panel_margins(axes, key, trial)
     unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
     axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
     axes.grid(alpha=0.25, which="both", lw=0.4)
-    spaced(axes.xaxis)
-    spaced(axes.yaxis)
+    spread_heights(axes.xaxis)
+    spread_heights(axes.yaxis)
 
 
-def spaced(axis: Any) -> None:
+def spread_heights(axis: Any) -> None:
     """A few readable numbers along a logarithmic axis with fixed ends, however short it is."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
@@ -73,45 +73,47 @@ def spaced(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def height(row: dict[str, Any]) -> float:
+def text_height(row: dict[str, Any]) -> float:
     return max(abs(row["error"]), MIN_DRAWN_ERROR)
 
 
-def limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
+def axis_limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
     """Room for all points, for peers, and for what failed."""
     wide = [row[key] for row in there] + [peer.particles for peer in trial.peers if key == "particles"]
-    high = [*map(height, done), *(peer.error for peer in trial.peers)]
+    high = [*map(text_height, done), *(peer.error for peer in trial.peers)]
     high += [trial.scatter] if trial.scatter is not None else []
     for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
         if values:
             each(min(values) / 1.6, max(values) * 1.9)
 
 
-def scattered(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
+def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
     """Full marks: a scheme as it comes, joined over its resolutions; hollow ones: with another setting."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
-        look = {"color": SERIES[n % len(SERIES)], "marker": MARKS[n % len(MARKS)]}
+        look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
         plain = sorted((row for row in own if not row["changed"]), key=lambda row: row[key])
         if plain:
-            axes.plot([row[key] for row in plain], [height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look)
+            axes.plot(
+                [row[key] for row in plain], [text_height(row) for row in plain], label=scheme, ms=8, lw=1.2, **look
+            )
         other = [row for row in own if row["changed"]]
         look["markerfacecolor"] = "white"
-        axes.plot([row[key] for row in other], [height(row) for row in other], ls="none", ms=6, **look)
-        for row in sorted(other, key=lambda row: row[key]) if key in SPEEDS else ():
+        axes.plot([row[key] for row in other], [text_height(row) for row in other], ls="none", ms=6, **look)
+        for row in sorted(other, key=lambda row: row[key]) if key in COST_LABELS else ():
             name, value = row["changed"].split("=")
-            named(axes, f"{name.split('.')[-1]}={value}", (row[key], height(row)), fontsize=5, alpha=0.8)
+            name_points(axes, f"{name.split('.')[-1]}={value}", (row[key], text_height(row)), fontsize=5, alpha=0.8)
     if any(row["changed"] for row in rows):
         axes.plot([], [], "o", color="0.4", markerfacecolor="white", ms=6, label="hollow: one setting changed")
 
 
-def named(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
-    """A name at a point; `apart` finds its place."""
+def name_points(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
+    """A name at a point; `shift_apart` finds its place."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
     axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
 
-def apart(figure: Any) -> None:
+def shift_apart(figure: Any) -> None:
     """Moves the names of points to where they cover neither each other nor a point, and stay within their panel."""
     from matplotlib.text import Annotation, Text
     from matplotlib.transforms import Bbox
@@ -134,7 +136,7 @@ def apart(figure: Any) -> None:
             taken.append(text)
 
 
-def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
+def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
     """Crosses along the upper edge: they have no error to be drawn at."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
@@ -144,7 +146,7 @@ def failed(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, A
             axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
 
 
-def margins(axes: Any, key: str, trial: Trial) -> None:
+def panel_margins(axes: Any, key: str, trial: Trial) -> None:
     """The scatter of the experiments, and the errors of peers."""
     if trial.scatter is not None:
         axes.axhspan(MIN_DRAWN_ERROR, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
@@ -183,10 +185,12 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
             colour, mark = (SERIES[1], "s") if row["reference"] else (SERIES[0], "o")
             at, spread = (row[key], row[name]), row[f"{name}_spread"] or 0.0
             axes.errorbar(*at, yerr=spread, fmt=mark, color=colour, capsize=3)
-            named(axes, row["setting"].replace("--set ", ""), at, fontsize=6)
-        edge = [done[i] for i in front([(row[key], row[name]) for row in done])]
+            name_points(axes, row["setting"].replace("--set ", ""), at, fontsize=6)
+        edge = [done[i] for i in pareto_front([(row[key], row[name]) for row in done])]
         axes.step([r[key] for r in edge], [r[name] for r in edge], where="post", color="black", lw=0.8, zorder=1)
-        failed(axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"])
+        list_failures(
+            axes, key, ("settings",), [row | {"scheme": "settings"} for row in rows if row["outcome"] != "done"]
+        )
         if budget is not None:
             most = budget.most * 60.0 / 1e3 if budget.name.endswith("ms") else budget.most
             axes.axvline(most, color=SERIES[2], ls="--", lw=1.2, label=f"budget {budget.name}")
@@ -194,7 +198,7 @@ def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget:
         axes.set_xlabel("wall seconds per simulated second" if budget is None else "seconds that the budget limits")
         axes.set_ylabel(f"{name}, compared with the reference (square)")
         axes.grid(alpha=0.3)
-        spaced(axes.xaxis)
-    apart(figure)
+        spread_heights(axes.xaxis)
+    shift_apart(figure)
     with atomic_write(path) as draft:
         figure.savefig(draft, dpi=PICTURE_DPI)

@@ -28,9 +28,9 @@ from ocean_sim.files.run_files import Claim
 from ocean_sim.machine import exit_with_parent, installed_version, parent_pipe, program_hash, stoppable
 from ocean_sim.parts import PACKAGE
 
-ORDER, ANSWER = "order.json", "answer.json"
+ORDER_FILE, ANSWER_FILE = "order.json", "answer.json"
 ADDRESS_PATTERN = 16 * "[0-9a-f]"  # names of the folders of runs, as a pattern
-MACHINE = "machine"  # what stands under this key of an order changes only timings in its answer
+MACHINE_KEY = "machine"  # what stands under this key of an order changes only timings in its answer
 MAX_CONNECT_SECONDS = 20.0  # to reach a scheduler [s]
 
 _running: set[subprocess.Popen] = set()
@@ -41,15 +41,15 @@ class ClusterMissing(Lacking):
     """The Dask cluster that was asked for cannot be reached from here."""
 
 
-def address(order: dict[str, Any]) -> str:
+def run_address(order: dict[str, Any]) -> str:
     """The name of an order's folder: its content's and the package's hash."""
-    content = {key: value for key, value in order.items() if key != MACHINE}
+    content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
         json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
     ).hexdigest()[:16]
 
 
-def answers(
+def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
     """(index in the list, answer) of every order, as they are finished, those that were finished before at once.
@@ -58,10 +58,10 @@ def answers(
     """
     indices: dict[str, list[int]] = {}
     for k, order in enumerate(orders):
-        indices.setdefault(address(order), []).append(k)
+        indices.setdefault(run_address(order), []).append(k)
     waiting = {}
     for name, same in indices.items():
-        kept = input_file.read_json_object(out / name / ANSWER)
+        kept = input_file.read_json_object(out / name / ANSWER_FILE)
         if not kept:
             waiting[name] = orders[same[0]]
         else:
@@ -69,14 +69,14 @@ def answers(
     if not waiting:
         return
     _over.clear()
-    with _executor(workers, scheduler) as pool:
+    with _make_executor(workers, scheduler) as pool:
         futures = {
-            pool.submit(performed, order, str((out / name).resolve()), limit): name for name, order in waiting.items()
+            pool.submit(perform_run, order, str((out / name).resolve()), limit): name for name, order in waiting.items()
         }
         try:
             for future in as_completed(futures):
                 error = future.exception()
-                answer = future.result() if error is None else failure(f"{type(error).__name__}: {error}")
+                answer = future.result() if error is None else failure_row(f"{type(error).__name__}: {error}")
                 yield from ((k, answer) for k in indices[futures[future]])
         finally:  # the caller may have stopped iterating
             _over.set()
@@ -86,16 +86,16 @@ def answers(
                 child.terminate()
 
 
-def performed(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
+def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
     """The answer of an order, computed in a child of this process unless it exists already."""
     run = Path(folder)
-    kept = input_file.read_json_object(run / ANSWER)
+    kept = input_file.read_json_object(run / ANSWER_FILE)
     if kept:
         return kept
     if _over.is_set():
-        return failure("the study was stopped before")
+        return failure_row("the study was stopped before")
     run.mkdir(parents=True, exist_ok=True)
-    write_facts(run / ORDER, order)
+    write_facts(run / ORDER_FILE, order)
     began = perf_counter()
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with parent_pipe() as theirs:
@@ -110,23 +110,23 @@ def performed(order: dict[str, Any], folder: str, limit: float | None = None) ->
         _running.add(child)
         try:
             _, errors = child.communicate(timeout=limit)
-            reason = _why(child.returncode, errors)
+            reason = _death_reason(child.returncode, errors)
         except subprocess.TimeoutExpired:
             child.kill()
             child.communicate()
             reason = f"it was ended at its limit of {limit:g} s of wall time"
         finally:
             _running.discard(child)
-    return input_file.read_json_object(run / ANSWER) or failure(reason, perf_counter() - began)
+    return input_file.read_json_object(run / ANSWER_FILE) or failure_row(reason, perf_counter() - began)
 
 
-def failure(reason: str, wall: float | None = None) -> dict[str, Any]:
+def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
     """The answer for a run that left none."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
 @contextmanager
-def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
+def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
     """Executor of many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
     try:
         from distributed import Client, LocalCluster
@@ -144,7 +144,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
         yield client.get_executor(pure=False)
 
 
-def _why(code: int, errors: str) -> str:
+def _death_reason(code: int, errors: str) -> str:
     """Why a process left no answer."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
@@ -153,16 +153,16 @@ def _why(code: int, errors: str) -> str:
     return lines[-1].strip() if lines else f"its process left with exit code {code}"
 
 
-def _main(folder: Path) -> None:
+def _run_child(folder: Path) -> None:
     """Answer the order in a folder, in the child; its last line on standard error is the reason if it fails."""
     exit_with_parent()
     with stoppable(), Claim(folder):
-        order = input_file.read_json(folder / ORDER)
+        order = input_file.read_json(folder / ORDER_FILE)
         try:
-            write_facts(folder / ANSWER, import_module(order["task"]).answer(order, folder))
+            write_facts(folder / ANSWER_FILE, import_module(order["task"]).answer(order, folder))
         except Refused as why:
             sys.exit(str(why))
 
 
 if __name__ == "__main__":
-    _main(Path(sys.argv[1]))
+    _run_child(Path(sys.argv[1]))

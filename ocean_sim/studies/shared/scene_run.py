@@ -12,12 +12,12 @@ from ocean_sim.result import Result
 from ocean_sim.studies.shared.clocked import Clocked
 from ocean_sim.waves.record import Unmeasurable, measure_record
 
-ENERGIES = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
-CLOCKS = ("wall_per_s", "cpu_per_s", "wall_s", "cpu_s")  # what changes from call to call
-PICTURES = ("render", "frames", "report")  # a study makes none unless it is asked to
+ENERGY_COLUMNS = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J", "energy_residual_J")
+CLOCK_COLUMNS = ("wall_per_s", "cpu_per_s", "wall_s", "cpu_s")  # what changes from call to call
+PICTURE_OBSERVERS = ("render", "frames", "report")  # a study makes none unless it is asked to
 
 
-def ordered(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
+def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
     """The order of a scene's run; `threads` where the scene leaves them open."""
     return {"task": __name__, "scene": config.resolved(), "inputs": config.inputs(), "machine": {"threads": threads}}
 
@@ -46,23 +46,23 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
             "precision": simulation.backend.precision,
         } | simulation.cost()
     whole = {"wall_s": perf_counter() - began, "cpu_s": process_time() - processor}
-    return facts | whole | plain(seen(Result(folder)))
+    return facts | whole | plain_values(run_measures(Result(folder)))
 
 
-def seen(result: Result) -> dict[str, float | None]:
+def run_measures(result: Result) -> dict[str, float | None]:
     """Measures from the files of a run: waves at each elevation gauge, energies at the end, motions, leg lengths."""
     found: dict[str, float | None] = {}
-    gauges = of(result, "gauges")
+    gauges = unwrapped_table(result, "gauges")
     for name, height in gauges.items():
         if name != "time_s" and name.endswith("_m"):
-            found |= waves(name.removesuffix("_m"), gauges["time_s"], height)
-    accuracy = of(result, "accuracy")
+            found |= wave_heights(name.removesuffix("_m"), gauges["time_s"], height)
+    accuracy = unwrapped_table(result, "accuracy")
     if len(accuracy.get("compression_max", ())):
         found["compression_max"] = float(accuracy["compression_max"].max())
-    found |= {name: float(accuracy[name][-1]) for name in ENERGIES if len(accuracy.get(name, ()))}
-    platform = of(result, "platform")
+    found |= {name: float(accuracy[name][-1]) for name in ENERGY_COLUMNS if len(accuracy.get(name, ()))}
+    platform = unwrapped_table(result, "platform")
     for table, prefix in motion_tables(result).items():
-        motion = of(result, table)
+        motion = unwrapped_table(result, table)
         for name in Motions._fields:
             column = next((key for key in (f"{name}_m", f"{name}_rad") if len(motion.get(key, ()))), None)
             if column is not None:
@@ -79,13 +79,13 @@ def motion_tables(result: Result) -> dict[str, str]:
     return {"motion": ""} | {log: f"{log.removeprefix('motion_')}_" for log in logs}
 
 
-def of(result: Result, name: str) -> dict[str, np.ndarray]:
+def unwrapped_table(result: Result, name: str) -> dict[str, np.ndarray]:
     """A table of a run, its angles without the leaps of a turn; empty where the run wrote none."""
     table = result.table(name) if (result.folder / f"{name}.csv").is_file() else {}
     return {key: np.unwrap(values) if key.endswith("_rad") else values for key, values in table.items()}
 
 
-def waves(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
+def wave_heights(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
     """Heights and period at a gauge; None where the record holds no wave."""
     try:
         sea = measure_record(time, height)
@@ -94,6 +94,6 @@ def waves(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float |
     return {f"{gauge}_hs_m": sea.hs_m, f"{gauge}_hm0_m": sea.hm0_m, f"{gauge}_tz_s": sea.tz_s}
 
 
-def plain(facts: dict[str, float | None]) -> dict[str, float | None]:
+def plain_values(facts: dict[str, float | None]) -> dict[str, float | None]:
     """Numbers that JSON can hold."""
     return {key: value if value is not None and np.isfinite(value) else None for key, value in facts.items()}

@@ -43,10 +43,10 @@ class Study:
     def run(self) -> Iterator[int]:
         """Run all points that have no answer yet; yields the number of those that are done, after each."""
         orders = [point.order() for point in self.points]
-        for k, answer in runs.answers(orders, self.folder, self.workers, self.scheduler, self.limit):
-            self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.address(orders[k])))
+        for k, answer in runs.run_answers(orders, self.folder, self.workers, self.scheduler, self.limit):
+            self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.run_address(orders[k])))
             if self.table is not None:
-                write(self.table, self.rows)
+                write_table(self.table, self.rows)
             yield len(self.found)
 
     @property
@@ -55,27 +55,28 @@ class Study:
         return [row for k in sorted(self.found) for row in self.found[k]]
 
 
-def columns(rows: list[dict[str, Any]]) -> list[str]:
+def table_columns(rows: list[dict[str, Any]]) -> list[str]:
     """Every key of the rows, in the order in which they first stand."""
     return list(dict.fromkeys(key for row in rows for key in row))
 
 
-def write(path: Path, rows: list[dict[str, Any]]) -> None:
+def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
     """Write all rows atomically; what is absent is empty, what is neither a number nor a word is JSON."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns(rows), lineterminator="\n")
+        writer = csv.DictWriter(file, table_columns(rows), lineterminator="\n")
         writer.writeheader()
-        writer.writerows({key: cell(value) for key, value in row.items()} for row in rows)
+        writer.writerows({key: cell_text(value) for key, value in row.items()} for row in rows)
 
 
-def read(path: Path) -> list[dict[str, Any]]:
+def read_table(path: Path) -> list[dict[str, Any]]:
     """Rows of such a file; an empty cell is None."""
     return [
-        {key: value(text) for key, text in row.items()} for row in csv_file.read_records(input_file.read_text(path))
+        {key: parse_cell(text) for key, text in row.items()}
+        for row in csv_file.read_records(input_file.read_text(path))
     ]
 
 
-def value(text: str) -> Any:
+def parse_cell(text: str) -> Any:
     """Value of a cell: a number, JSON or words."""
     try:
         return json.loads(text) if text else None
@@ -83,6 +84,6 @@ def value(text: str) -> Any:
         return text
 
 
-def cell(value: Any) -> Any:
+def cell_text(value: Any) -> Any:
     """A value as it stands in the file."""
     return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

@@ -1,16 +1,19 @@
-"""Progress of long work: a bar on a terminal, plain lines elsewhere."""
+"""Progress of long work, as of studies: a bar on a terminal, plain lines elsewhere."""
 
 import sys
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ocean_sim.verbs.shared import console
 
-BAR_EVERY = 0.1  # wall time between two pictures of the bar [s]
-LINE_EVERY = 0.05  # share of the whole between two plain lines
-LINES_APART = 2.0  # and at least this much wall time between them [s]
-MEASURED = 3  # pictures from which the time that a film takes is estimated
-FILM = "; Ctrl-C leaves it out, and so does --set render=null from the start"
+if TYPE_CHECKING:
+    from ocean_sim.studies.shared.study import Study
+
+BAR_SECONDS = 0.1  # wall time between two pictures of the bar [s]
+LINE_SHARE = 0.05  # share of the whole between two plain lines
+MIN_LINE_SECONDS = 2.0  # and at least this much wall time between them [s]
+MIN_TIMED_PICTURES = 3  # pictures from which the time that a film takes is estimated
+FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the start"
 
 
 class Bar:
@@ -19,12 +22,12 @@ class Bar:
     def __init__(self, total: float, quiet: bool) -> None:
         self.total, self.quiet = total, quiet
         self.shown = perf_counter()
-        self.next_line = LINE_EVERY
+        self.next_line = LINE_SHARE
         self.rich: Any = None
 
     def due(self, now: float) -> bool:
         """True if the bar is to be redrawn; called after every step, so it must be cheap."""
-        return not self.quiet and now - self.shown >= BAR_EVERY
+        return not self.quiet and now - self.shown >= BAR_SECONDS
 
     def show(self, done: float, text: str) -> None:
         """Draw the bar, or print a line when enough has happened since the last."""
@@ -35,8 +38,8 @@ class Bar:
             self.shown = now
             self.rich = self.rich or self.begun()
             self.rich.update(self.rich.task_ids[0], completed=done, text=text)
-        elif share >= self.next_line and now - self.shown >= LINES_APART:
-            self.shown, self.next_line = now, share + LINE_EVERY
+        elif share >= self.next_line and now - self.shown >= MIN_LINE_SECONDS:
+            self.shown, self.next_line = now, share + LINE_SHARE
             console.say(f"{share:4.0%}  {text}")
 
     def begun(self) -> Any:
@@ -67,7 +70,7 @@ class Drawing:
         now = perf_counter()
         self.first = self.first or (now, done)
         left = self.left(now, done, total)
-        if not self.estimated and left is not None and done - self.first[1] >= MEASURED:
+        if not self.estimated and left is not None and done - self.first[1] >= MIN_TIMED_PICTURES:
             self.estimated = True
             self.bar.close()
             console.say(f"drawing a film of {total} pictures, about {console.duration(left)} more{self.cure}")
@@ -84,3 +87,23 @@ class Drawing:
 
     def close(self) -> None:
         self.bar.close()
+
+
+def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
+    """Run a study, with its progress shown; gives its rows, and raises Stopped on Ctrl-C."""
+    total, began = len(study.points), perf_counter()
+    bar = Bar(max(1.0, total), quiet)
+    try:
+        for done in study.run():
+            bar.show(done, f"{done} of {total} runs, {console.duration(perf_counter() - began)}")
+    except KeyboardInterrupt:
+        message = f"stopped after {len(study.found)} of {total} runs; the same command continues from there"
+        raise console.Stopped(message) from None
+    finally:
+        bar.close()
+    return study.rows
+
+
+def text(value: Any) -> str:
+    """A cell for people."""
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

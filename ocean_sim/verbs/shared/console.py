@@ -16,14 +16,14 @@ from ocean_sim.conventions import Failed, Lacking, Refused
 from ocean_sim.files.atomic_file import file_named_in_errors
 from ocean_sim.files.run_files import Claim, claim_folder
 from ocean_sim.files.yaml_file import Node, Problem, SceneError, parse_setting, shorten
-from ocean_sim.machine import missing_extra
+from ocean_sim.machine import installed_version, missing_extra
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
-complained: set[str] = set()  # what has been said once
-MOST = 2000  # bytes of a message about what went wrong
-OUTPUT = file_named_in_errors("standard output")
+complaints: set[str] = set()  # what has been said once
+MAX_COMPLAINT_BYTES = 2000  # bytes of a message about what went wrong
+NAMED_OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
@@ -44,6 +44,23 @@ class Stopped(Failed):
     """A person stopped a run; the sentence gives the time."""
 
 
+class Anew(BaseException):
+    """Passes through all that handles errors: nothing has been done yet, and the process begins anew."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(library)
+        self.library = library
+
+    def begin(self, arguments: list[str]) -> None:
+        """Run the command line again in this process, with the other library; does not return."""
+        from ocean_sim import kernel_library
+
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        environment = os.environ | {kernel_library.LIBRARY_VARIABLE: self.library}
+        os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
+
+
 def open_streams() -> None:
     """Make the three standard streams such as anything can be printed to: one that was closed leads nowhere, before
     another file gets its number, what an encoding lacks is escaped, and the reader may go."""
@@ -60,24 +77,24 @@ def open_streams() -> None:
 
 def say(text: str = "") -> None:
     """A line for people."""
-    with OUTPUT:
-        print(visible(text), flush=True)
+    with NAMED_OUTPUT:
+        print(escape_controls(text), flush=True)
 
 
 def complain(text: str) -> None:
     """A line about what went wrong."""
     with suppress(OSError):  # there may be nobody to tell
-        print(shorten(visible(text), MOST), file=sys.stderr, flush=True)
+        print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
-def visible(text: str) -> str:
+def escape_controls(text: str) -> str:
     """A text in which what a terminal would obey, or not show, is escaped."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def answer(data: Any) -> None:
     """The answer for programs: JSON, in which NaN and infinity become null."""
-    with OUTPUT:
+    with NAMED_OUTPUT:
         print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
 
@@ -106,16 +123,16 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     for row in rows:
         shown.add_row(*row)
     width = None if sys.stdout.isatty() else 140
-    with OUTPUT:
+    with NAMED_OUTPUT:
         Console(width=width, markup=False, highlight=False).print(shown)
 
 
-def counted(problems: list[Any]) -> str:
+def problem_count(problems: list[Any]) -> str:
     """Sentence with the number of problems of a scene."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 
-def settings(sets: list[str] | None) -> dict[str, Node]:
+def set_values(sets: list[str] | None) -> dict[str, Node]:
     """The values of `--set`, by dotted key; raises SceneError with every mistake. Null takes what was set below its key
     before away with it."""
     values: dict[str, Node] = {}
@@ -138,13 +155,13 @@ def claim(out: Path, *ours: str) -> Claim:
     return claim_folder(out, *ours, named=f"--out {out}")
 
 
-def drawn(draw: Callable[..., object], *about: Any) -> bool:
+def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
     """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)
-    elif missing not in complained:
-        complained.add(missing)
+    elif missing not in complaints:
+        complaints.add(missing)
         complain(f"no pictures: {missing}")
     return missing is None
 
@@ -156,3 +173,17 @@ def duration(seconds: float) -> str:
     if seconds < 3600.0:
         return f"{int(seconds // 60)} min {int(seconds % 60)} s"
     return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"
+
+
+def must_compute_with(
+    library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
+) -> None:
+    """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
+    the one that is `asked` for there is not installed. For the command line, before anything is written."""
+    from ocean_sim import kernel_library
+
+    if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:
+        return
+    if installed_version(library) is None:
+        raise Lacking(f"{asked}: {library} is not installed here; pip install {library}{cure}")
+    raise Anew(library)

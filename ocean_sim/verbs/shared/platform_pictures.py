@@ -11,33 +11,39 @@ from ocean_sim.platform import Commands
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared.kinematics import Hexapod
 
-LONGEST = 120.0  # [s] of a curve over time
-MOST = 20000  # points of a path
-AXES = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
-FORCES = ("specific force on the platform, x [m/s²]", "y", "z, less g")
-RATES = ("angular rate of the platform, x [deg/s]", "y", "z")
-STRIPS = (("pitch", 4), ("roll", 3), ("yaw", 5))
-SWING = np.radians(12.0)
-SECONDS, FRAME_RATE = 10.0, 20  # of a film
-PAIRS = ((0, 2), (1, 2), (0, 1), (3, 4), (3, 5), (4, 5))  # motions of which a workspace is drawn
-FINE = 121  # points along one of them
-THICK = 0.025  # of the drawn platform, as a part of its height
+MAX_CURVE_SECONDS = 120.0  # [s] of a curve over time
+MAX_PATH_POINTS = 20000  # points of a path
+AXIS_LABELS = ("x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]")
+FORCE_LABELS = ("specific force on the platform, x [m/s²]", "y", "z, less g")
+RATE_LABELS = ("angular rate of the platform, x [deg/s]", "y", "z")
+STRIP_ROWS = (("pitch", 4), ("roll", 3), ("yaw", 5))
+STRIP_ANGLE = np.radians(12.0)
+FILM_SECONDS, FRAME_RATE = 10.0, 20  # of a film
+WORKSPACE_PAIRS = ((0, 2), (1, 2), (0, 1), (3, 4), (3, 5), (4, 5))  # motions of which a workspace is drawn
+WORKSPACE_POINTS = 121  # points along one of them
+PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
-def draw(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
+def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
     """Every picture of a ride."""
-    shown = done.some(liveliest(done, machine, LONGEST))
-    for picture, name in ((motion(shown), "motion.png"), (legs(shown, config.geometry), "legs.png")):
+    shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
+    for picture, name in (
+        (draw_motion(shown), "draw_motion.png"),
+        (draw_legs(shown, config.geometry), "draw_legs.png"),
+    ):
         if len(shown.time) < len(done.time):
-            picture.suptitle(f"the liveliest {LONGEST:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
-        save(picture, folder / name)
-    save(workspace(done.some(slice(None, None, max(1, len(done.time) // MOST))), machine), folder / "workspace.png")
-    save(strips(machine.hexapod), folder / "strips.png")
+            picture.suptitle(f"the liveliest_span {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
+        save_figure(picture, folder / name)
+    save_figure(
+        draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
+        folder / "draw_workspace.png",
+    )
+    save_figure(draw_strips(machine.hexapod), folder / "draw_strips.png")
     if film:
-        filmed(folder / "film.gif", done, machine)
+        write_film(folder / "film.gif", done, machine)
 
 
-def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
+def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
     """The rows of the `seconds` long span in which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
@@ -45,7 +51,7 @@ def liveliest(done: Commands, machine: Moving, seconds: float) -> slice:
     return slice(first, first + rows)
 
 
-def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
+def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
     """A figure without a display, and its axes (rows, columns)."""
     from matplotlib.figure import Figure
 
@@ -53,7 +59,7 @@ def figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> t
     return picture, picture.subplots(rows, columns, squeeze=False, **more)
 
 
-def save(picture: Any, path: Path) -> None:
+def save_figure(picture: Any, path: Path) -> None:
     with atomic_write(path) as draft:
         picture.savefig(draft, dpi=100)
 
@@ -63,16 +69,16 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
     return np.hstack([pose[:, :3], np.degrees(pose[:, 3:])])
 
 
-def motion(done: Commands) -> Any:
+def draw_motion(done: Commands) -> Any:
     """Poses, specific force and rates against those that are wanted, and where the platform was limited."""
-    picture, axes = figure(4, 1, (10, 11.5), sharex=True)
+    picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
         for k in columns:
-            axis.plot(done.time, pose[:, k], label=AXES[k], lw=1.2)
+            axis.plot(done.time, pose[:, k], label=AXIS_LABELS[k], lw=1.2)
     for axis, felt, wanted, names in (
-        (axes[2, 0], done.felt_force - resting, done.cue.force - resting, FORCES),
-        (axes[3, 0], np.degrees(done.felt_rate), np.degrees(done.cue.rate), RATES),
+        (axes[2, 0], done.felt_force - resting, done.cue.force - resting, FORCE_LABELS),
+        (axes[3, 0], np.degrees(done.felt_rate), np.degrees(done.cue.rate), RATE_LABELS),
     ):
         for k, name in enumerate(names):
             (line,) = axis.plot(done.time, felt[:, k], label=name, lw=1.2)
@@ -81,21 +87,21 @@ def motion(done: Commands) -> Any:
         low, high = axis.get_ylim()
         axis.fill_between(done.time, low, high, where=done.limited > 0, color="#d1601f", alpha=0.15, lw=0)
         axis.set_ylim(low, high)
-        headed(axis, title, 3)
+        label_axes(axis, title, 3)
     axes[3, 0].set_xlabel("time [s]")
     return picture
 
 
-def headed(axis: Any, title: str, columns: int) -> None:
+def label_axes(axis: Any, title: str, columns: int) -> None:
     """A grid, and above the picture what its lines are, where they hide nothing."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
 
 
-def legs(done: Commands, geometry: Any) -> Any:
+def draw_legs(done: Commands, geometry: Any) -> Any:
     """Leg lengths and speeds between their limits."""
-    picture, axes = figure(2, 1, (10, 6.5), sharex=True)
+    picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
     for axis, values, limits, label, title in (
@@ -107,17 +113,17 @@ def legs(done: Commands, geometry: Any) -> Any:
         for limit in limits:
             axis.axhline(limit, color="k", ls=":", lw=1.0)
         axis.set_ylabel(label)
-        headed(axis, title, 6)
+        label_axes(axis, title, 6)
     axes[1, 0].set_xlabel("time [s]")
     return picture
 
 
-def workspace(done: Commands, machine: Moving) -> Any:
+def draw_workspace(done: Commands, machine: Moving) -> Any:
     """Draw the reach of two motions while the other four are neutral, and the path of the ride."""
-    picture, axes = figure(2, 3, (14, 8.5))
+    picture, axes = new_figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
-    for axis, (one, other) in zip(axes.flat, PAIRS):
-        across, up, usage = reached(machine, one, other)
+    for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
+        across, up, usage = reached_range(machine, one, other)
         levels = [0.0, 0.25, 0.5, 0.75, 1.0]
         shades = axis.contourf(across, up, usage, levels, cmap="Blues_r", alpha=0.6)
         axis.contour(across, up, usage, [1.0], colors="k", linewidths=1.0)
@@ -125,8 +131,8 @@ def workspace(done: Commands, machine: Moving) -> Any:
         inside = usage <= 1.0
         axis.set_xlim(1.05 * across[inside].min(), 1.05 * across[inside].max())
         axis.set_ylim(1.05 * up[inside].min(), 1.05 * up[inside].max())
-        axis.set_xlabel(AXES[one])
-        axis.set_ylabel(AXES[other])
+        axis.set_xlabel(AXIS_LABELS[one])
+        axis.set_ylabel(AXIS_LABELS[other])
         axis.grid(alpha=0.2)
     for axis in axes[:, 2]:
         picture.colorbar(shades, ax=axis, label="part of the stroke")
@@ -134,13 +140,13 @@ def workspace(done: Commands, machine: Moving) -> Any:
     return picture
 
 
-def reached(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values [m, deg] of two motions on a grid that holds all they can reach together, and the part of the stroke that
     they use; a singular pose uses 2."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
-        grid = [np.linspace(0.0, 1.0, FINE) * np.ptp(ends[k]) + ends[k, 0] for k in (one, other)]
+        grid = [np.linspace(0.0, 1.0, WORKSPACE_POINTS) * np.ptp(ends[k]) + ends[k, 0] for k in (one, other)]
         across, up = np.meshgrid(*(wide * values for wide, values in zip(size, grid)))
         poses = np.zeros((across.size, 6))
         for k, values in ((one, across), (other, up)):
@@ -154,15 +160,15 @@ def reached(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarr
         size = np.where(cut, 1.15 * size, size)
 
 
-def strips(hexapod: Hexapod) -> Any:
+def draw_strips(hexapod: Hexapod) -> Any:
     """Figure 6-10: pitch, roll and yaw, each over one swing."""
-    picture, axes = figure(3, 1, (12, 9))
+    picture, axes = new_figure(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
-    for axis, (name, motion) in zip(axes[:, 0], STRIPS):
+    for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):
         for k, phase in enumerate(np.cos(np.linspace(0.0, 2.0 * np.pi, 5))):
             pose = np.zeros(6)
-            pose[motion] = SWING * phase
-            stand(axis, hexapod, pose, k * apart)
+            pose[motion] = STRIP_ANGLE * phase
+            draw_stand(axis, hexapod, pose, k * apart)
             angle = round(np.degrees(pose[motion]))
             axis.text(k * apart, -0.42 * height, f"{angle:+d}°" if angle else "0°", ha="center", va="top")
         axis.set_title(name, loc="left")
@@ -170,7 +176,7 @@ def strips(hexapod: Hexapod) -> Any:
     return picture
 
 
-def seen(points: np.ndarray) -> np.ndarray:
+def snapshot(points: np.ndarray) -> np.ndarray:
     """(n, 2) where (n, 3) points are on a picture taken from starboard, a little ahead and above; forward is right."""
     turn, rise = np.radians(35.0), np.radians(15.0)
     along = points[:, 0] * np.cos(turn) - points[:, 1] * np.sin(turn)
@@ -178,11 +184,17 @@ def seen(points: np.ndarray) -> np.ndarray:
     return np.column_stack([along, points[:, 2] * np.cos(rise) + away * np.sin(rise)])
 
 
-def stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
+def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
     """The hexapod in a pose: base, legs of a cylinder and a rod, platform, which way is forward; dotted: in neutral."""
-    resting, moved = hexapod.arms(np.array([np.zeros(6), pose]))[0]
-    rings = (0.0 * moved, resting, moved, moved - [0.0, 0.0, THICK * hexapod.neutral_height], cylinder(hexapod, moved))
-    base, rest, top, under, ends = (seen(hexapod.base + ring) + [offset, 0.0] for ring in rings)
+    resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
+    rings = (
+        0.0 * moved,
+        resting,
+        moved,
+        moved - [0.0, 0.0, PLATE_THICKNESS * hexapod.neutral_height],
+        draw_cylinder(hexapod, moved),
+    )
+    base, rest, top, under, ends = (snapshot(hexapod.base + ring) + [offset, 0.0] for ring in rings)
     axis.fill(*base.T, color="#c9d3d9", lw=1.5, ec="#4a5a66")
     axis.fill(*rest.T, fill=False, lw=0.8, ls=":", ec="#4a5a66")
     for foot, end, head in zip(base, ends, top):
@@ -195,36 +207,36 @@ def stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) ->
     axis.set_axis_off()
 
 
-def cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
+def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
     """(6, 3) the part of each leg that does not slide, drawn as most of its shortest length."""
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 
-def filmed(path: Path, done: Commands, machine: Moving) -> None:
+def write_film(path: Path, done: Commands, machine: Moving) -> None:
     """The liveliest seconds of a ride, in real time."""
     from matplotlib.animation import PillowWriter
 
-    picture, axes = figure(1, 1, (5, 5))
+    picture, axes = new_figure(1, 1, (5, 5))
     axis, writer = axes[0, 0], PillowWriter(fps=FRAME_RATE)
     reach, height = 1.25 * float(np.abs(machine.hexapod.base).max()), machine.hexapod.neutral_height
     with atomic_write(path) as draft, writer.saving(picture, str(draft), 80):
-        for k in lively(done, machine):
+        for k in film_rows(done, machine):
             axis.clear()
-            stand(axis, machine.hexapod, done.pose[k])
+            draw_stand(axis, machine.hexapod, done.pose[k])
             axis.set(xlim=(-reach, reach), ylim=(-0.5 * height, 1.5 * height), title=f"{done.time[k]:.1f} s")
-            axis.text(0.5, 0.0, inscribed(done.pose[k]), transform=axis.transAxes, ha="center", family="monospace")
+            axis.text(0.5, 0.0, inscribed_size(done.pose[k]), transform=axis.transAxes, ha="center", family="monospace")
             writer.grab_frame()
 
 
-def inscribed(pose: np.ndarray) -> str:
+def inscribed_size(pose: np.ndarray) -> str:
     """A pose in two lines."""
     x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
     return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 
-def lively(done: Commands, machine: Moving) -> np.ndarray:
+def film_rows(done: Commands, machine: Moving) -> np.ndarray:
     """Rows at the times of a film's frames."""
-    span = liveliest(done, machine, SECONDS)
+    span = liveliest_span(done, machine, FILM_SECONDS)
     frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
     rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)
     return np.minimum(rows, span.stop - 1)

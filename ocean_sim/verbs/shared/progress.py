@@ -8,7 +8,7 @@ from ocean_sim.conventions import figures
 from ocean_sim.machine import cache_directory
 from ocean_sim.simulation import OutcomeObserver
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.bar import FILM, Bar, Drawing
+from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
 
 if TYPE_CHECKING:
     from ocean_sim.simulation import Simulation
@@ -30,7 +30,7 @@ class Progress(OutcomeObserver):
 
     def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:
         """`since`: simulated time at which a run goes on [s]."""
-        self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM)
+        self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM_CURE)
         self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
         self.first: tuple[float, float, int] | None = None  # wall and simulated time [s] after the first step; steps

@@ -10,7 +10,7 @@ from ocean_sim.random_numbers import uniform3
 from ocean_sim.runtime import in_kernels
 from ocean_sim.wind import DeviceRow
 
-EVERY = 1.0 / 60.0  # [s] how long a draw lasts: ours, PhysX's usual step
+DRAW_INTERVAL = 1.0 / 60.0  # [s] how long a draw lasts: ours, PhysX's usual step
 MAX_DRAWS = 8  # in a step; a longer step takes one draw, weaker by the root of their number
 
 DRAWS = Columns(
@@ -21,8 +21,8 @@ DRAWS = Columns(
     each=1,  # part of it that each of them takes at most
     strength=1,  # factor on all
 )
-WRAP = 1 << 24  # numbers of draws begin anew: up to here single precision knows them
-LEAST = 1e-4  # part of a step or a draw that is not worth a draw
+DRAW_NUMBERS = 1 << 24  # numbers of draws begin anew: up to here single precision knows them
+MIN_DRAW_SHARE = 1e-4  # part of a step or a draw that is not worth a draw
 
 NotNegative = Annotated[float, Field(ge=0.0)]
 NoiseSize = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict=False)]
@@ -43,13 +43,13 @@ class Noise:
         """Note that the clock is restarted at a time [s]."""
         if self.every:
             draws = time / self.every
-            self.row.set(DRAWS.number, int(draws) % WRAP)
+            self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
             self.row.set(DRAWS.phase, draws % 1.0)
 
     def advance(self) -> None:
         """Move on to the next step."""
         if not self.every:
-            self.row.set(DRAWS.number, self.steps % WRAP)
+            self.row.set(DRAWS.number, self.steps % DRAW_NUMBERS)
             self.steps += 1
 
     @ti.func
@@ -60,8 +60,8 @@ class Noise:
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0
             begin = row[DRAWS.phase] + since / self.every - span
-            first = ti.floor(begin + LEAST)
-            more = int(ti.floor(begin + span - LEAST) - first)
+            first = ti.floor(begin + MIN_DRAW_SHARE)
+            more = int(ti.floor(begin + span - MIN_DRAW_SHARE) - first)
             if more >= MAX_DRAWS:
                 strength = 1.0 / ti.sqrt(span)
             elif more > 0:
@@ -72,9 +72,9 @@ class Noise:
     def of(self, stream, key):
         """The draws of this step for a particle, each as long as it lasts in it: between -1 and 1 on each axis."""
         row = ti.static(self.row.field)
-        draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % WRAP, row[DRAWS.left]
+        draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)
-        while left > LEAST:
+        while left > MIN_DRAW_SHARE:
             draw += 1
             mean += ti.min(row[DRAWS.each], left) * uniform3(self.seed, stream, key, draw)
             left -= row[DRAWS.each]

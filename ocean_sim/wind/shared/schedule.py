@@ -20,11 +20,11 @@ class Timed(Model):
     """Keys of whatever begins and ends."""
 
     start: float = quantity("s", 0.0, ge=0.0)
-    """When it begins to blow."""
+    """Time at which it begins to blow."""
     stop: float | None = quantity("s", None, ge=0.0)
-    """When it has stopped blowing; null: never."""
+    """Time at which it has stopped blowing; null: never."""
     duration: float | None = quantity("s", None, gt=0.0)
-    """How long it blows, in place of `stop`."""
+    """Time for which it blows, in place of `stop`."""
     ramp: float = quantity("s", 0.0, ge=0.0)
     """Time in which it rises after `start`, and in which it falls before `stop`."""
 
@@ -67,7 +67,7 @@ class Row(Model):
     speed: float = quantity("m/s", ge=0.0)
     """Speed of the wind."""
     heading_deg: float = quantity("deg")
-    """Where it goes to: 0 along +z, 90 along +x."""
+    """Direction that it blows to: 0 along +z, 90 along +x."""
 
 
 class File(Model):

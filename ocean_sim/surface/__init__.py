@@ -78,10 +78,10 @@ class Surface(Protocol):
         Points beyond the basin have the height at its side."""
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """The same from Python: (m, 2) points x, z [m] -> (m,) heights [m]."""
+        """(m,) heights [m] at (m, 2) points x, z [m], from Python."""
 
     def mesh(self) -> Mesh:
         """The surface as triangles, made when asked for."""
 
     def measures(self) -> list[float]:
-        """The numbers of the columns `measured` now, in their order."""
+        """Present numbers of the columns `measured`, in their order."""

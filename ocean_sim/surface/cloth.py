@@ -1,12 +1,12 @@
 """A sheet of masses and springs on the water (thesis 3.2 and 5.2.2, Algorithm 5); the water never feels it.
 
 Its nodes slide on upright rails: the thesis looks a height up by x and z as if they did. Each update carries a node on
-with its speed, moves it to where the share of water around it is that of a flat surface, and lets the springs pull.
-Springs are an implicit step with the diagonal of their Hessian, gathered node by node (Jacobi): any stiffness and any
-time step are stable, and the threads change nothing.
+with its speed, moves it to the height at which the share of water around it is that of a flat surface, and lets the
+springs pull. Springs are an implicit step with the diagonal of their Hessian, gathered node by node (Jacobi): any
+stiffness and any time step are stable, and the result does not depend on threads.
 
-A node has water around it where the share of water within the sheet's thickness, smoothed with the poly6 kernel, is
-above that of a flat surface. A lone drop does not reach that share, so spray does not lift the sheet.
+A node has water around it if the share of water within the sheet's thickness, smoothed with the poly6 kernel, is above
+that of a flat surface. A lone drop does not reach that share, so spray does not lift the sheet.
 """
 
 from functools import cached_property
@@ -45,12 +45,12 @@ class Config(SurfaceConfig):
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between nodes, changed a little to fit the basin; null: the spacing of the particles."""
     thickness: float | None = quantity("m", None, gt=0.0)
-    """How far from a node its water counts; at least a spacing and at most a support of the particles. null: two
-    spacings, or the support where that is less."""
+    """Distance from a node within which water counts; at least a spacing and at most a support of the particles. null:
+    two spacings, or the support if that is less."""
     stretching_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
     """Stiffness of stretch and shear springs: spring constant over mass of a node."""
     bending_stiffness: float = quantity("1/s2", 18.0, ge=0.0)
-    """The same for bend springs."""
+    """Stiffness of bend springs: spring constant over mass of a node."""
     damping: float = quantity("1/s", 0.06, ge=0.0)
     """Rate at which the speed of a node decays."""
     response: float = quantity("1", 1.0, ge=0.0, le=1.0)
@@ -91,7 +91,7 @@ class Config(SurfaceConfig):
         ]
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
-        """Along x and z; 1 along z in 2-D."""
+        """Nodes along x and z; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
         return column_counts(basin, self.spacing)
 
@@ -185,7 +185,7 @@ class Cloth:
 
     @ti.func
     def newton_move(self, x):
-        """How far the surface is above x [m], judged by the water within a thickness."""
+        """Distance to the surface above x [m], by the water within a thickness: one step of Newton's method."""
         share = self.around.total(x, self.contact, 0.0)
         return (share[0] - ti.static(self.at_surface)) / tm.max(-share[1], ti.static(self.steepness))
 
@@ -254,8 +254,8 @@ class Contact:
 
     @cached_property
     def over_a_lattice(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Heights above flat water [m], rising, shares there, (positions between the particles, heights), and the
-        weight of each position: of those that mirror each other only one is there."""
+        """Heights above flat water [m], rising; shares there, (positions between the particles, heights); and the
+        weight of each position, of which mirror images count once."""
         reach = self.thickness / self.spacing
         n = ceil(reach) + 1
         height = np.linspace(-n, n, LATTICE_HEIGHTS)
@@ -276,8 +276,8 @@ class Contact:
         return height * self.spacing, shares, weight / weight.sum()
 
     def surface_height(self, share: float) -> float:
-        """Where water on a lattice has this share, seen from above [m], on an average over all positions between the
-        particles."""
+        """Height above water on a lattice at which it has this share, seen from above [m]; mean over all positions
+        between the particles."""
         height, shares, weight = self.over_a_lattice
         k = LATTICE_HEIGHTS - 1 - np.argmax(shares[:, ::-1] >= share, axis=1)
         k = np.minimum(k, LATTICE_HEIGHTS - 2)
@@ -287,7 +287,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """The share that lies, on an average over all positions, exactly at the surface of flat water on a lattice."""
+        """Share exactly at the surface of flat water on a lattice; mean over all positions."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)
@@ -296,6 +296,6 @@ class Contact:
 
     @cached_property
     def steepness(self) -> float:
-        """How fast the share falls through a flat surface [1/m]."""
+        """Gradient of the share through a flat surface [1/m]."""
         height, shares, weight = self.over_a_lattice
         return float(-np.gradient(weight @ shares, height).min())

@@ -1,4 +1,4 @@
-"""How long the next step is: every module of this folder is a kind that a scene may name."""
+"""Length of the next step: every module of this folder is a kind that a scene may name."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,16 +8,16 @@ from ocean_sim.fluid import Limits
 
 
 class Limited(Protocol):
-    """What a time step must suit: the water, or all that is simulated."""
+    """Anything that a time step must suit: the water, or the whole simulation."""
 
     def limits(self) -> Limits:
-        """What the time step must stay a fraction of."""
+        """Upper bounds of the time step."""
         ...
 
 
 @dataclass(frozen=True)
 class Known:
-    """Something whose limits are known: water that is not built yet."""
+    """Known limits, of water that is not built yet."""
 
     known: Limits
 
@@ -32,11 +32,11 @@ class TimeStep(Protocol):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """What `adjust` can change while a simulation goes on."""
+        """Settings that `adjust` can change while a simulation goes on."""
         ...
 
     def adjust(self, **values: float) -> None:
-        """Go on with other values of what is adjustable."""
+        """Go on with other values of adjustable settings."""
         ...
 
     def next(self, limited: Limited) -> float:

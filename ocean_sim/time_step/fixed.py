@@ -1,4 +1,4 @@
-"""The same time step throughout, whatever the water does."""
+"""A constant time step, whatever the water does."""
 
 from typing import Any, ClassVar, Literal
 

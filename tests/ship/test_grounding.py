@@ -79,8 +79,8 @@ def test_a_parabola_sinks_as_slender_theory_says_and_a_full_bow_dips():
     assert even.end_sinkage == pytest.approx(even.sinkage) and full.end_sinkage > full.sinkage
     assert even.sinkage * 30.0**2 / volume == pytest.approx(9.0 / (2.0 * np.pi), rel=1e-3)
     assert abs(even.trim) < 1e-9 < full.trim
-    half, whole = even.at(1.0, 2.0), even.at(sqrt(2.0), 4.0)  # one Froude number
-    assert half.sinkage == pytest.approx(whole.sinkage) and even.at(5.0, 2.0).sinkage == inf
+    half, whole = even.at_speed(1.0, 2.0), even.at_speed(sqrt(2.0), 4.0)  # one Froude number
+    assert half.sinkage == pytest.approx(whole.sinkage) and even.at_speed(5.0, 2.0).sinkage == inf
 
 
 def test_hull_tells_squat_over_a_bed(capfd):

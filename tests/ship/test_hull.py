@@ -61,7 +61,7 @@ def bisected(still: Hydrostatics, up: np.ndarray) -> float:
     low, high = float(height.min()) - spread, float(height.max()) + spread
     for _ in range(40):
         middle = 0.5 * (low + high)
-        volume = float((still.whole * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
+        volume = float((still.cube_volumes * np.clip((middle - height) / spread + 0.5, 0.0, 1.0)).sum())
         low, high = (middle, high) if volume < still.needed_volume else (low, middle)
     return 0.5 * (low + high)
 

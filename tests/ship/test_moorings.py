@@ -48,7 +48,7 @@ def test_a_line_only_pulls_and_a_fender_only_pushes():
         assert one.load(body(held))[0, 2] == pytest.approx(way * 100.0 * abs(10.0 - held - 8.0))
         assert np.abs(one.load(body(free))).max() == 0.0
         h = 1e-5  # a force is the slope of what is stored
-        slope = (one.energy(body(held + h)) - one.energy(body(held - h))) / (2.0 * h)
+        slope = (one.stored_energy(body(held + h)) - one.stored_energy(body(held - h))) / (2.0 * h)
         assert one.load(body(held))[0, 2] == pytest.approx(-slope)
     damped = Moorings([Mooring(damping=50.0, **keys)], {}, np.zeros(3), body())
     assert damped.load(body(0.0, -1.0))[0, 2] == pytest.approx(250.0)  # it lengthens

@@ -55,6 +55,6 @@ def test_cross_flow_is_the_sum_over_its_sections(speed, rate):
     c = 900.0 * np.exp(-((z / 5.0) ** 2))
     across = speed + rate * z
     drag = c * np.abs(across) * across
-    force, moment = CrossFlow(z, c).drag(speed, rate)
+    force, moment = CrossFlow(z, c).strip_drag(speed, rate)
     assert force == pytest.approx(drag.sum(), abs=ROUNDING * np.abs(drag).sum())
     assert moment == pytest.approx((drag * z).sum(), abs=7.0 * ROUNDING * np.abs(drag).sum())

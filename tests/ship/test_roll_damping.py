@@ -82,7 +82,7 @@ def test_the_linear_and_quadratic_parts_do_the_work_of_the_components():
     found = RollDamping(Ikeda(bilge_keels=BilgeKeels(length=0.9, breadth=0.009)), still, 0.01, True)
     for amplitude in (5.0, 10.0, 20.0):
         rate = found.omega * radians(amplitude) * np.cos(np.linspace(0.0, 2.0 * pi, 4001))
-        work = -np.trapezoid([found.moment(r, 0.0) * r for r in rate], dx=2.0 * pi / found.omega / 4000.0)
+        work = -np.trapezoid([found.roll_moment(r, 0.0) * r for r in rate], dx=2.0 * pi / found.omega / 4000.0)
         whole = pi * found.omega * radians(amplitude) ** 2 * found.scale * sum(found.parts[amplitude])
         assert work == pytest.approx(whole, rel=0.03)
 

@@ -227,7 +227,7 @@ def begun(afloat, weight: float = 1.0, **changes) -> Simulation:
     for field, values in zip((particles.position, particles.velocity, particles.pressure), start):
         field.from_numpy(values)
     simulation.fluid.begin()
-    simulation.surface.lay(particles)
+    simulation.surface.lay_down(particles)
     ship.body = replace(body, mass=weight * body.mass, inertia_body=weight * body.inertia_body, **changes)
     ship.weight = weight * own
     return simulation
@@ -398,7 +398,7 @@ def bounced(sides: Sides, body: RigidBody, dt: float = 1e-3) -> RigidBody:
     def after(load):
         return advance_body(body, load.force, load.torque, dt)
 
-    return sides.off(after(sides.stopped(Load.of({}), after, dt)))
+    return sides.moved_inside(after(sides.with_impulses(Load.of({}), after, dt)))
 
 
 def test_a_box_bounces_from_the_bed_and_from_a_corner():

@@ -66,8 +66,8 @@ def test_flat_water_lies_at_zero_up_to_the_walls(pond, lattice, cloth, thickness
 def test_the_share_at_the_surface_is_what_calibrates_it():
     """Negative control: with one half instead, a thin sheet lies elsewhere."""
     thin = Contact(3, 1.2 * H, H)
-    assert abs(thin.height(thin.at_surface)) < 1e-6 * H
-    assert abs(thin.height(0.5)) > 0.008 * H
+    assert abs(thin.surface_height(thin.at_surface)) < 1e-6 * H
+    assert abs(thin.surface_height(0.5)) > 0.008 * H
 
 
 def waved(still: np.ndarray, wavelength: float, amplitude: float, shift: float = 0.0) -> np.ndarray:
@@ -92,7 +92,7 @@ def test_waves_keep_their_height(flume, still, streamer, spacings, least):
     apart; amplitude a twentieth of the wavelength."""
     wavelength, amplitude = spacings * H, min(spacings / 20.0, 2.0) * H
     put(flume, waved(still, wavelength, amplitude))
-    streamer.lay(flume.particles)
+    streamer.lay_down(flume.particles)
     ratio, offset, _ = transfer(streamer, wavelength, amplitude)
     k = 2.0 * np.pi / wavelength
     assert ratio > least
@@ -108,7 +108,7 @@ def test_a_cut_lattice_has_the_same_wave(flume, still, streamer):
     above = x[:, 1] > amplitude * np.cos(2.0 * np.pi * x[:, 0] / wavelength)
     x[above, 1] = -0.79
     put(flume, x)
-    streamer.lay(flume.particles)
+    streamer.lay_down(flume.particles)
     ratio, offset, _ = transfer(streamer, wavelength, amplitude)
     assert 0.9 < ratio < 1.1
     assert abs(offset) < 0.1
@@ -121,7 +121,7 @@ def test_a_moving_wave_is_followed_up_and_down(flume, still, streamer):
         put(flume, waved(still, wavelength, amplitude, speed * step * dt))
         streamer.follow(flume.particles, dt)
     followed = heights(streamer).copy()
-    streamer.lay(flume.particles)
+    streamer.lay_down(flume.particles)
     assert np.abs(followed - heights(streamer)).max() < 0.01 * H
     assert np.ptp(followed) > 1.9 * amplitude
 
@@ -173,7 +173,7 @@ def test_a_drop_a_hole_and_a_dry_place(pond, lattice, sheet):
     hole = np.linalg.norm(x[:, [0, 2]] + [0.4, 0.0], axis=1) < 0.35
     x[hole, 1] = -0.79
     put(pond, x)
-    sheet.lay(pond.particles)
+    sheet.lay_down(pond.particles)
     drop, middle, next_to_it = sheet.elevations(np.array([[0.5, 0.0], [-0.4, 0.0], [0.8, 0.5]]))
     assert abs(drop) < 0.2 * H and abs(next_to_it) < 0.02 * H
     assert middle < -0.5
@@ -238,7 +238,7 @@ def test_stiff_springs_flatten_a_wave(flume, still, streamer, cloth):
     """The springs are there: taut ones take a part of a short wave's height."""
     wavelength, amplitude = 10 * H, 0.5 * H
     put(flume, waved(still, wavelength, amplitude))
-    streamer.lay(flume.particles)
+    streamer.lay_down(flume.particles)
     stiff = cloth(flume, stretching_stiffness=18.0e5, bending_stiffness=18.0e5)
     for _ in range(20):
         stiff.update(1.0 / 60.0)
@@ -283,7 +283,7 @@ def test_the_mesh_faces_up_and_has_the_sheets_area_and_volume(sheet):
 
 def test_it_moves_at_its_own_rate(pond, lattice, sheet):
     put(pond, lattice)
-    sheet.lay(pond.particles)
+    sheet.lay_down(pond.particles)
     sheet.age = 0.0
     moments, time = [], 0.0
     for _ in range(40):

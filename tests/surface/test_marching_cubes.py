@@ -17,8 +17,7 @@ from ocean_sim.fluid.sph.particles import Components, Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.water.smoothed_mesh import smooth_mesh
-from ocean_sim.surface.marching_cubes import Config, MarchingCubes
-from ocean_sim.surface.shared.density_map import flat_share
+from ocean_sim.surface.marching_cubes import Config, MarchingCubes, flat_share
 from tests.surface.test_isosurface import topology
 
 SPACING = 0.1  # [m] of the particles
@@ -249,13 +248,13 @@ def test_only_rows_near_water_are_kept_and_the_rest_is_dry(tank):
     rows.near.fill(1)
     rows.keep_rows()
     tank.map.fill_rows(rows, tank.isosurface.value, tank.isovalue)
-    whole = tank.cut(0)[0]
+    whole = tank.cut_surface(0)[0]
     assert rows.count[None] == rows.all
     for array in ("vertices", "triangles", "normals"):
         np.testing.assert_array_equal(getattr(banded, array), getattr(whole, array))
     rows.near.fill(0)  # a control: without rows there is nothing
     rows.keep_rows()
-    assert len(tank.cut(0)[0].triangles) == 0
+    assert len(tank.cut_surface(0)[0].triangles) == 0
 
 
 def test_rows_without_room_stop_with_a_sentence(taichi_cpu):
@@ -274,13 +273,18 @@ def test_a_surface_of_too_many_triangles_stops_with_a_sentence(sea, monkeypatch)
 
 def test_nothing_is_built_until_it_is_read(sea, monkeypatch):
     done = []
-    for owner, name in ((sea.map, "sort"), (sea.map, "fill"), (sea.isosurface, "count"), (sea, "find_heights")):
+    for owner, name in (
+        (sea.map, "sort_particles"),
+        (sea.map, "fill_rows"),
+        (sea.isosurface, "count_surface"),
+        (sea, "find_heights"),
+    ):
         before = getattr(owner, name)
         monkeypatch.setattr(owner, name, lambda *a, f=before, n=name: done.append(n) or f(*a))
     sea.follow(sea.map.particles, 0.01)
     assert done == []
     sea.mesh(), sea.free_surface()
-    assert done == ["sort", "fill", "count", "count"]
+    assert done == ["sort_particles", "fill_rows", "count_surface", "count_surface"]
     sea.elevations(line(np.zeros(1))), sea.elevations(line(np.ones(1)))
     assert done[4:] == ["find_heights"]
 

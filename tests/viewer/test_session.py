@@ -245,7 +245,7 @@ def test_a_record_that_cannot_be_written_ends_and_the_scene_begins_again(lake):
     folder.write_text("a file where a folder was")
     lake.speed = 0.0
     for _ in range(10):
-        lake.go_on(0.05)
+        lake.advance(0.05)
     assert lake.claim is None and "the record ends" in lake.desk.last("said")["text"] and lake.desk.last("said")["bad"]
     lake.step()
     assert lake.simulation.steps == 1

@@ -267,10 +267,9 @@ class Vessel(ABC):
 
     def advance(self, load: Load, dt: float) -> None:
         """Take a step of dt [s]; raises Diverged if the ship has left the physical world."""
-        before, sides = (
-            self.body,
-            self.sides if self.sides is not None and self.sides.may_touch(self.body, dt) else None,
-        )
+        before, sides = self.body, self.sides
+        if sides is not None and not sides.may_touch(before, dt):
+            sides = None
 
         def guided_step(load: Load) -> RigidBody:
             return guide_step(before, self.free_step(before, load, dt), self.free, dt)

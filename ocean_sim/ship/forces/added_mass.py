@@ -52,7 +52,7 @@ BLUNT_DRAG = 1.1  # coefficient of drag
 
 
 class AddedMass(Model):
-    """Added mass about the centre of mass, body axes; what is null comes by rule from the hull."""
+    """Added mass about the centre of mass, body axes; values that are null come by rule from the hull."""
 
     sway: float | None = quantity("kg", None, ge=0.0)
     """Along x."""
@@ -68,7 +68,7 @@ class AddedMass(Model):
     """About z."""
 
     def diagonal(self, hull: Hydrostatics) -> np.ndarray:
-        """(6,) in the order of `Motions`."""
+        """(6,) given values, or those by rule, in the order of `Motions`."""
         given = [self.sway, self.heave, self.surge, self.pitch, self.yaw, self.roll]
         return np.array([rule if value is None else value for value, rule in zip(given, by_rule(hull))])
 
@@ -93,7 +93,8 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) [m4] breadth^4 of plates that are as hard to roll as sections of the fullness of the whole hull."""
+    """(n,) breadth^4 [m4] of the plates with the added roll inertia of the sections, at the fullness of the whole
+    hull."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -102,7 +103,7 @@ def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.nd
 
 
 def pabst_factor(ratio: float) -> float:
-    """Pabst's factor of a plate so many times as long as broad (or as broad as long)."""
+    """Pabst's factor of a plate with this ratio of length to breadth (or breadth to length)."""
     r = max(ratio, 1.0 / ratio)
     return r / sqrt(1.0 + r * r) * (1.0 - 0.425 * r / (1.0 + r * r))
 
@@ -117,14 +118,13 @@ def water_reaction(
     surge: np.ndarray,
     free: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the water that is moved does back, (2, 3) each in world axes: to a hull that moves, and by moving itself.
+    """Reactions of moved water, (2, 3) each in world axes: to the hull's motion, and by the water's own motion.
 
-    Kirchhoff's equations with the added mass (6,) of each motion in body axes, and what there is `between` them, (6, 6)
-    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes, and the water's own velocity and
-    acceleration (6,) in body axes; the axes turn with the hull, so there the relative velocity of hull and water
-    changes by omega x (the water's own) as well (Fossen 2021, 10.3). They are solved together with the hull, so a
-    light body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could
-    feel.
+    Kirchhoff's equations with the added mass (6,) of each motion in body axes and, if any, `between` them, (6, 6)
+    symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes; the water's own velocity and
+    acceleration (6,) in body axes. The axes turn with the hull, so the relative velocity of hull and water also changes
+    by omega x (the water's own) (Fossen 2021, 10.3). They are solved together with the hull's equations, so a light
+    body is no harder than a heavy one. Motions that are not `free` (6,) have no acceleration that others could feel.
     """
     r, inertia, water = body.rows, body.inertia_body.tolist(), added.tolist()
     v, omega = body.own_velocity, body.own_spin
@@ -148,14 +148,13 @@ def water_reaction(
 
 
 def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
-    """Of (6,) along and about the axes, as plain numbers."""
+    """Three numbers along and three about the axes, of (6,), as plain numbers."""
     six = motion.tolist()
     return six[:3], six[3:]
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Momentum and angular momentum of the water that moves along at such velocities, or their rates at such
-    accelerations."""
+    """Momentum and angular momentum of the added mass at these velocities, or their rates at accelerations."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own
@@ -166,7 +165,8 @@ def water_momentum(water: list[float], between: np.ndarray | None, line: Vector,
 def joint_acceleration(
     mass: float, inertia: Rows, water: list[float], between: np.ndarray | None, push: Vector, twisting: Vector
 ) -> tuple[Vector, Vector]:
-    """Acceleration [m/s2] and angular one [rad/s2] of hull and water together under a force [N] and a torque [N m]."""
+    """Linear [m/s2] and angular acceleration [rad/s2] of hull and water together under a force [N] and a torque [N
+    m]."""
     x, y, z = water[3:]
     (p, q, r), (s, t, u), (v, w, o) = inertia
     whole = (p + x, q, r), (s, t + y, u), (v, w, o + z)
@@ -180,10 +180,10 @@ def joint_acceleration(
 
 
 class Slamming:
-    """The water that one hull sets in motion as it enters, by the volume that is under water."""
+    """The added mass of one hull as it enters the water, by the volume under water."""
 
     def __init__(self, hull: Hydrostatics, usual: float) -> None:
-        """`usual`: what moves along in heave afloat [kg]."""
+        """`usual`: added mass in heave afloat [kg]."""
         self.volumes, self.masses = entry_curve(hull)
         self.mass, self.usual = hull.matter.mass, usual
         self.volume = min(hull.needed_volume, hull.voxels.volume)  # afloat [m3]
@@ -191,12 +191,12 @@ class Slamming:
         self.entering, self.moved = False, usual  # since it left the water [kg]
 
     def added(self, volume: float) -> float:
-        """What moves along [kg] with so much under water [m3]."""
+        """Added mass [kg] at a volume under water [m3]."""
         return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
 
     def push(self, volume: float, speed: float, dt: float) -> float:
-        """Force upwards [N] in a step of dt [s] that begins with so much under water [m3], at a vertical speed relative
-        to the water [m/s]; it leaves V (m + A before) / (m + A now)."""
+        """Force upwards [N] in a step of dt [s] that begins at a volume under water [m3] and a vertical speed relative
+        to the water [m/s]; the speed becomes V (m + A before) / (m + A now)."""
         if volume == 0.0:
             self.entering, self.moved = True, 0.0
         if not self.entering:
@@ -206,14 +206,14 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Drag in heave, upwards [N], with so much under water [m3] at a vertical speed relative to it [m/s]."""
+        """Drag in heave, upwards [N], at a volume under water [m3] and a vertical speed relative to it [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and what it has set in motion [kg]."""
+    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and the added mass at each [kg]."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

@@ -1,7 +1,7 @@
-"""What slows a hull down: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern.
+"""Damping of a hull: linear in heave, pitch and roll, quadratic in surge and across, and lift at the stern.
 
-Roll damping by components (`ikeda`) has the sections' drag and the hull's lift in it: then a rate of roll adds nothing
-to what crosses the hull.
+Roll damping by components (`ikeda`) contains the sections' drag and the hull's lift; with it, the rate of roll adds
+nothing to the cross-flow.
 
 A hull that drifts under way is turned further by the water's pressure (Munk 1924, NACA report 184: the difference of
 the added masses times both speeds), and held back by the lift of its after body, that of a slender body that ends in a
@@ -25,7 +25,7 @@ BY_RULE = {"heave": 0.12, "pitch": 0.06, "roll": 0.05}  # of critical: ours, of 
 
 
 class Damping(Model):
-    """Shares of critical damping, and coefficients of drag; what is null comes by rule."""
+    """Shares of critical damping, and coefficients of drag; values that are null come by rule."""
 
     heave: float | None = quantity("1", None, ge=0.0)
     """Share of critical damping, mostly by the waves that the hull makes; null: 0.12, and 0 where `radiation` has
@@ -53,8 +53,8 @@ class Resistance:
     def __init__(
         self, config: Damping, hull: Hydrostatics, added: np.ndarray, radiated: Collection[str] = (), munk: float = 0.0
     ) -> None:
-        """`added`: (6,) added mass, part of what oscillates; `radiated`: motions whose waves a table has: no rule adds
-        to it; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
+        """`added`: (6,) added mass that oscillates with the hull; `radiated`: motions whose waves a table has, to which
+        no rule adds; `munk`: added mass of sway less surge [kg] of a kind whose own motion has no Munk's moment."""
         whole, stiffness = hull.inertia, hull.stiffness
         extra, self.radiated, self.cross_flow = Motions(*added), radiated, config.cross_flow
         self.linear: dict[str, float] = {}
@@ -87,7 +87,7 @@ class Resistance:
             self.warnings = [*self.warnings, adds]
 
     def undamped_warnings(self, free: Collection[str]) -> Iterator[str]:
-        """Motions of those that are free which nothing damps, or nothing but the waves of a table."""
+        """Warnings of free motions that nothing damps, or nothing but the waves of a table."""
         if "roll" in free and not (self.linear["roll"] or self.roll or self.rolling):
             left = "the waves of the table" if "roll" in self.radiated else "the drag of what crosses her"
             adds = "damping.ikeda: {} adds both by her form, damping.roll as a share of critical"
@@ -123,8 +123,8 @@ class Resistance:
 
 
 class CrossFlow:
-    """Drag c |v + r z| (v + r z) of sections at z, added up along a hull: on either side of where water crosses neither
-    way that is a parabola, by the moments of c."""
+    """Drag c |v + r z| (v + r z) of sections at z, summed along a hull. On either side of the zero of the cross-flow
+    that is a parabola, by the moments of c."""
 
     def __init__(self, z: np.ndarray, c: np.ndarray) -> None:
         """(n,) from stern to bow [m]; (n,) [N s2/m2]."""
@@ -133,7 +133,7 @@ class CrossFlow:
         self.behind: list[list[float]] = [[0.0] * 4, *moments.tolist()]  # of how many sections, from the stern on
 
     def strip_drag(self, v: float, r: float) -> tuple[float, float]:
-        """Force [N] and moment [N m] of water that crosses at v [m/s] amidships and at r [1/s] more a metre ahead."""
+        """Force [N] and moment [N m] of cross-flow v [m/s] amidships and r [1/s] more a metre ahead."""
         astern = self.behind[bisect_left(self.z, -v / r)] if r else self.behind[0]
         way = copysign(1.0, r or v)  # of the water ahead of there
         c_0, c_1, c_2, c_3 = (way * (whole - 2.0 * part) for whole, part in zip(self.behind[-1], astern))

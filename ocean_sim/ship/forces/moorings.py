@@ -23,7 +23,7 @@ class Mooring(Model):
     fairlead: str | Vector3 = Field(alias="from", json_schema_extra={"unit": "m"})
     """The name of one of the ship's `points`, or a point from the hull's origin [m]."""
     to: Vector3 = quantity("m")
-    """Where it is made fast in the world."""
+    """Anchor point in the world."""
     kind: Literal["line", "fender"] = "line"
     """`line`: it only pulls; `fender`: it only pushes."""
     stiffness: float = quantity("N/m", gt=0.0)
@@ -50,7 +50,7 @@ class Moorings:
         self.slack = np.array([l if c.slack_length is None else c.slack_length for c, l in zip(configs, first)])
 
     def line_spans(self, body: RigidBody) -> np.ndarray:
-        """(n, 3) from the ship to the world [m]."""
+        """(n, 3) from the ship to the anchor points [m]."""
         return self.to - body.position - self.arm @ body.matrix.T
 
     def load(self, body: RigidBody) -> np.ndarray:
@@ -68,6 +68,6 @@ class Moorings:
         return total
 
     def stored_energy(self, body: RigidBody) -> float:
-        """That is stored in them [J]."""
+        """Elastic energy [J]."""
         stretched = self.pulls * (np.linalg.norm(self.line_spans(body), axis=1) - self.slack)
         return 0.5 * float((self.stiffness * np.maximum(stretched, 0.0) ** 2).sum())

@@ -1,10 +1,10 @@
-"""Propeller and rudder, and who moves them: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27)).
+"""Propeller and rudder, and their orders: rows, a file, an autopilot, a pilot or a person (6.1, F_ship of (4.27)).
 
 A pilot holds a heading or sails a route at a speed: line of sight, and PID on rudder and throttle. Along a leg from one
 waypoint to the next the pilot steers at a point of it that lies the look-ahead D before the ship: the heading is that
-of the leg less atan((e + s) / D), with e the distance from the leg and s what a steady drift has come to (integral line
-of sight: Fossen 2021, Handbook of Marine Craft Hydrodynamics, 12.5; Borhaug et al. 2008, IEEE CDC). The rudder is K
-(error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
+of the leg less atan((e + s) / D), with e the distance from the leg and s the integral that cancels a steady drift
+(integral line of sight: Fossen 2021, Handbook of Marine Craft Hydrodynamics, 12.5; Borhaug et al. 2008, IEEE CDC). The
+rudder is K (error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
 """
 
 from bisect import bisect_right
@@ -25,14 +25,12 @@ ORDER_COLUMNS = ("throttle", "rudder_rad")
 MAX_ORDERS = (1.0, pi / 2)  # to either side
 ORDER_RULE = Rule("throttle lies between -1 and 1, rudder_rad between -pi/2 and pi/2 (radians)")
 CHECKS = (Checked("Orders to a ship, `ship.controls.file`: a table over time", (ORDER_RULE,)),)
-SLIPSTREAM_SHARE = (
-    0.6  # share of a slipstream's speed that it has at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
-)
+SLIPSTREAM_SHARE = 0.6  # of a slipstream's speed at the rudder (kappa of Yasukawa & Yoshimura 2015: 0.5 to 0.6)
 LOOK_AHEAD_TIME = 6.0  # [s] of way: how far a pilot looks ahead
-DRIFT_RATE = 0.2  # [m/s] twice the rate at which what a steady drift has come to grows, at most
+DRIFT_RATE = 0.2  # [m/s] twice the greatest rate of the integral of a steady drift
 START_RADIUS = 1.0e-6  # [m] a first waypoint so near is where the ship begins: she goes on as she heads
 SPEED_GAIN, SPEED_INTEGRAL_TIME = 0.4, 12.0  # [s/m] throttle over the error of the speed, [s] its integral time
-MAX_INTEGRAL_RUDDER = 0.35  # [rad] the most that the integral of the heading's error may steer
+MAX_INTEGRAL_RUDDER = 0.35  # [rad] by the integral of the heading's error
 
 
 class Propeller(Model):
@@ -50,7 +48,7 @@ class Propeller(Model):
     position: Vector3 | None = quantity("m", None)
     """Position, from the hull's origin; null: under the centre of mass at the height that does not trim the ship."""
     rate: float | None = quantity("1/s", None, gt=0.0)
-    """How fast the throttle can change; null: at once."""
+    """Greatest rate of change of the throttle; null: it changes at once."""
     diameter: float | None = quantity("m", None, gt=0.0)
     """Diameter of a propeller ahead of the rudder, which then lies in its slipstream; null: the rudder feels no
     slipstream."""
@@ -62,8 +60,8 @@ class Propeller(Model):
         return bare if throttle >= 0.0 else self.astern * bare
 
     def slipstream_speed(self, thrust: float, speed: float, density: float) -> float:
-        """Speed [m/s] at the rudder of the water behind a propeller that moves ahead at a speed: of the way to what it
-        gets far behind by the momentum of an actuator disc, the share SLIPSTREAM_SHARE."""
+        """Speed of the propeller's slipstream at the rudder [m/s], at a speed ahead [m/s]: SLIPSTREAM_SHARE of the
+        far-wake velocity increase of an actuator disc."""
         if self.diameter is None or thrust <= 0.0 or speed < 0.0:
             return speed
         far = sqrt(speed**2 + 8.0 * thrust / (pi * density * self.diameter**2))
@@ -83,18 +81,18 @@ class Rudder(Model):
     limit: float = quantity("rad", radians(35.0), gt=0.0, le=pi / 2)
     """Largest angle."""
     rate: float | None = quantity("rad/s", radians(5.0), gt=0.0)
-    """How fast it turns; null: at once."""
+    """Greatest turning rate; null: it turns at once."""
 
     def mean_inflow(self, propeller: Propeller, stream: float, speed: float) -> float:
-        """Speed [m/s] of which the square is the mean over the rudder: of the `stream` as high as the propeller is
-        wide, and of water at the ship's speed beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
+        """Root mean square speed [m/s] over the rudder: the `stream` over the propeller's diameter, the ship's speed
+        beside it (Yasukawa & Yoshimura 2015, J. Mar. Sci. Technol. 20)."""
         if propeller.diameter is None or stream <= speed:
             return speed
         share = min(1.0, propeller.diameter / sqrt(self.area * self.aspect_ratio))
         return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
     def blade_force(self, angle: float, across: float, ahead: float, density: float) -> Three:
-        """Force [N], body axes, in water that it moves through at such speeds across and ahead [m/s], body axes."""
+        """Force [N], body axes, at speeds across and ahead through the water [m/s], body axes."""
         speed = hypot(ahead, across)
         incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
         slope = 6.13 * self.aspect_ratio / (self.aspect_ratio + 2.25)
@@ -161,9 +159,9 @@ class Pilot(Model):
     speed: float = quantity("m/s", gt=0.0)
     """Speed ahead, over the ground."""
     look_ahead: float | None = quantity("m", None, gt=0.0)
-    """How far ahead on a leg the pilot steers; null: six seconds of way."""
+    """Distance ahead on a leg of the point that the pilot steers at; null: six seconds of way."""
     arrival: float | None = quantity("m", None, gt=0.0)
-    """How near to a waypoint the next leg begins; null: as far as the look-ahead."""
+    """Distance from a waypoint at which the next leg begins; null: the look-ahead."""
     gain: float = quantity("1", 1.5, gt=0.0)
     """Rudder angle over the error of the heading."""
     integral_time: float | None = quantity("s", 20.0, gt=0.0)
@@ -203,7 +201,7 @@ class Helm(Model):
         return self
 
     def late_orders(self, duration: float) -> list[str]:
-        """What is said of orders that come when a run of this duration [s] is over."""
+        """Warnings of orders that come after the end of a run of this duration [s]."""
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
         times = np.array(Crew(self.controls).time)
@@ -214,7 +212,7 @@ class Helm(Model):
 
 
 class Crew:
-    """Who gives orders: throttle and rudder [rad] at a time."""
+    """Orders of a scene: throttle and rudder [rad] over time, or the autopilot's."""
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
@@ -237,7 +235,7 @@ class Crew:
         return throttle + (next_throttle - throttle) / step * since, rudder + (next_rudder - rudder) / step * since
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Throttle and rudder [rad] that are asked for."""
+        """Ordered throttle and rudder [rad]."""
         if self.course is None:
             return self.interpolated_orders(time)
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
@@ -262,7 +260,7 @@ class Helmsman:
         self.bent, self.driven = 0.0, 0.0  # the integrals: of the heading's error [rad], and throttle
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Throttle and rudder [rad] that are asked for."""
+        """Ordered throttle and rudder [rad]."""
         config, dt = self.config, time - self.time
         self.time = time
         error = remainder(self.wanted_heading(body, dt) - float(body.angles[1]), 2.0 * pi)
@@ -278,7 +276,7 @@ class Helmsman:
         return min(max(wanted, -1.0), 1.0), rudder
 
     def wanted_heading(self, body: RigidBody, dt: float) -> float:
-        """Where to head [rad]."""
+        """Heading to steer [rad]."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
@@ -301,13 +299,13 @@ class Helmsman:
         return self.route[self.leg :]
 
     def has_arrived(self, body: RigidBody) -> bool:
-        """Whether the last waypoint is reached; from there the ship goes on as on the last leg."""
+        """True if the last waypoint is reached; from there the ship goes on as on the last leg."""
         if self.start is None or len(self.ahead) > 1:
             return False
         return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
     def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
-        """Heading of the leg [rad], how far ahead its end is, and how far to port of it the ship is [m]."""
+        """Heading of the leg [rad], distance to its end, and distance of the ship to port of it [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0)
@@ -316,23 +314,23 @@ class Helmsman:
 
 
 class Person:
-    """Someone at the helm: what was ordered last stands."""
+    """A person at the helm; the last order stands."""
 
     def __init__(self, throttle: float, rudder: float, limit: float) -> None:
-        """`limit` [rad]: of the rudder."""
+        """`limit` [rad] of the rudder."""
         self.throttle, self.rudder, self.limit = throttle, rudder, limit
 
     def give(self, throttle: float, rudder: float) -> None:
-        """Order a throttle, -1 to 1, and a rudder [rad]; what lies beyond is held back."""
+        """Order a throttle, -1 to 1, and a rudder [rad]; values beyond the limits are clipped."""
         self.throttle = min(max(throttle, -1.0), 1.0)
         self.rudder = min(max(rudder, -self.limit), self.limit)
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """What stands."""
+        """The last order: throttle and rudder [rad]."""
         return self.throttle, self.rudder
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """What a machine that turns at most `rate` a second, within a limit, makes of an order."""
+    """Position of an actuator a step of dt after an order, within its limit and at most `rate` a second."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -12,7 +12,7 @@ A motion's force is -A(infinity) times its acceleration, less the integral of K(
 K(t) = 2/pi int B(omega) cos(omega t) d omega and A(infinity) = A(omega) + 1/omega int K(t) sin(omega t) dt.
 Where a table says so, motions act on each other: A, B and K are then symmetric matrices.
 
-What has been left in the waves is a momentum, the integral of L(t - tau) times the velocity with L(t) = -int K from t
+The momentum left in the waves is the integral of L(t - tau) times the velocity with L(t) = -int K from t
 on, and the force is less its rate. A hull that moves on through the water at v is turned by it, by -v x momentum, as
 Kirchhoff's equations have it of A(infinity). In heave and pitch at a speed U these are strip theory's terms of speed,
 U A33, U B33 / omega^2 and U^2 / omega^2 times both (table 1 there, without those of a transom), omega being the
@@ -37,15 +37,13 @@ from ocean_sim.ship.body.rigid_body import cross
 
 FREQUENCY_COLUMN = "omega_rad_s"
 ADDED_UNITS = dict(zip(Motions._fields, ("kg", "kg", "kg", "kg_m2", "kg_m2", "kg_m2"), strict=True))
-RECIPROCITY_TOLERANCE = (
-    0.1  # share of both own entries by which what reciprocity makes equal may differ (the median of all rows)
-)
-MIRROR_SIGNS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what waves from the other side do to each motion of a ship
+RECIPROCITY_TOLERANCE = 0.1  # share of both own entries by which the two couplings may differ (median of all rows)
+MIRROR_SIGNS = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of each motion in waves from the other side
 DOF_NAMES = ("influenced_dof", "radiating_dof")  # of forces, and of motions, as Capytaine calls them
 PANEL_RULE = Rule("a NetCDF file is Capytaine's, of a hull without forward speed, in finite numbers")
-MAX_END_DAMPING = 0.25  # of the largest damping: what may be left at the highest frequency
+MAX_END_DAMPING = 0.25  # of the largest damping, at the highest frequency
 MIN_FREQUENCIES, MAX_FREQUENCIES = 4, 300  # frequencies
-NEGATIVE_TOLERANCE = 0.25  # of the largest damping: what the irregular frequencies of a panel method may be below 0
+NEGATIVE_TOLERANCE = 0.25  # of the largest damping: negative values by irregular frequencies
 FREQUENCY_RULE = Rule(f"there are {MIN_FREQUENCIES} to {MAX_FREQUENCIES} frequencies above 0, which rise, each once")
 DAMPING_RULE = Rule(
     "damping is above 0, or there are no waves to remember; of the other sign it is of another convention"
@@ -60,7 +58,7 @@ CHECKS = (
 POINTS_A_PERIOD = 20  # points of K in a period of the highest frequency, and of B between two frequencies
 TAIL_FREQUENCIES = 3.0  # [highest frequencies] to which damping is carried on
 ERROR_TOLERANCE = 0.05  # share of the largest damping, or of added mass, that a matrix may lie below zero by error
-FORGOTTEN_SHARE = 0.003  # of the largest K: what is forgotten
+FORGOTTEN_SHARE = 0.003  # of the largest K, below which it is forgotten
 HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
@@ -72,7 +70,7 @@ class Scattered(NamedTuple):
 
 
 class BemTable(NamedTuple):
-    """Of some motions; what one does to another is symmetric, 0 where a table does not say."""
+    """Hydrodynamic coefficients of some motions; coupling is symmetric, 0 where a table does not say."""
 
     omega: np.ndarray  # (n,) [rad/s]
     motions: list[str]
@@ -84,14 +82,14 @@ class BemTable(NamedTuple):
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """What the columns of a motion, or of what two motions do to each other, are called."""
+    """Column names of a motion, or of the coupling of two motions: added mass, damping."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
 
 
 def read_bem_table(file: str) -> BemTable:
-    """The table in a file; raises ValueError where it gives too little."""
+    """The table in a file; raises ValueError if it gives too little."""
     return read_capytaine(file) if Path(file).suffix == ".nc" else read_csv_table(file)
 
 
@@ -180,7 +178,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) with the mean of each pair of entries that are mirrored; raises Unreadable where they differ."""
+    """(m, m, n) mean of each entry and its mirror image; raises Unreadable if they differ."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -201,9 +199,9 @@ def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
 class Scattering:
     """The force of scattered waves on one hull, as they arrive.
 
-    A hull holds against the water's own motion w: X(omega) = (B - i omega A) w. One that goes through the water meets
-    the same w at another frequency, to which its own A and B belong, and what has been given to it, the integral of
-    the force, turns it as it moves on (`radiation`; table 2 of Salvesen, Tuck & Faltinsen).
+    A hull held against the water's own motion w feels X(omega) = (B - i omega A) w. A hull that goes through the water
+    meets the same w at another frequency, with A and B of that frequency; the momentum given to it turns it as it moves
+    on (table 2 of Salvesen, Tuck & Faltinsen).
     """
 
     def __init__(self, table: BemTable) -> None:
@@ -215,7 +213,7 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in world axes, on a hull with this heading [rad] that moves through the
+        """(2, 3) force [N] and torque [N m] in world axes, on a hull of this heading [rad] and velocity through the
         water (3,) [m/s]."""
         if (
             self.known is None
@@ -243,8 +241,8 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored where the
-        table ends at 180 degrees, constant beyond its frequencies."""
+        """(6, n) forces of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored if
+        the table ends at 180 degrees, constant beyond its frequencies."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
         if headings.max() <= 180.0:
@@ -259,7 +257,7 @@ class Scattering:
 
 
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n,) of (h, n) values at (h,) headings; the nearest beyond them."""
+    """(n,) interpolation of (h, n) values over (h,) headings; the nearest value beyond them."""
     each = np.arange(len(angle))
     if len(headings) == 1:
         return values[0, each]
@@ -270,7 +268,7 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
 
 
 class Response(NamedTuple):
-    """What some motions leave behind in the water."""
+    """Response of some motions to an impulse: the waves that it leaves behind."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -279,11 +277,11 @@ class Response(NamedTuple):
 
 
 class Radiation:
-    """What a file gives for some motions: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
+    """Radiation table of some motions, in a CSV file: `omega_rad_s`, and `heave_added_kg`, `heave_damping_kg_s`,
     `pitch_added_kg_m2`, `pitch_damping_kg_m2_s` and the like, of any of the six, and of two that act on each other
     `heave_pitch_added_kg_m`, `heave_pitch_damping_kg_m_s`; or Capytaine's NetCDF.
 
-    Raises ValueError where it gives too little.
+    Raises ValueError if it gives too little.
     """
 
     def __init__(self, file: str) -> None:
@@ -306,13 +304,13 @@ class Radiation:
                 raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
     def has_coupling(self, one: str, other: str) -> bool:
-        """True if the table has what one motion does to another."""
+        """True if the table has the coupling of two motions."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 
     @property
     def unphysical_entries(self) -> list[str]:
-        """Entries that no hull has: waves that would give energy, water of less than no mass."""
+        """Sentences on entries that no hull has: waves that would give energy, negative added mass."""
         own, found = np.diag_indices(len(self.numbers)), list[str]()
         most = np.sqrt(np.abs(self.damping[own]).max(axis=1))
         lowest = np.linalg.eigvalsh(np.moveaxis(self.damping, 2, 0) / np.outer(most, most))[:, 0]
@@ -328,7 +326,7 @@ class Radiation:
 
     @cached_property
     def impulse_response(self) -> "Response":
-        """To a push, until less than FORGOTTEN_SHARE is left of it."""
+        """Response to an impulse, until less than FORGOTTEN_SHARE of it is left."""
         from scipy.integrate import cumulative_trapezoid
 
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
@@ -341,9 +339,8 @@ class Radiation:
             sines = np.trapezoid(kernels[i, j] * np.sin(omega[:, None] * times), times, axis=1)
             added[i, j] = added[j, i] = np.median(self.mass[i, j] + sines / omega)
         most = np.sqrt(np.abs(kernels[np.diag_indices(m)]).max(axis=1))
-        kernels[np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)] = (
-            0.0  # of a symmetric hull: noise
-        )
+        noise = np.abs(kernels).max(axis=2) <= FORGOTTEN_SHARE * np.outer(most, most)  # of a symmetric hull
+        kernels[noise] = 0.0
         kept = (np.abs(kernels) / np.outer(most, most)[:, :, None]).max(axis=(0, 1)) > FORGOTTEN_SHARE
         last = int(np.flatnonzero(kept)[-1]) + 1
         times, kernels = times[:last], kernels[:, :, :last]
@@ -351,7 +348,7 @@ class Radiation:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """K at some times [s]; beyond the table damping falls on as it did at its end, by a power of the frequency."""
+        """K at some times [s]; beyond the table damping falls on as at its end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -367,7 +364,7 @@ class Radiation:
 
 
 class Memory:
-    """The radiation force on one hull: what it remembers of its motions."""
+    """The radiation force on one hull, by the motions that it has made."""
 
     def __init__(self, radiation: Radiation) -> None:
         self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
@@ -389,7 +386,7 @@ class Memory:
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def remember(self, time: float, motion: np.ndarray) -> None:
-        """Remember this velocity (6,), if the last one was long enough ago."""
+        """Store this velocity (6,), if the last one was long enough ago."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
             near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)

@@ -1,11 +1,11 @@
-"""What damps roll besides waves of a table: friction, eddies, bilge keels, the hull's own waves, and lift under way.
+"""Roll damping besides waves of a table: friction, eddies, bilge keels, the hull's own waves, and lift under way.
 
 Ikeda's prediction by components (Himeno 1981, Univ. of Michigan report 239; ITTC 7.5-02-07-04.5) in its simple form of
 Kawahara, Maekawa & Ikeda (2009, 10th STAB; 2012, in Contemporary Ideas on Ship Stability, Springer), whose regressions
 of form, axis and amplitude are of their published program (2009). Lift under way is that of Ikeda, Himeno & Tanaka
 (1978), as in ITTC 7.5-02-07-04.5, 2.2.2. A component at an amplitude phi and a frequency omega is a moment over the
-rate; what of their sum grows with the amplitude becomes a moment over the square of the rate, 8 / (3 pi) omega phi of
-which is the same work in a period.
+rate. The part of their sum that grows with the amplitude becomes a moment over the square of the rate, 8 / (3 pi) omega
+phi of which does the same work in a period.
 
 Regressions hold within REGRESSION_LIMITS; beyond them a hull is taken as one at the limit, and `ratios_beyond` says so.
 """
@@ -87,7 +87,7 @@ EDDIES_SECTION = (-219.2, 443.7, -283.3, 59.6)  # in C_B
 
 
 def polynomial_at(coefficients: Sequence[float], x: float) -> float:
-    """By falling powers."""
+    """Value of a polynomial whose coefficients stand by falling powers."""
     return float(np.polyval(coefficients, x))
 
 
@@ -97,7 +97,7 @@ class BilgeKeels(Model):
     length: float = quantity("m", ..., gt=0.0)
     """Length of each keel."""
     breadth: float = quantity("m", ..., gt=0.0)
-    """How far they stand out from the hull."""
+    """Breadth of each keel, out from the hull."""
 
 
 class Ikeda(Model):
@@ -106,11 +106,11 @@ class Ikeda(Model):
     bilge_keels: BilgeKeels | None = None
     """The bilge keels; null: the hull is bare."""
     kinematic_viscosity: float = quantity("m2/s", WATER_VISCOSITY, gt=0.0)
-    """Of the water."""
+    """Kinematic viscosity of the water."""
 
 
 class Form(NamedTuple):
-    """A hull as the regressions see it."""
+    """Ratios of a hull that the regressions take."""
 
     length: float  # of the waterline [m]
     breadth: float  # [m]
@@ -123,7 +123,7 @@ class Form(NamedTuple):
 
     @property
     def limited_ratios(self) -> dict[str, float]:
-        """What REGRESSION_LIMITS bound."""
+        """Ratios that REGRESSION_LIMITS bound."""
         found = {
             "block coefficient": self.block,
             "midship section coefficient": self.midship,
@@ -147,7 +147,7 @@ class Components(NamedTuple):
 
 
 def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
-    """Of a hull that rolls at a frequency [rad/s]."""
+    """Form of a hull that rolls at a frequency [rad/s]."""
     _, breadth, draught = hull.stations
     length, broad = hull.length, float(breadth.max())
     deep = float(draught.max())
@@ -165,7 +165,7 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
 
 
 def ratios_beyond(form: Form) -> list[str]:
-    """Which ratios of a hull lie beyond the regressions, in words."""
+    """Ratios of a hull beyond the regressions, in words."""
     return [
         f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
         for name, value in form.limited_ratios.items()
@@ -174,7 +174,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """At an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
+    """Components at an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
     held = {
         name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
         for name, value in form.limited_ratios.items()
@@ -189,7 +189,7 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
 
 
 def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
-    """Of the skin (Kato 1958): Blasius's layer on a cylinder of the hull's mean radius."""
+    """Friction of the skin (Kato 1958): Blasius's layer on a cylinder of the hull's mean radius."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
@@ -200,7 +200,7 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Of the hull at rest."""
+    """Wave damping of the hull at rest."""
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og
@@ -215,8 +215,8 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Of vortices at the naked hull, over the frequency; none where the regression, beyond a block coefficient of 0.84,
-    falls below zero: a drag takes energy."""
+    """Eddy damping of the naked hull, over the frequency; 0 where the regression, beyond a block coefficient of 0.84,
+    is negative: a drag takes energy."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -227,7 +227,7 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Of bilge keels, `long` and `broad` over the hull's length and breadth, over the frequency."""
+    """Damping of bilge keels, `long` and `broad` over the hull's length and breadth, over the frequency."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2
@@ -238,7 +238,7 @@ def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, l
 
 
 def lift_damping(form: Form, density: float) -> float:
-    """Moment over the rate of roll and the speed ahead [N s2 rad-1]: of the hull's lift."""
+    """Moment by the hull's lift over the rate of roll and the speed ahead [N s2 rad-1]."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
     slope = 2.0 * pi * deep / length
@@ -251,8 +251,8 @@ class RollDamping:
     """The roll damping of one hull: moments over the rate, its square, and the rate and the speed ahead."""
 
     def __init__(self, config: Ikeda, hull: Hydrostatics, added: float, waves: bool) -> None:
-        """`added`: inertia of the water that rolls along [kg m2]; `waves`: whether the hull's own waves are part of it,
-        which a table of radiation has already. Of a hull that nothing rights, at no frequency, it is none."""
+        """`added`: added inertia in roll [kg m2]; `waves`: True if the hull's own waves are part of it, False if a
+        table of radiation has them. A hull without righting moment, of no roll frequency, has none."""
         stiffness = hull.stiffness["roll"]
         omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
         self.keels = config.bilge_keels
@@ -272,7 +272,7 @@ class RollDamping:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader of the results should know."""
+        """Warnings for a reader of the results."""
         beyond = ratios_beyond(self.form)
         said = (
             [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
@@ -282,9 +282,10 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Of critical damping, by all components at one of FIT_AMPLITUDES [deg]; 0 of a hull that nothing rights."""
+        """Share of critical damping by all components at one of FIT_AMPLITUDES [deg]; 0 of a hull without righting
+        moment."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:
-        """[N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
+        """Moment [N m] against a rate of roll [rad/s], at a speed ahead [m/s]."""
         return -(self.linear + self.quadratic * abs(rate) + self.ahead * max(ahead, 0.0)) * rate

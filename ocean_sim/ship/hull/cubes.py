@@ -1,4 +1,4 @@
-"""Forces on the cubes of a hull, summed over fixed blocks: buoyancy, what waves add, and wind."""
+"""Forces on the cubes of a hull, summed over fixed blocks: buoyancy, wave force, and wind."""
 
 from typing import NamedTuple
 
@@ -46,7 +46,8 @@ FACE_COLUMNS = Columns(
 
 
 class Wetted(NamedTuple):
-    """What acts on all cubes together; forces [N] and torques about the centre of mass [N m] are (2, 3), world axes."""
+    """Forces [N] and torques about the centre of mass [N m] on all cubes, (2, 3) each, world axes, and the water at
+    them."""
 
     buoyancy: np.ndarray
     wave: np.ndarray
@@ -108,7 +109,7 @@ class Cubes:
     def sum_forces(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea, water: Surface | Fluid, wind: Wind
     ) -> Wetted:
-        """What water and wind do to the hull where it is."""
+        """Loads of water and wind on the hull at its present pose."""
         table = self.table
         write_pose(table[0], body)
         around.place(body, table[0])
@@ -131,8 +132,8 @@ class Cubes:
     def displaced_water(
         self, body: RigidBody, around: SurroundingWater | SurroundingSea
     ) -> tuple[np.ndarray, np.ndarray]:
-        """x and z (m, 2) [m] of the cubes under water where the body is, and how much water each displaces [m3]; the
-        water stands as it was last asked, where its current has carried it since."""
+        """x and z (m, 2) [m] of the cubes under water at the body's pose, and the volume that each displaces [m3]. The
+        water surface is that of the last load, moved on by its current."""
         write_pose(self.table[0], body)
         middle = around.middle_now()
         self.table[0, [pose.position, pose.position + 2]] -= middle
@@ -208,7 +209,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add what the water does to a cube that it may reach; the share that is under water."""
+        """Add the loads of the water on a cube that it may reach; returns the share under water."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -250,7 +251,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Of water at a cube: its motion by the area that it meets, and that times the arms of pitch, yaw and roll."""
+        """Add the motion of water at a cube times the area that it meets, and that times the arms of pitch, yaw and
+        roll."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -259,8 +261,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) how water that moves at cubes of a size (3,) as `add_motion` sums it (6,) moves and turns about the centre
-    of mass: least squares over `FACE_COLUMNS`, so water that streams alike everywhere turns nothing."""
+    """(6,) velocity of water as one body about the centre of mass, from its sums (6,) by `add_motion` over cubes of a
+    size (3,): least squares over FACE_COLUMNS, so that uniform flow turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y

@@ -1,5 +1,5 @@
-"""Distance from a hull, and how a smoothed hull thins out there, on a lattice around it: made once from its cubes, and
-kept with them."""
+"""Signed distance from a hull, and the share of a smoothed hull, on a lattice around it; computed once from its cubes
+and kept with them."""
 
 import numpy as np
 
@@ -10,14 +10,12 @@ from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.hull.voxels import voxels
 
 USUAL_CUBES = 3e5  # cubes of a lattice; a long hull in fine water has coarser ones
-MAX_LATTICE_NODES = (
-    1e7  # cubes of a lattice, at most: one around a hull far smaller than a spacing has cubes as small as the hull
-)
+MAX_LATTICE_NODES = 1e7  # around a hull far smaller than a spacing, whose cubes are as small as the hull
 SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def lattice_side(shape: HullShape, side: float, reach: float) -> float:
-    """The side asked for [m], or that of USUAL_CUBES cubes."""
+    """The side asked for [m], or that of a lattice of USUAL_CUBES, if larger."""
     lower, upper = shape.bounds()
     return max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
 
@@ -31,7 +29,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[np.ndarr
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Nodes of a lattice, and the bytes that they take."""
+    """Nodes of a lattice, and their memory [bytes]."""
     size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
@@ -41,8 +39,8 @@ def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tu
 def distance_lattice(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """At (i, j, k): `distance` [m], negative inside, and `share` of the hull in Wendland's kernel (C2) of a support;
-    the position of the first in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
+    """`distance` [m] at (i, j, k), negative inside, and `share` of the hull in Wendland's kernel (C2) of a support; the
+    position of the first node in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
     size, margin = lattice_shape(shape, side, reach)
@@ -91,8 +89,8 @@ class Distance:
 
     @ti.func
     def at(self, position):
-        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m]: the
-        integral of the kernel's gradient over the hull."""
+        """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m], which
+        is the integral of the kernel's gradient over the hull."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

@@ -1,4 +1,4 @@
-"""A hull as a scene gives it: shape, mass, centre of mass, inertia; and the cubes that it becomes."""
+"""A hull in a scene: shape, mass, centre of mass and inertia; and its cubes."""
 
 from math import isinf
 from pathlib import Path
@@ -22,7 +22,7 @@ MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
 def check_inertia(inertia: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Principal moments that some distribution of mass has."""
+    """Principal moments of inertia that some distribution of mass has; raises ValueError for others."""
     if not min(inertia) > 0.0:
         raise ValueError(f"each moment of inertia must be above 0, got {list(inertia)}")
     if 2.0 * max(inertia) > (1.0 + 1e-9) * sum(inertia):
@@ -46,7 +46,7 @@ class Hull(Model):
     density."""
 
     def matter_of(self, cubes: Voxels) -> Matter:
-        """Mass, centre and inertia, given or of uniform density; raises ValueError where there is no mass."""
+        """Mass, centre and inertia, given or of uniform density; raises ValueError if there is no mass."""
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
@@ -71,7 +71,7 @@ class Hull(Model):
 
     @property
     def smallest_side(self) -> float:
-        """Side of the smallest cubes that the hull is cut in, to find where it floats [m]."""
+        """Side [m] of the smallest cubes for finding where the hull floats."""
         lower, upper = self.shape.bounds()
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 

@@ -1,6 +1,6 @@
-"""Hulls from mesh files: read, judged, turned into the hull's axes, and filled by columns.
+"""Hulls from mesh files: read, checked, turned into the hull's axes, and filled by columns.
 
-A point is inside where the skins of the mesh wind around it at least once: the signs of the faces that a ray from it
+A point is inside if the skins of the mesh wind around it at least once: the signs of the faces that a ray from it
 crosses add up to more than 0. So bodies that overlap count once. Every closed skin is taken to face outwards.
 """
 
@@ -35,7 +35,7 @@ CHECKS = (
 
 
 class BadMesh(ValueError):
-    """A mesh that is no hull; `problems` are sentences: what is wrong and where."""
+    """A mesh that is no hull; `problems` are sentences on the fault and its place."""
 
     def __init__(self, *problems: Unreadable) -> None:
         self.problems = [str(problem) for problem in problems]
@@ -76,7 +76,7 @@ class ClosedMesh:
 
     @cached_property
     def has_overlaps(self) -> bool:
-        """True where faces pass through each other: skins wind around a point more than once or less than never."""
+        """True if faces pass through each other: skins wind around a point more than once or less than never."""
         line, height, winding = line_crossings(self.triangles, *self._column_plan[:2])
         thick = (np.diff(height) > ROUNDING_SHARE * self.size[1]) & (np.diff(line) == 0)
         return bool((thick & ((winding[:-1] > 1) | (winding[:-1] < 0))).any())
@@ -87,13 +87,13 @@ class ClosedMesh:
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Sum over the inside, by columns, of what a function of height gains from their lower to their upper end."""
+        """Sum over all columns inside of the gain of a function of height from the lower to the upper end."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
     @cached_property
     def volume(self) -> float:
-        """Volume of the inside [m3]: by its faces, by columns where they pass through each other."""
+        """Volume of the inside [m3]: by its faces, or by columns if they pass through each other."""
         if self.has_overlaps:
             return self.column_integral(np.positive)
         return float(signed_volumes(self.triangles).sum())
@@ -105,7 +105,7 @@ class ClosedMesh:
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
     def size_sentence(self) -> str:
-        """Size and axes."""
+        """Sentence on size and axes."""
         broad, tall, long = self.size
         size = f"{long:.4g} m long, {broad:.4g} m broad and {tall:.4g} m high"
         axes = f"{self.scale:g} m per unit, {self.up} up and the bow along {self.bow}"
@@ -133,8 +133,7 @@ class ClosedMesh:
 
     @cached_property
     def remarks(self) -> list[str]:
-        """Sentences about what a hull may not be meant to be: its skins, and as much room that rain would fill as
-        counts beside its volume."""
+        """Sentences on possible mistakes: several skins, and an open room whose volume counts beside the hull's own."""
         from scipy.ndimage import binary_propagation
 
         area, room = self._column_plan[2], 0.0
@@ -236,8 +235,8 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) number of the closed skin that each face belongs to: faces that share an edge with no other; all one where
-    such skins are not closed by themselves."""
+    """(m,) number of the closed skin of each face: the faces that share an edge with no other; all one if such skins
+    are not closed by themselves."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -252,8 +251,8 @@ def signed_volumes(triangles: np.ndarray) -> np.ndarray:
 
 
 def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Faces of which each closed skin looks outwards, and sentences on several skins and on those that did not look the
-    way of the largest."""
+    """Faces turned so that each closed skin looks outwards, and sentences on several skins and on those that did not
+    look the way of the largest."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -277,20 +276,20 @@ def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
 
 
 def is_inside(triangles: np.ndarray, point: np.ndarray) -> bool:
-    """True where faces (m, 3, 3) wind around a point (3,)."""
+    """True if faces (m, 3, 3) wind around a point (3,)."""
     _, height, winding = line_crossings(triangles, point[:1], point[2:])
     below = np.count_nonzero(height < point[1])
     return bool(below and winding[below - 1] > 0)
 
 
 def point_text(position: np.ndarray) -> str:
-    """A position as a message shows it."""
+    """Position in the form of messages."""
     return "(" + ", ".join(f"{x:.4g}" for x in position) + ")"
 
 
 def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: str | None) -> tuple[float, str, str]:
-    """Unit, up and bow where they are not given: the longest axis is the ship's, and of the other two the one that the
-    mesh mirrors itself in is athwart."""
+    """Unit, up and bow if they are not given: the longest axis is the ship's; of the other two the one about whose
+    plane the mesh is symmetric is athwart."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     extents, middle = upper - lower, 0.5 * (lower + upper)
     scale = scale or (1.0 / MAX_METRES if extents.max() > MAX_METRES else 1.0)
@@ -318,11 +317,11 @@ def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Faces (m, 3, 3) that lines along y at ascending x and z cross, line by line and upwards: number of the line (that
-    of its x times len(z), plus that of its z), height, and winding number above.
+    """Crossings of faces (m, 3, 3) with lines along y at ascending x and z, line by line and upwards: number of the
+    line (that of its x times len(z), plus that of its z), height, and winding number above.
 
     Planes across z cut faces in segments, whose ends both faces of an edge share by the same numbers; lines cross
-    segments between their ends. So what goes into closed skins comes out, rounding or not.
+    segments between their ends. So every line leaves a closed skin as often as it enters it, rounding or not.
     """
     face, k = pairs_within(triangles[..., 2].min(axis=1), triangles[..., 2].max(axis=1), z)
     a, b, c, ahead = lone_corner_first(triangles[face], triangles[face, :, 2] > z[k, None])
@@ -344,8 +343,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners, (n, 3) each, of faces (n, 3, 3) that a plane cuts, in their order, first the one that is by itself on
-    its side; and (n,) True where that side is `beyond`, where (n, 3) corners are."""
+    """Corners, (n, 3) each, of faces (n, 3, 3) that a plane cuts, in their order from the one that is alone on its
+    side; and (n,) True if that side is `beyond`, (n, 3) per corner."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)

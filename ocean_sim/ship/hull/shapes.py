@@ -18,12 +18,12 @@ Box3 = tuple[np.ndarray, np.ndarray]
 
 
 class HullShape(Model):
-    """What every shape has."""
+    """Base of all shapes."""
 
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
-        """What its voxels depend on."""
+        """Bytes that the voxels depend on."""
         return self.model_dump_json().encode()
 
     @abstractmethod
@@ -31,19 +31,19 @@ class HullShape(Model):
         """Corners of the box around it [m]."""
 
     def inside(self, x: np.ndarray) -> np.ndarray:
-        """Whether points (..., 3) [m] lie inside."""
+        """True for points (..., 3) [m] that lie inside."""
         raise NotImplementedError
 
     def vertices(self) -> np.ndarray | None:
-        """(n, 3) points [m] whose convex hull it is; None where sections of it must be found."""
+        """(n, 3) points [m] whose convex hull is the shape; None if its sections must be found."""
         return None
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """(len(x), len(y), len(z)) which points of a lattice [m] lie inside."""
+        """(len(x), len(y), len(z)) True for the points of a lattice [m] that lie inside."""
         return self.inside(np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1))
 
     def closed_mesh(self) -> ClosedMesh | None:
-        """The mesh in the hull's axes; raises BadMesh. None where it is none."""
+        """The mesh in the hull's axes; raises BadMesh. None if the shape is no mesh."""
         return None
 
 
@@ -62,7 +62,7 @@ class Box(HullShape):
     breadth: float = quantity("m", gt=0.0)
     """Along x."""
     height: float = quantity("m", gt=0.0)
-    """From keel to deck."""
+    """Height from keel to deck."""
 
     def bounds(self) -> Box3:
         return box_on_keel(self.breadth, self.height, self.length)
@@ -84,7 +84,7 @@ class Wigley(HullShape):
     draught: float = quantity("m", gt=0.0)
     """Draught of the parabolic part."""
     height: float = quantity("m", gt=0.0)
-    """From keel to deck."""
+    """Height from keel to deck."""
 
     def bounds(self) -> Box3:
         return box_on_keel(self.breadth, self.height, self.length)
@@ -144,7 +144,7 @@ class Outline(HullShape):
         return x.min(axis=0), x.max(axis=0)
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Points by the part of each column along y between the planes."""
+        """Points of the lattice, by the part of each column along y that lies between the planes."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
@@ -190,8 +190,8 @@ Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(d
 
 
 def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: of a mesh its own, of another
-    shape the convex hull of its sections."""
+    """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: those of a mesh, or the convex
+    hull of a shape's sections."""
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
@@ -200,7 +200,7 @@ def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
 
 
 def drawn_content(shape: HullShape) -> bytes:
-    """Bytes on which the form of a drawn shape depends."""
+    """Bytes that the drawn shape depends on."""
     return shape.content() + f" {DRAWN_STATIONS} {DRAWN_WATERLINES} {SIDE_HALVINGS}".encode()
 
 
@@ -217,7 +217,7 @@ def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
 
 
 def section_points(shape: HullShape) -> np.ndarray:
-    """(n, 3) points of the sides [m], where halving finds them."""
+    """(n, 3) points of the sides [m], found by bisection."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)
     y, z = (

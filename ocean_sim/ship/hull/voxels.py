@@ -38,38 +38,39 @@ class Voxels:
 
     @cached_property
     def cells(self) -> np.ndarray:
-        """(n, 3) which cube along each axis each is."""
+        """(n, 3) number of each cube along each axis."""
         return np.floor((self.centre - self.lower) / self.size).astype(int)
 
     @cached_property
     def volume(self) -> float:
-        """[m3]."""
+        """Volume of the hull [m3]."""
         return float(self.share.sum() * self.size.prod())
 
     def centre_heights(self, up: np.ndarray) -> np.ndarray:
-        """(n,) of their centres along a unit vector [m]; summed by hand, as the same bytes come of any threads."""
+        """(n,) heights of the centres along a unit vector [m]; summed by hand, so that the bytes do not depend on
+        threads."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:
-        """How far each reaches along a unit vector [m]: the straight ramp with the variance of a box."""
+        """Height of each cube along a unit vector [m]: that of a linear ramp with the variance of a box."""
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
-        """By how much what is wet of the cubes of a turned hull that the water's surface cuts, of volume `cut` [m3],
-        lies to the lower side of their centres, along x and z of the world, times its volume [m4]."""
+        """Offset of the wet part of the cut cubes of a turned hull, of volume `cut` [m3], from their centres to the
+        lower side, along x and z of the world, times its volume [m4]."""
         x, square_of_spread, z = small_linalg.matrix_times(turn, small_linalg.times_each(self.size_squared, turn[1]))
         share = -cut / (12.0 * sqrt(square_of_spread))
         return share * x, share * z
 
     @cached_property
     def size_squared(self) -> small_linalg.Three:
-        """Of the size along each axis [m2]."""
+        """Squares of the size along each axis [m2]."""
         x, y, z = (self.size**2).tolist()
         return x, y, z
 
     @cached_property
     def centroid(self) -> np.ndarray:
-        """(3,) [m]."""
+        """(3,) centroid [m]."""
         return (self.share[:, None] * self.centre).sum(axis=0) / self.share.sum()
 
     def inertia(self, mass: float, about: np.ndarray) -> np.ndarray:
@@ -82,7 +83,7 @@ class Voxels:
 
 
 def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
-    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError where they are too many."""
+    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError if they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))

@@ -1,12 +1,11 @@
-"""Still water and a hull: where it floats, its stability, its dry periods, and how much deeper it lies under way.
+"""A hull in still water: its draught, stability, natural periods without added mass, and its squat under way.
 
-By its cubes: one is wet as far as the water stands over its lower side; one that is turned has the same spread of
-heights, so a straight ramp serves it too (variance side^2 / 12 in any direction).
+By its cubes: a cube is wet by the height of the water over its lower side. A turned cube has the same variance of
+heights, so a linear ramp serves it too (variance side^2 / 12 in any direction).
 
 By its faces, without cubes, metacentric heights are KB + I / V - KG, by integrals over its wet faces. Over a closed
-surface the integral of f(x, z) n_y is 0, so that over the waterplane, where n_y = 1, it is that over the wet faces with
-the other sign; with heights from the waterplane, volume and its moment are the integrals of y n_y and y^2 n_y / 2
-(Gauss).
+surface the integral of f(x, z) n_y is 0, so over the waterplane, where n_y = 1, it is that over the wet faces with the
+other sign; with heights from the waterplane, volume and its moment are the integrals of y n_y and y^2 n_y / 2 (Gauss).
 """
 
 from dataclasses import dataclass
@@ -33,7 +32,7 @@ BOW_SINKAGE = 2.4  # for merchant ships in open shallow water (ICORELS 1980)
 
 @dataclass(frozen=True)
 class Matter:
-    """What the water carries."""
+    """Mass, centre of mass and inertia of the floating body."""
 
     mass: float  # [kg]
     centre: np.ndarray  # (3,) from the hull's origin [m]
@@ -60,7 +59,7 @@ class Hydrostatics:
         return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
     def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
-        """How far each cube is wet: 0 where it touches the water, 1 where it is under it."""
+        """Share of each cube that is wet: 0 as it touches the water, 1 as it is wholly under water; not clipped."""
         return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
@@ -69,22 +68,17 @@ class Hydrostatics:
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """How high along a unit vector the water stands where it carries the mass [m]; infinite where it cannot."""
+        """Height of the water along a unit vector [m] at which it carries the mass; infinite if it cannot."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
         low, high = float(height.min()) - spread, float(height.max()) + spread
-        near, whole, sunk = (
-            height,
-            self.cube_volumes,
-            0.0,
-        )  # cubes that the surface may cut, and the volume of those under it
+        # Bisect over the cubes that the surface may cut; `sunk` is the volume of those under it.
+        near, whole, sunk = height, self.cube_volumes, 0.0
         for _ in range(40):
             middle = 0.5 * (low + high)
             volume = sunk + volume_under(middle, near, spread, whole)
-            if (
-                abs(volume - self.needed_volume) < VOLUME_ROUNDING * self.voxels.volume
-            ):  # where the order of a sum may decide
+            if abs(volume - self.needed_volume) < VOLUME_ROUNDING * self.voxels.volume:  # the order of a sum may decide
                 volume = volume_under(middle, height, spread, self.cube_volumes)
             low, high = (middle, high) if volume < self.needed_volume else (low, middle)
             if high - low > 0.25 * spread:
@@ -95,7 +89,7 @@ class Hydrostatics:
 
     @cached_property
     def draught(self) -> float:
-        """Upright [m]."""
+        """Draught upright [m]."""
         return self.water_level(UPRIGHT) - self.keel
 
     @cached_property
@@ -112,8 +106,8 @@ class Hydrostatics:
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
-        """(2,) from the centre of mass to that of buoyancy of a turned hull, to port and ahead [m]; free surfaces move
-        the former to the lower side."""
+        """(2,) from the centre of mass to the centre of buoyancy of a turned hull, to port and ahead [m]; free surfaces
+        move the centre of mass to the lower side."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.lost * turn[1, [0, 2]]
 
@@ -147,19 +141,19 @@ class Hydrostatics:
 
     @cached_property
     def stiffness(self) -> dict[str, float]:
-        """Of heave [N/m], roll and pitch [N m/rad]."""
+        """Stiffness of heave [N/m], roll and pitch [N m/rad]."""
         weight = self.matter.mass * self.gravity
         gm, trim = self.metacentric_height(2), self.metacentric_height(0)
         return {"heave": self.density * self.gravity * self.waterplane, "roll": weight * gm, "pitch": weight * trim}
 
     @property
     def inertia(self) -> dict[str, float]:
-        """Of heave [kg], roll and pitch [kg m2]."""
+        """Inertia of heave [kg], roll and pitch [kg m2]."""
         m = self.matter
         return {"heave": m.mass, "roll": float(m.inertia[2, 2]), "pitch": float(m.inertia[0, 0])}
 
     def periods(self, added: dict[str, float] | None = None) -> dict[str, float | None]:
-        """Natural periods of heave, roll and pitch [s], with added mass where given; None where nothing rights it."""
+        """Natural periods of heave, roll and pitch [s], with added mass where given; None without restoring force."""
         found = {}
         for motion, k in self.stiffness.items():
             inertia = self.inertia[motion] + (added or {}).get(motion, 0.0)
@@ -185,8 +179,8 @@ class Hydrostatics:
 
     @cached_property
     def waterline_ends(self) -> tuple[float, float]:
-        """Position along z of the stern and of the bow at the still water [m], in the slices at the ends: a transom
-        reaches twice as far into one as the middle of what is wet there, a wedge three times."""
+        """Positions along z of the stern and of the bow at the still water [m], within the slices at the ends: a
+        transom reaches twice as far into its slice as the centroid of the wet part there, a wedge three times."""
         along, breadth, _ = self.stations
         number, _ = self.cube_slices
         long = float(self.voxels.size[2])
@@ -203,7 +197,7 @@ class Hydrostatics:
 
     @property
     def length(self) -> float:
-        """Of the waterline [m]."""
+        """Length of the waterline [m]."""
         stern, bow = self.waterline_ends
         return bow - stern
 
@@ -220,7 +214,7 @@ class Hydrostatics:
 
     @cached_property
     def cube_slices(self) -> tuple[np.ndarray, int]:
-        """In which slice along z each cube lies, and how many there are."""
+        """Number of the slice along z of each cube, and the number of slices."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
@@ -231,7 +225,7 @@ def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndar
 
 
 class Wet(NamedTuple):
-    """What lies under a level, from integrals over its faces."""
+    """Wet part of a hull under a level, from integrals over its faces."""
 
     volume: float  # [m3]
     below: float  # moment of the volume about the level, negative [m4]
@@ -241,7 +235,7 @@ class Wet(NamedTuple):
 
 
 def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
-    """GM across and along [m] of a hull upright in still water; None where its faces only approach it, or it sinks."""
+    """GM across and along [m] of a hull upright in still water; None if its faces only approach it, or it sinks."""
     from scipy.optimize import brentq
 
     if shape.rounded:
@@ -261,7 +255,7 @@ def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, f
 
 
 def wet_part(faces: np.ndarray, level: float) -> Wet:
-    """Of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
+    """Wet part of closed faces (n, 3, 3) [m] that look outwards, under a level [m]."""
     cut = faces_below(faces - [0.0, level, 0.0])
     upwards = 0.5 * np.cross(cut[:, 1] - cut[:, 0], cut[:, 2] - cut[:, 0])[:, 1]  # area times n_y [m2]
     x, y, z = np.moveaxis(0.5 * (cut + np.roll(cut, -1, axis=1)), 2, 0)  # middles of the edges: exact to second order
@@ -287,7 +281,7 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
     """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
-    tips that are cut off, turned round where they are to be taken away."""
+    the tips cut off, reversed if they are to be subtracted."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0
@@ -299,8 +293,8 @@ def faces_below(faces: np.ndarray) -> np.ndarray:
 
 def bow_squat(volume: float, length: float, speed: float, depth: float) -> float:
     """Sinkage of the bow [m] of a ship of a volume under water [m3] and length [m] at a speed [m/s] over a bed at a
-    depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as PIANC's ICORELS
-    1980 has it); infinite from F = 1 on, where the law ends."""
+    depth [m]: 2.4 V / L^2 F^2 / sqrt(1 - F^2) with F^2 = U^2 / (g h) (Tuck 1966, J. Fluid Mech. 26; as in PIANC's
+    ICORELS 1980); infinite from F = 1 on, the end of the law."""
     return BOW_SINKAGE * volume / length**2 * squat_factor(speed, depth)
 
 
@@ -320,19 +314,19 @@ class Slender(NamedTuple):
 
     @property
     def end_sinkage(self) -> float:
-        """How much deeper the lower of her ends lies [m]."""
+        """Sinkage of the lower of her ends [m]."""
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at_speed(self, speed: float, depth: float) -> "Slender":
-        """That at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
+        """Squat at a speed [m/s] over a bed at a depth [m]; infinite from F = 1 on."""
         factor = squat_factor(speed, depth)
         return self._replace(sinkage=factor * self.sinkage, trim=factor * self.trim)
 
 
 def slender_squat(hull: Hydrostatics) -> Slender:
-    """Of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S pulls at
-    the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and turns it
-    by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
+    """Squat of a hull by its breadth B and its area S under water along its length: the pressure of the flow past S
+    pulls at the waterplane by rho g F^2 / (2 pi sqrt(1 - F^2)) times the double integral of B'(x) S'(y) log|x - y|, and
+    turns it by that with the lever of B in place of B (Tuck 1966, J. Fluid Mech. 26, 81)."""
     along, breadth, _ = hull.stations
     half = 0.5 * hull.voxels.size[2]
     wet = np.flatnonzero(breadth > 0.0)
@@ -344,7 +338,7 @@ def slender_squat(hull: Hydrostatics) -> Slender:
     kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
 
     def bends(values: np.ndarray) -> np.ndarray:
-        """Of straight lines between the nodes, at each of them."""
+        """Change of slope of straight lines between the nodes, at each of them."""
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
     def pulled(values: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""Stability of a loaded ship: righting levers, areas under them, flooding, and what the IMO asks of them.
+"""Stability of a loaded ship: righting levers, areas under them, flooding, and the criteria of the IMO.
 
 Levers are those of a ship on even keel with free sinkage, to the side to which she heels by herself. The criteria are
 those of IMO resolution A.749(18), 3.1.2, which the 2008 Intact Stability Code (MSC.267(85), A/2.2) keeps; no lever
@@ -30,7 +30,7 @@ CROSS_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2, 1.4)  # displacements of cross curves o
 
 
 class Weight(Model):
-    """Something on board."""
+    """A weight on board."""
 
     mass: float = quantity("kg", gt=0.0)
     at: Vector3 = quantity("m")
@@ -38,14 +38,14 @@ class Weight(Model):
 
 
 class Liquid(Weight):
-    """What a tank holds."""
+    """The liquid in a tank."""
 
     length: float | None = quantity("m", None, gt=0.0)
-    """Of its free surface along the ship; null: it is full, or empty."""
+    """Length of its free surface along the ship; null: it is full, or empty."""
     breadth: float | None = quantity("m", None, gt=0.0)
-    """Of its free surface across the ship."""
+    """Breadth of its free surface across the ship."""
     density: float = quantity("kg/m3", 1000.0, gt=0.0)
-    """Of the liquid."""
+    """Density of the liquid."""
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> "Liquid":
@@ -61,16 +61,16 @@ class Liquid(Weight):
 
 
 class Loading(Model):
-    """A loading condition: what is on board of a light ship."""
+    """A loading condition: a light ship and everything on board."""
 
     light: Weight
     """The ship itself."""
     weights: dict[str, Weight] = {}
-    """What is fixed."""
+    """Fixed weights."""
     tanks: dict[str, Liquid] = {}
-    """What is liquid."""
+    """Liquids."""
     openings: dict[str, Vector3] = {}
-    """Where water would come in, from the hull's origin [m]."""
+    """Openings through which water would come in, from the hull's origin [m]."""
 
     @property
     def matter(self) -> tuple[float, np.ndarray]:
@@ -81,15 +81,15 @@ class Loading(Model):
 
     @property
     def lost(self) -> tuple[float, float]:
-        """Of the metacentric heights across and along, by all free surfaces [m]."""
+        """Loss of metacentric height across and along, by all free surfaces [m]."""
         across, along = (
             sum((self.tanks[name].free_surface_moments for name in sorted(self.tanks)), np.zeros(2)) / self.matter[0]
         )
         return float(across), float(along)
 
     def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
-        """What lies outside the box of the hull, by its lower and upper corner (3,) [m], in words: masses over the deck
-        and openings there are where they may be."""
+        """Sentences on points outside the box of the hull, by its lower and upper corner (3,) [m]. Masses and openings
+        above the deck are allowed."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         found = []
         for what, point in self.named_points.items():
@@ -105,7 +105,7 @@ class Loading(Model):
 
     @property
     def named_points(self) -> dict[str, np.ndarray]:
-        """Where everything is, from the hull's origin [m], by its key."""
+        """Position of everything on board, from the hull's origin [m], by its key."""
         parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
         parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
         points = {name: np.array(part.at) for name, part in parts.items()}
@@ -113,7 +113,7 @@ class Loading(Model):
 
 
 class Criterion(NamedTuple):
-    """What is asked of a ship, and what she has."""
+    """A criterion: required and present value."""
 
     name: str
     value: float
@@ -139,7 +139,7 @@ class Stability:
 
     @cached_property
     def heeling_side(self) -> float:
-        """To which she heels by herself: -1 to port, else 1, starboard."""
+        """Side to which she heels by herself: -1 to port, else 1, starboard."""
         return -1.0 if self.still.gz(0.0) > LIST_TOLERANCE * abs(self.gm) else 1.0
 
     @cached_property
@@ -158,8 +158,8 @@ class Stability:
 
     @cached_property
     def flooding_heel(self) -> tuple[float, str]:
-        """The least heel [deg] to either side at which an opening comes to the water, up to 90, and which it is;
-        infinite where none does."""
+        """The least heel [deg] to either side at which an opening comes to the water, up to 90, and its name; infinite
+        if none does."""
         found = (inf, "")
         for name, point in (self.openings or {}).items():
             for side in (1.0, -1.0):
@@ -172,7 +172,7 @@ class Stability:
 
     @cached_property
     def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
-        """By heel to both sides [deg]: what is up (3,), and how high along it the water stands [m]."""
+        """Unit vector upwards (3,) and height of the water along it [m], by heel to both sides [deg]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
@@ -191,14 +191,14 @@ class Stability:
         return fine, CubicSpline(self.heels, self.levers)(fine)
 
     def lever_area(self, first: float, last: float) -> float:
-        """Under the levers between two heels [deg], [m rad]."""
+        """Area under the levers between two heels [deg], [m rad]."""
         heels = np.linspace(first, last, CURVE_POINTS)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 
     @cached_property
     def rest_heel(self) -> float | None:
-        """Heel [deg] at which she stays, 0 where upright: of a list, or of a loll where she is unstable upright; None
-        where no lever rights her."""
+        """Heel [deg] at which she stays, 0 if upright: of a list, or of a loll if she is unstable upright; None if no
+        lever rights her."""
         righted = np.flatnonzero(self.levers[1:] > 0.0)
         if not len(righted):
             return None
@@ -212,7 +212,7 @@ class Stability:
 
     @property
     def vanishing_heel(self) -> float:
-        """Heel [deg] at which the lever comes back to 0; 90 where it does not, 0 where there is none."""
+        """Heel [deg] at which the lever comes back to 0; 90 if it does not, 0 if there is none."""
         heels, levers = self.curve
         if self.rest_heel is None:
             return 0.0
@@ -239,7 +239,7 @@ class Stability:
         ]
 
     def cross_curves(self) -> dict[float, list[float]]:
-        """KN = GZ + KG sin(heel) [m] at the heels of CROSS_HEELS, of displacements [kg] that the hull can carry."""
+        """KN = GZ + KG sin(heel) [m] at CROSS_HEELS, by displacement [kg] that the hull can carry."""
         own, found = self.still.matter, {}
         for share in CROSS_SHARES:
             mass = share * own.mass

@@ -1,4 +1,5 @@
-"""A hull as the water's own laws meet it: what it keeps free of water, and samples of what lies within their reach."""
+"""A hull as the water's own laws meet it: the room that it keeps free of water, and samples of its inside near the
+water."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,16 +22,14 @@ FIT_REACH = 4.0  # [spacings] from a hull within which they move for it
 FIT_ITERATIONS = 100  # at most
 Boxes = list[tuple[np.ndarray, np.ndarray]]  # lower and upper corner of each [m]
 UNBOUNDED_BOX = [(np.full(3, -np.inf), np.full(3, np.inf))]  # a box without bounds
-PACKING_SWEEPS, PACKING_PUSH = (
-    100,
-    0.5,
-)  # how often crowded particles are pushed apart, and the share of their overlap each time
+PACKING_SWEEPS = 100  # over crowded particles that are pushed apart
+PACKING_PUSH = 0.5  # share of their overlap in each sweep
 GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly along it
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A hull where it begins; in 2-D the section amidships."""
+    """A hull at the beginning; in 2-D the section amidships."""
 
     shape: HullShape
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
@@ -41,12 +40,12 @@ class Solid:
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) of the centre of mass at the beginning [m]."""
+        """(3,) position of the centre of mass at the beginning [m]."""
         return self.body.position
 
     @cached_property
     def turn(self) -> np.ndarray:
-        """(3, 3) at the beginning, body to world."""
+        """(3, 3) rotation at the beginning, body to world."""
         return self.body.matrix
 
     @property
@@ -67,9 +66,9 @@ class Solid:
         """Make room for the hull in a lattice of particles at rest.
 
         (n, 3) `positions` of particles of a `volume` [m3], in 2-D [m2], that fill `boxes`, and (m, 3) points `beyond`
-        at which their lattice goes on [m]. As many make room as the hull displaces, the deepest first; those around it
-        move. Returned are (n,) which are gone, and (n, 3) where the others are. Kept in the user's cache: of all that
-        is known before a run this takes longest.
+        at which their lattice goes on [m]. As many particles go as the hull displaces, the deepest first; those around
+        it move. Returned are (n,) True for those that are gone, and (n, 3) positions of the others. Kept in the user's
+        cache, because it takes longer than any other preparation of a run.
         """
         rules = (
             CUBES_A_SPACING,
@@ -106,7 +105,7 @@ class Solid:
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
-            """(m, 3) points half a spacing off the hull, where they were nearer."""
+            """(m, 3) points moved to half a spacing off the hull, if they are nearer."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = lattice_values(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)
@@ -118,18 +117,15 @@ class Solid:
     def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
-        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to where a kernel's sum over
-        particles and samples of the hull is smallest, so that an even pressure pushes none (particle packing,
-        Colagrossi et al. 2012)."""
+        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to minimise a kernel's sum
+        over particles and samples of the hull, so that an even pressure pushes none (particle packing, Colagrossi et
+        al. 2012)."""
         points = np.concatenate([positions, beyond])
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
         origin = np.round(self.origin / spacing, 3) * spacing
         _, order = self.deepest_first((points - origin) @ self.turn + self.centre, spacing)
-        wet, whole = (
-            self.displaced_volume(spacing, boxes) / volume,
-            self.displaced_volume(spacing, UNBOUNDED_BOX) / volume,
-        )
+        wet, whole = (self.displaced_volume(spacing, within) / volume for within in (boxes, UNBOUNDED_BOX))
         gone = np.zeros(len(points), dtype=bool)
         for there, count in ((water, wet), (~water, whole - wet)):
             gone[order[there[order]][: round(count)]] = True
@@ -144,15 +140,14 @@ class Solid:
         return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) of points (n, 3) in the hull's axes from it [m], and their order, the deepest first, spread
-        evenly along rows of the same depth."""
+        """Distances (n,) of points (n, 3) in the hull's axes from the hull [m], and their order, the deepest first,
+        spread evenly along rows of the same depth."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
         distance = lattice_values(values["distance"], (own - first) / step, 2.0 * spacing)
-        return distance, np.lexsort(
-            (np.arange(len(own)) * GOLDEN_RATIO % 1.0, np.round(distance / (ROW_TOLERANCE * spacing)))
-        )
+        rows = np.round(distance / (ROW_TOLERANCE * spacing))
+        return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
         """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
@@ -165,7 +160,7 @@ class Solid:
         return found * float(cubes.size[: self.dimension].prod())
 
     def met_cubes(self, cubes: Voxels) -> np.ndarray:
-        """(n,) cubes that the water meets: all, in 2-D those amidships."""
+        """(n,) True for the cubes that the water meets: all, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
         lower, upper = self.shape.bounds()
@@ -207,10 +202,9 @@ def pack_particles(
     free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
     """(m, 3) positions of the particles near a hull at which they neither touch it nor crowd each other or the `others`
-    (k, 3), which stay: those nearer than a spacing push each other half of the way apart, over and over (a particle
+    (k, 3), which stay. Those nearer than a spacing push each other half of the way apart, again and again (a particle
     packing as in Colagrossi et al. 2012, Comput. Phys. Commun. 183). Crowded ones would burst into the hull at once.
-    They do not rise above the highest nor sink below the lowest of the water around them.
-    """
+    They do not rise above the highest nor sink below the lowest of the water around them."""
     from scipy.spatial import cKDTree
 
     if len(free) == 0:
@@ -240,7 +234,7 @@ def lattice_values(values: np.ndarray, at: np.ndarray, outside: float) -> np.nda
 
 
 def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
-    """(n,) which of (n, 3) points are nearer than `reach` to one of (m, 3) others [m]."""
+    """(n,) True for (n, 3) points nearer than `reach` to one of (m, 3) others [m]."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(others).query(points, distance_upper_bound=reach)[0] < reach)
@@ -248,7 +242,7 @@ def near_to(points: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
 
 def even_out(free: np.ndarray, fixed: np.ndarray, spacing: float, dimension: int) -> np.ndarray:
     """(n, 3) positions near `free` at which Wendland's kernel (C2), summed over all pairs, is smallest; (m, 4) `fixed`
-    are positions of what stays, and for how many points each counts."""
+    are positions of points that stay, and their weights in points."""
     from scipy.optimize import minimize
     from scipy.spatial import cKDTree
 

@@ -1,6 +1,7 @@
-"""A hull that meets walls and bed: impulses on its outermost points, with the restitution and friction of the basin.
+"""Contact of a hull with walls and bed: impulses on its outermost points, with the restitution and friction of the
+basin.
 
-It stops where there is room for one layer of particles, which it could not press out.
+The hull stops at one layer of particles from a side, which it could not press out.
 """
 
 from collections.abc import Callable
@@ -37,7 +38,7 @@ class Sides:
         self.bed = False  # whether the last step met it
 
     def may_touch(self, body: RigidBody, dt: float) -> bool:
-        """Whether the hull may reach a side within a step of dt [s]."""
+        """True if the hull may reach a side within a step of dt [s]."""
         velocity, turn = body.velocity.tolist(), body.rows
         speed, rate = (sqrt(small_linalg.dot(v, v)) for v in (velocity, body.spin))
         along = 2.0 * dt * (speed + self.radius * rate)
@@ -46,20 +47,20 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Of every side: its axis, which way is in, and how far each point is beyond it [m]."""
+        """Axis, inward direction, and depth of each point beyond it [m], of every side."""
         positions = self.points @ body.matrix.T + body.position
         return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
     def moved_inside(self, body: RigidBody) -> RigidBody:
-        """The body moved back to where it only touches."""
+        """The body moved back until it only touches."""
         move = np.zeros(3)
         for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """The load with what walls and bed do in a step of dt [s] under `wave`; `after`: the body after a load
-        where nothing stops it."""
+        """The load with the impulses of walls and bed in a step of dt [s] under `wave`; `after`: the body after a load
+        without contact."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -77,7 +78,7 @@ class Sides:
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
         """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving
-        against `normals` (n, 3): one after the other, until they agree."""
+        against `normals` (n, 3): one after the other, in sweeps."""
         turn = body.matrix
         heavy = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()
@@ -104,6 +105,6 @@ class Sides:
 
 
 def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] that a point at `arm` has along a direction."""
+    """Mass [kg] of the body at the point `arm` along a direction."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

@@ -1,13 +1,13 @@
-"""What a hull asks of the water, on a small lattice around it that turns with its heading.
+"""Samples of the water around a hull, on a small lattice that turns with its heading.
 
-Asked at a few hundred nodes instead of at every cube; between nodes lines are straight, so still water is exact. Where
-a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near the
-hull are filled straight across from the water on both sides, those at the edge of the lattice that come near another
-hull as the nearest that does not. In a closed form the lattice lies still in the water for a moment, a fraction of the
-waves' period, and is carried by a current, before it is laid anew around the hull; places count from its middle, so
-that no digits are lost far from the origin.
+The water is sampled at a few hundred nodes instead of at every cube, linear between nodes, so still water is exact.
+Where a hull keeps particles out, the surface over them falls into the hole that it leaves: nodes at which it comes near
+the hull are filled straight across from the water on both sides, those at the edge of the lattice near another hull
+with the nearest clear one. In a closed form the lattice lies still in the water for a moment, a fraction of the waves'
+period, and is carried by a current, before it is laid anew around the hull. Positions count from its middle, so that no
+digits are lost far from the origin.
 
-Kernels are handed a rigid body as a row of numbers.
+Kernels receive a rigid body as a row of numbers.
 """
 
 from collections.abc import Sequence
@@ -23,11 +23,8 @@ from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import Distance
 
-NODES_ALONG, NODES_ACROSS, DEPTH_LEVELS = (
-    25,
-    13,
-    4,
-)  # nodes; levels lie half a draught apart, downwards from the surface
+NODES_ALONG, NODES_ACROSS = 25, 13
+DEPTH_LEVELS = 4  # half a draught apart, downwards from the surface
 LATTICE_REACH = 1.1  # of the hull's half sizes
 LATTICE_SLACK = 0.08  # of the lattice's half sizes, by which a hull may leave its middle
 HIGHEST_LEVEL = 4  # of the frame: the highest level [m]
@@ -67,7 +64,7 @@ class SampleLattice:
     frame: ti.Field  # x, z of the middle [m], cosine and sine of the heading, highest level [m]
 
     def size_lattice(self, length: float, breadth: float, height: float, rim: float = 0.0) -> None:
-        """As far as a hull of this size [m] may be, and `rim` [m] beyond."""
+        """Size the lattice for a hull of this size [m], and `rim` [m] beyond."""
         self.half = tuple(LATTICE_REACH * np.hypot(side / 2, height) + rim for side in (length, breadth))  # [m]
         self.step = (2.0 * self.half[0] / (NODES_ALONG - 1), 2.0 * self.half[1] / (NODES_ACROSS - 1))  # [m]
         self.level = ti.field(float, shape=(NODES_ALONG, NODES_ACROSS))
@@ -75,14 +72,14 @@ class SampleLattice:
 
     @staticmethod
     def bytes(word: int) -> int:
-        """Memory that it takes."""
+        """Memory of its fields."""
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
-        """Where the lattice lies: write what kernels are ROW_COLUMNS of it, and the body's place from its middle."""
+        """Place the lattice: write its part of ROW_COLUMNS, and the body's position from its middle."""
 
     def middle_now(self) -> np.ndarray:
-        """x, z [m] of the middle now that bodies have taken their step."""
+        """x, z [m] of the middle after the bodies have taken their step."""
         return np.array(self.middle)
 
     @ti.func
@@ -94,7 +91,7 @@ class SampleLattice:
 
     @ti.func
     def keep_frame(self, x, z, sine, cosine):
-        """Keep where the lattice lies, and its highest level. Call it at the top of a kernel."""
+        """Store position and heading of the lattice, and its highest level. Call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.frame[0], self.frame[1], self.frame[2], self.frame[3] = x, z, cosine, sine
@@ -106,7 +103,7 @@ class SampleLattice:
 
     @ti.func
     def cell_at(self, x, z):
-        """Number of the lower node, and the shares of the way to the next, along and across."""
+        """Numbers of the lower node, and the shares of the way to the next, along and across."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
@@ -116,13 +113,13 @@ class SampleLattice:
 
     @ti.func
     def elevation(self, x, z):
-        """Of the water [m]."""
+        """Elevation of the water [m]."""
         return self.surface_at(self.cell_at(x, z))[0]
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m], and what the waves add to the push of still water over its weight, where the surface alone is
-        known: that of long waves, along its slope."""
+        """Elevation [m], and the wave force over the weight of the displaced water, where the surface alone is known:
+        that of long waves, along its slope."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -134,7 +131,7 @@ class SampleLattice:
 
 @in_kernels
 class SurroundingWater(SampleLattice):
-    """A surface over particles, or that of a closed form alone: asked anew each time, around where the hull is."""
+    """A surface over particles, or that of a closed form alone, sampled anew each time around the hull's position."""
 
     samples_depth = False
     left_out: ClassVar[tuple[str, ...]] = ("others",)  # the water keeps them
@@ -148,26 +145,22 @@ class SurroundingWater(SampleLattice):
         rim: float = 0.0,
         others: Sequence[Contact] = (),
     ) -> None:
-        """Sizes of the hull [m]; `hollow`: distances from the hull where it keeps particles out, as far as `rim` [m];
+        """Sizes of the hull [m]; `hollow`: distances from the hull if it keeps particles out, as far as `rim` [m];
         `others`: all hulls that do, this one with them."""
         self.size_lattice(length, breadth, height, rim)
         self.hollow = hollow is not None
         if hollow is not None:
-            self.hull, self.rim, self.others, self.asked = (
-                hollow,
-                rim,
-                others,
-                ti.field(int, shape=(NODES_ALONG, NODES_ACROSS)),
-            )
+            self.hull, self.rim, self.others = hollow, rim, others
+            self.is_clear = ti.field(int, shape=(NODES_ALONG, NODES_ACROSS))
 
     def other_hulls(self) -> list[Hull]:
-        """The hulls but its own that keep particles out."""
+        """The other hulls that keep particles out."""
         return [other.hull for other in self.others if other.hull.distance is not self.hull]
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Ask the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a table.
-        Call it at the top of a kernel."""
+        """Sample the water [ti.func elevation] around a ship, along its heading, at the pose in the first row of a
+        table. Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:
@@ -183,13 +176,14 @@ class SurroundingWater(SampleLattice):
                 clear = away >= self.rim or k == 0 or k == NODES_ACROSS - 1
                 for hull in ti.static(self.other_hulls()):
                     clear = clear and hull.distance_to(node) >= self.rim
-                self.asked[i, k] = int(clear)
+                self.is_clear[i, k] = int(clear)
         if ti.static(self.hollow):
+            # Fill the hole of the hull straight across, from clear node to clear node.
             ti.loop_config(serialize=True)
             for i in range(NODES_ALONG):
                 last = -1
                 for k in range(NODES_ACROSS):
-                    if self.asked[i, k] == 1:
+                    if self.is_clear[i, k] == 1:
                         low, rise = self.level[i, k], 0.0
                         if last >= 0:
                             low, rise = self.level[i, last], self.level[i, k] - self.level[i, last]
@@ -241,12 +235,12 @@ class SurroundingSea(SampleLattice):
         return super().middle_now() + self.window.step_taken * np.array(self.window.current)
 
     def is_astray(self, x: float, z: float) -> bool:
-        """Whether a hull is too far from the middle, so far from it [m]."""
+        """True if a hull at this position from the middle [m] is too far away."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
     def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
-        """The lattice anew, around where the hull at x, z [m] is on its way."""
+        """Lay the lattice anew around the hull at x, z [m], half of its way through the moment ahead."""
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)
@@ -257,7 +251,7 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Read the water on the lattice that has been placed. Call it at the top of a kernel."""
+        """Sample the water on the lattice at its place. Call it at the top of a kernel."""
         sine, cosine = ti.cast(table[0, ROW_COLUMNS.heading], float), ti.cast(table[0, ROW_COLUMNS.heading + 1], float)
         late, share = ti.cast(table[0, ROW_COLUMNS.late], float), ti.cast(table[0, ROW_COLUMNS.share], float)
         for n in range(NODES_ALONG * NODES_ACROSS):
@@ -274,8 +268,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """Velocity of the water [m/s] at a depth [m] under an elevation, and what the waves add to the push of still
-        water over its weight there: the pressure's slope."""
+        """Velocity of the water [m/s] at a depth [m] under an elevation, and the wave force over the weight of the
+        displaced water there: the pressure gradient."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -285,6 +279,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """The same on a level."""
+        """Bilinear interpolation of the motion on a level."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

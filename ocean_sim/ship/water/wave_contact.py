@@ -34,9 +34,21 @@ from ocean_sim.ship.hull.distance import Distance
 from ocean_sim.ship.hull.shapes import HullShape
 from ocean_sim.ship.water.water_samples import POSE_COLUMNS, SurroundingSea, SurroundingWater, row_vector, write_pose
 
-BOX_COLUMNS = Columns(
-    **POSE_COLUMNS, middle=3, half=3
-)  # a body, and the box around it: its middle from there, half its sides [m]
+TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
+SERIAL_PARTICLES = 20_000  # particles, up to so many of which one thread is quicker than several
+CUBES_A_SPACING = 3.0  # cubes of the distance to a spacing
+CONTACT_MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
+LISTED_DISTANCE = 0.5  # [spacings] before the hull, where a collision may yet move it to
+SAG_RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
+EXIT_STEPS = 3  # off the hull and back to the walls
+MATRIX_PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
+MATRIX_INDICES = np.array([[MATRIX_PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
+FOUND_COLUMNS = Columns(touching=1, b=6, a=len(MATRIX_PAIRS))  # particles that touch, b and A
+PUSH_COLUMNS = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
+# A body, its motion before the step, and the share of the slip that friction may take.
+CONTACT_COLUMNS = Columns(**POSE_COLUMNS, velocity_before=3, spin_before=3, slip=1)
+# A body, and the box around it: its middle from there, half its sides [m].
+BOX_COLUMNS = Columns(**POSE_COLUMNS, middle=3, half=3)
 
 
 @in_kernels
@@ -46,8 +58,8 @@ class MovingHull:
     def __init__(
         self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
     ) -> None:
-        """`bounds` (2, 3) of the hull from its centre of mass [m], `reach` of its push [m]. Hand it the `water` that
-        its ship asks."""
+        """`bounds` (2, 3) of the hull from its centre of mass [m], `reach` of its push [m]. Set `water` to the samples
+        of its ship."""
         self.distance, self.reach, self.periods, self.gravity = distance, reach, periods, gravity
         self.middle, self.half = tm.vec3(bounds.mean(axis=0)), tm.vec3(0.5 * np.ptp(bounds, axis=0))  # [m]
         self.pose = ti.field(float, shape=BOX_COLUMNS.size)
@@ -72,7 +84,7 @@ class MovingHull:
 
     @ti.func
     def rotation(self):
-        """From its axes to those of the world."""
+        """Rotation from its axes to those of the world."""
         return ti.Matrix.rows(
             [
                 self.pose_vector(BOX_COLUMNS.turn),
@@ -83,7 +95,7 @@ class MovingHull:
 
     @ti.func
     def offset_to(self, x):
-        """From the centre of mass to x [m], the nearest way where sides are periodic."""
+        """Vector from the centre of mass to x [m], the shortest one where sides are periodic."""
         d = x - self.pose_vector(BOX_COLUMNS.position)
         for k, period in ti.static(enumerate(self.periods)):
             if ti.static(period > 0.0):
@@ -92,12 +104,13 @@ class MovingHull:
 
     @ti.func
     def is_near(self, d, more):
-        """Whether a position from the centre of mass lies in the box around the hull, or so much beyond it [m]."""
+        """True if a position from the centre of mass lies in the box around the hull, or at most `more` [m] beyond
+        it."""
         return (abs(d - self.pose_vector(BOX_COLUMNS.middle)) < self.pose_vector(BOX_COLUMNS.half) + more).all()
 
     @ti.func
     def point_velocity(self, d):
-        """Of the hull at a position from the centre of mass [m/s]."""
+        """Velocity of the hull at a position from the centre of mass [m/s]."""
         return self.pose_vector(BOX_COLUMNS.velocity) + self.pose_vector(BOX_COLUMNS.spin).cross(d)
 
     @ti.func
@@ -114,7 +127,7 @@ class MovingHull:
 
     @ti.func
     def push(self, x, ahead):
-        """Acceleration [m/s2] of water at x, where the hull is `ahead` [s] of its pose."""
+        """Acceleration [m/s2] of water at x by a hull that has moved on from its pose for `ahead` [s]."""
         d, a = self.offset_to(x), tm.vec3(0.0)
         if self.is_near(d, self.reach):
             d -= ahead * self.point_velocity(d)
@@ -127,24 +140,8 @@ class MovingHull:
         return a
 
 
-TASK_ITERATIONS = 512  # a parallel loop is never cut finer than this
-SERIAL_PARTICLES = 20_000  # particles, up to so many of which one thread is quicker than several
-CUBES_A_SPACING = 3.0  # cubes of the distance to a spacing
-CONTACT_MARGIN = 0.2  # [spacings] before the hull, where a particle's centre stops
-LISTED_DISTANCE = 0.5  # [spacings] before the hull, where a collision may yet move it to
-SAG_RIM = 3.0  # [spacings] around the hull, where a sheet over the particles sags into its hole
-EXIT_STEPS = 3  # off the hull and back to the walls
-MATRIX_PAIRS = tuple((i, j) for i in range(6) for j in range(i, 6))
-MATRIX_INDICES = np.array([[MATRIX_PAIRS.index((min(i, j), max(i, j))) for j in range(6)] for i in range(6)])
-FOUND_COLUMNS = Columns(touching=1, b=6, a=len(MATRIX_PAIRS))  # particles that touch, b and A
-PUSH_COLUMNS = Columns(impulse=3, moment=3, work=1)  # on the water [N s], [N m s], [J]
-CONTACT_COLUMNS = Columns(
-    **POSE_COLUMNS, velocity_before=3, spin_before=3, slip=1
-)  # the last: the share that friction may take
-
-
 class Contact(Model):
-    """How particles bounce off the hull."""
+    """Collisions of particles with the hull."""
 
     restitution: float = quantity("1", 0.0, ge=0.0, le=1.0)
     """Share of the normal speed that is returned."""
@@ -155,7 +152,7 @@ class Contact(Model):
 
 
 class WaveContact:
-    """The hull among the particles: `collided` in every step."""
+    """The hull among the particles: `collide_step` in every step."""
 
     def __init__(
         self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
@@ -163,10 +160,8 @@ class WaveContact:
         """`centre` of mass from the hull's origin [m]."""
         spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
         self.config, self.mass = config, fluid.particles.mass
-        self.margin, self.rim = (
-            CONTACT_MARGIN * spacing,
-            SAG_RIM * spacing,
-        )  # the rim: where the water's height cannot be asked [m]
+        self.margin = CONTACT_MARGIN * spacing  # [m]
+        self.rim = SAG_RIM * spacing  # [m] around the hull, where the water's height cannot be asked
         distance = Distance(shape, centre, spacing / CUBES_A_SPACING, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
         self.collisions = Collisions(config, self.hull, basin, fluid)
@@ -177,14 +172,14 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Put the hull where it is at the beginning, by a push of none: that is compiled now, not where the first
-        particle collides in a run."""
+        """Put the hull at its first pose, by a push that moves nothing: it is compiled now, not at the first collision
+        of a run."""
         write_pose(self.table[0], body)
         self.collisions.push_particles(self.table)
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
-        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body
-        after a load. The particles move off the hull."""
+        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body after
+        a load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
         self.collisions.find_touching(table)
@@ -229,7 +224,7 @@ class Collisions:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List what is near the hull, and sum over what touches it."""
+        """List the particles near the hull, and sum over those that touch it."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -242,13 +237,12 @@ class Collisions:
 
     @ti.func
     def cell_range(self, k: Template):
-        """Number of the first cell along an axis that the box around the hull reaches, and how many it reaches; a
+        """Number of the first cell along an axis that the box around the hull reaches, and the number of cells; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
         pose = ti.static(self.hull.pose)
-        middle = (
-            pose[ti.static(BOX_COLUMNS.position + k)] + pose[ti.static(BOX_COLUMNS.middle + k)] - self.grid.lower[k]
-        )
-        half, last = pose[ti.static(BOX_COLUMNS.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        box = ti.static(BOX_COLUMNS)
+        middle = pose[ti.static(box.position + k)] + pose[ti.static(box.middle + k)] - self.grid.lower[k]
+        half, last = pose[ti.static(box.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
         first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
         end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
         if ti.static(self.hull.periods[k] > 0.0):
@@ -262,7 +256,7 @@ class Collisions:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """The cell along an axis that one beyond a periodic side repeats."""
+        """The cell along an axis whose image a cell beyond a periodic side is."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
@@ -270,7 +264,7 @@ class Collisions:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """The same in a layer of cells across z."""
+        """List and sum as `find_touching`, in a layer of cells across z."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -289,7 +283,7 @@ class Collisions:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i where it is near, and add it where it touches; whether it is near."""
+        """List particle i if it is near, and add it if it touches; returns 1 if it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
         d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
         if self.hull.is_near(d, self.spacing):
@@ -319,14 +313,12 @@ class Collisions:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide with the hull as it will move, and leave it; sums impulse, moment and work on the water."""
+        """Collide with the hull as it will move, and move off it; sums impulse, moment and work on the water."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            first, spin = (
-                row_vector(table, CONTACT_COLUMNS.velocity_before),
-                row_vector(table, CONTACT_COLUMNS.spin_before),
-            )
+            first = row_vector(table, CONTACT_COLUMNS.velocity_before)
+            spin = row_vector(table, CONTACT_COLUMNS.spin_before)
             slipping = ti.cast(table[0, CONTACT_COLUMNS.slip], float)
             total = ti.Vector.zero(ti.f64, PUSH_COLUMNS.size)
             for layer in range(self.layers):
@@ -338,7 +330,7 @@ class Collisions:
 
     @ti.func
     def collide_particle(self, total: Template, i, first, spin, slipping):
-        """Particle i, of a hull that moved at `first` and `spin` before."""
+        """Collide particle i with a hull that moved at `first` and `spin` before."""
         p, u = self.particles.position, self.particles.velocity
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         d = self.hull.offset_to(x)
@@ -365,7 +357,8 @@ class Collisions:
 
     @ti.func
     def move_off(self, i, x):
-        """Put a particle off the hull, by whole quanta of the grid, but not through a wall; how far it went [m]."""
+        """Put a particle off the hull, by whole quanta of the grid, but not through a wall; returns its displacement
+        [m]."""
         start, turn = x, self.hull.rotation()
         for _ in range(EXIT_STEPS):
             normal, away, _thinning = self.hull.sample(self.hull.offset_to(x), turn)

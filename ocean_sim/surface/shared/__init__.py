@@ -1,1 +1,1 @@
-"""What the modules of `surface` share; none of it is a kind that a scene may name."""
+"""Parts that the kinds of `surface` share; none of them is a kind that a scene may name."""

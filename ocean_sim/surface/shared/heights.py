@@ -27,8 +27,8 @@ class Heights:
         periodic: tuple[bool, bool],
         inset: float = 0.0,
     ) -> None:
-        """`lower`, `upper`: corners x, z [m] of what `count` columns along x and z cover; `inset`: how far from the
-        sides the outermost stand, 0 or 0.5 of their distance."""
+        """`lower`, `upper`: corners x, z [m] of the area of `count` columns along x and z; `inset`: distance of the
+        outermost columns from the sides, 0 or 0.5 of their spacing."""
         self.count, self.periodic, self.inset = count, periodic, inset
         between = [n - 1 + int(2 * inset) for n in count]
         widths = [(high - low) / max(1, n) for low, high, n in zip(lower, upper, between, strict=True)]
@@ -40,7 +40,7 @@ class Heights:
 
     @classmethod
     def over_basin(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
-        """With the outermost columns on the sides of the basin."""
+        """Heights with the outermost columns on the sides of the basin."""
         lower, upper = np.array(basin.lower)[[0, 2]], np.array(basin.upper)[[0, 2]]
         return cls(lower, upper, count, (basin.periods[0] > 0.0, basin.periods[2] > 0.0))
 
@@ -72,14 +72,14 @@ class Heights:
             heights[n] = self.height_at(points[n, 0], points[n, 1])
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        """(m,) heights [m] at (m, 2) points x, z [m]."""
         precision = to_numpy_type(self.height.dtype)
         heights = np.empty(len(points), dtype=precision)
         self.fill_heights(np.ascontiguousarray(points, dtype=precision), heights)
         return heights.astype(float)
 
     def area_and_volume(self, bed: float) -> list[float]:
-        """Of `mesh`, without making it: its area [m2], and the volume between it and a flat bed at a height [m3]."""
+        """Area of `mesh` [m2], and the volume between it and a flat bed at a height [m3], without making the mesh."""
         dx, dz = (float(up - low) / (n - 1) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
         h = self.copy.now().astype(float).reshape(self.count)
         along_x, along_z = np.diff(h, axis=0), np.diff(h, axis=1)

@@ -35,7 +35,7 @@ Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
 
 
 def face_corners(axis: int, side: int) -> list[int]:
-    """The corners of a face, counter-clockwise seen from outside the cube."""
+    """Corners of a face, counter-clockwise seen from outside the cube."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = [side << axis | a << u | b << v for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
     return corners if side else corners[::-1]
@@ -64,7 +64,7 @@ def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
 
 
 def is_ambiguous(case: int) -> bool:
-    """Whether some face has two wet corners across a diagonal and two dry ones."""
+    """True if some face has two wet corners across a diagonal and two dry ones."""
     return any(len(face_lines(case, corners)) == 2 for corners in FACES)
 
 
@@ -114,7 +114,7 @@ def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
 
 
 def case_table() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(256,) triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, and (256,) whether the case is ambiguous."""
+    """(256,) triangles of each case, (256, 3 * MAX_TRIANGLES) their edges, and (256,) 1 if the case is ambiguous."""
     lengths = diagonal_lengths()
     counts, edges = np.zeros(256, dtype=np.int32), np.zeros((256, 3 * MAX_TRIANGLES), dtype=np.int32)
     for case in range(256):
@@ -131,7 +131,7 @@ VERTICES, TRIANGLES, CUT, AMBIGUOUS = range(4)  # what is counted
 
 
 class Counts(NamedTuple):
-    """How much surface a field has."""
+    """Numbers of vertices, triangles and cubes of a surface."""
 
     vertices: int
     triangles: int
@@ -171,14 +171,15 @@ class Isosurface:
 
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
-        """Of the fields, where `word` is the size of a `float` [bytes]."""
+        """Memory of the fields; `word` is the size of a `float` [bytes]."""
         kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
         return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 
     @ti.kernel
     def pad_field(self, goes_on: int):
-        """The field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, + 1 for
-        the upper one), level or into the next period, and closes at the others, where the field turns its sign."""
+        """Write the field beyond the sides of the box: the surface goes on through a side whose bit is set (2 * axis, +
+        1 for the upper one), level or into the next period, and closes at the others, where the field turns its
+        sign."""
         for n in range(self.rows.count[None] * self.rows.length):
             node = self.node_indices(n)
             inner = tm.clamp(node, 1, tm.ivec3(self.shape) - 2)
@@ -223,13 +224,13 @@ class Isosurface:
 
     @ti.func
     def edge_rows(self, j, k):
-        """The first nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
+        """First nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Which nodes of the four rows are in the water: the bits of a case for its corners at x = 0."""
+        """Case bits of the nodes of the four rows that are in the water, for the corners at x = 0."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -237,7 +238,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """The first row of a slab, of those kept."""
+        """First row of a slab, of those kept."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
@@ -297,7 +298,8 @@ class Isosurface:
 
     @ti.func
     def write_vertices(self, n, vertices: Template, normals: Template):
-        """Where the field is zero on the edges of a node, between its two ends in proportion, and the normal there."""
+        """Write vertices at the zeros of the field on the edges of a node, by linear interpolation, and their
+        normals."""
         node = self.node_indices(n)
         vertex, mask = self.owned[n] >> 3, self.owned[n] & 7
         own, slope = self.value[n], self.gradient(node)

@@ -1,5 +1,5 @@
-"""Where the field is known from which cubes are cut: nodes of a regular grid that fills a box, and the band of rows of
-nodes along x that lie near water, which are kept."""
+"""Nodes of a regular grid that fills a box, and the rows of them along x near water, for which the field of marching
+cubes is kept."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -58,10 +58,10 @@ class Nodes:
 
 @in_kernels
 class Rows:
-    """Which rows of nodes are kept, and where. All others are one dry row, which is read and never written."""
+    """Rows of nodes that are kept. All others are one dry row, which is read and never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
-        """All rows, or at first none where that would be more than `most_nodes`."""
+        """Keep all rows, or at first none if that would be more than `most_nodes`."""
         self.length, self.across, along = nodes.shape
         self.all, self.most_nodes = self.across * along, most_nodes
         self.most = self.fitting_rows(nodes, most_nodes)
@@ -74,17 +74,17 @@ class Rows:
 
     @staticmethod
     def fitting_rows(nodes: Nodes, most_nodes: int) -> int:
-        """Rows that can be kept."""
+        """Number of rows that can be kept."""
         nx, ny, nz = nodes.shape
         return min(ny * nz, max(1, most_nodes // nx))
 
     @classmethod
     def bytes(cls, nodes: Nodes, most_nodes: int) -> int:
-        """Of the fields."""
+        """Memory of the fields."""
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:
-        """The rows marked `near`, from now on; raises Diverged where they are too many."""
+        """Keep the rows marked `near` from now on; raises Diverged if they are too many."""
         if (wanted := self.renew_rows()) > self.most:
             raise Diverged(
                 f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
@@ -111,6 +111,6 @@ class Rows:
         return self.row[n] % self.across, self.row[n] // self.across
 
     def spread_values(self, values: np.ndarray) -> np.ndarray:
-        """(nz, ny, nx) values at all nodes of the grid, of those at the nodes kept."""
+        """(nz, ny, nx) values at all nodes of the grid, from those at the nodes kept."""
         found = values.reshape(-1, self.length)[self.first.to_numpy() // self.length]
         return found.reshape(-1, self.across, self.length)

@@ -16,14 +16,14 @@ hydrostatic offset  how far the water's own weight, or a step through a mirror, 
 image         a ghost particle: the mirror image of a particle in a flat side
 kind          a module of a slot's folder, which a scene names as `kind:`
 lattice       the regular positions that particles start from
-ledger        the table of what a scene allocates and compiles, and of its share of a step
+ledger        the table of memory and kernels that a scene makes the program allocate and compile
 location      file, line and column of a text
 message       a text that is shown to a person
 next to       at the side of; also of one part of a scene and another
 observer      who watches a simulation and writes files
-part          what fills a slot: its keys (a Config) and what they build
+part          the content of a slot: its keys (a Config) and the object built from them
 position      where something is in space [m]
-preflight     what is known of a scene before it is built
+preflight     the facts of a scene before it is built
 relaxed       brought towards rest, or another target, near an absorbing side
 report        to hand a fact to a person or a program; `report.html` is one
 row, column   of a table, in a file or on the device
@@ -33,7 +33,7 @@ scheme        a kind of water whose particles act on each other
 slot          wind, fluid, surface, ship, platform or time_step of a scene
 spacing       distance between particles at rest; the unit "spacings" is multiples of it
 support       the kernel support radius: within it a smoothing kernel is not zero
-surface       what is laid on the free surface for pictures and ships
+surface       a mesh laid on the free surface for pictures and ships
 tank          the basin without ships
 """
 
@@ -99,7 +99,7 @@ def figures(value: float, count: int = 4) -> str:
 
 
 class Failed(Exception):
-    """A failure of what was tried. Every exception that is meant for people derives from this one or the two below; its
+    """A failed attempt. Every exception that is meant for people derives from this one or the two below; its
     message is one sentence."""
 
     exit_code: ClassVar[int] = 1  # of the command line
@@ -150,13 +150,13 @@ def row_array(name: str, values: Any, columns: str) -> np.ndarray:
 
 
 class Lacking(Failed):
-    """The machine lacks what was asked for; the sentence says what to install."""
+    """The machine lacks a means that was asked for; the sentence names the package to install."""
 
     exit_code = 3
 
 
 def in_words(failure: BaseException) -> str:
-    """Why something failed, in a sentence; of an OSError with the file's name."""
+    """Sentence on the reason of a failure; of an OSError with the file's name."""
     if isinstance(failure, Failed):
         return failure.sentence
     if isinstance(failure, OSError):
@@ -167,7 +167,7 @@ def in_words(failure: BaseException) -> str:
 
 
 class Diverged(Failed):
-    """A run left the physical world; the message says what, where, when and what to try."""
+    """A run left the physical world; the message names the quantity, place and time, and a remedy."""
 
     @property
     def sentence(self) -> str:

@@ -359,7 +359,7 @@ def test_render_without_opengl_is_exit_code_3(ask, monkeypatch):
 
     monkeypatch.setattr(render, "render_run", missing)
     monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
-    monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
+    monkeypatch.setattr(render, "config_options", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     code, _, err = ask("render", "bare")
     assert code == 3 and "install" in err
@@ -372,7 +372,7 @@ def test_render_says_which_pictures_it_replaced(ask, monkeypatch):
     Path("bare/preview.png").touch()
     monkeypatch.setattr(render, "render_run", lambda *_, **__: [Path("bare/preview.png"), Path("bare/film.mp4")])
     monkeypatch.setattr(render, "obstacle_to_pictures", lambda *_: None)
-    monkeypatch.setattr(render, "asked", lambda config, folder: config.model_dump())
+    monkeypatch.setattr(render, "config_options", lambda config, folder: config.model_dump())
     monkeypatch.setattr(render_verb, "require_frames", lambda folder: None)
     assert ask("render", "bare") == (0, "bare/preview.png\nbare/film.mp4\n", "replaced in bare: preview.png\n")
 

@@ -15,7 +15,7 @@ from ocean_sim.waves import Components
 if TYPE_CHECKING:  # other rooms know these by type alone; each is imported only where a scene needs it
     from ocean_sim.fluid.bodies.boundary import Boundary
     from ocean_sim.fluid.neighbours.grid import Grid
-    from ocean_sim.fluid.neighbours.point_sum import Around
+    from ocean_sim.fluid.neighbours.point_sum import PointSum
     from ocean_sim.fluid.open_sea.wave_window import Window
     from ocean_sim.fluid.sph.lattice import Lattice as Lattice
     from ocean_sim.fluid.sph.particles import Particles
@@ -286,7 +286,7 @@ class ParticleFluid(Fluid, Protocol):
     """Water made of particles."""
 
     particles: Particles
-    around: Around
+    around: PointSum
     grid: Grid
     walls: Stops
     contacts: list[Contact]  # hulls that push it

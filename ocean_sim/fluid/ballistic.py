@@ -86,33 +86,33 @@ class Ballistic(ParticleWater):
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.fly(dt, self.wind.since, self.summary)
+        self.advance_all(dt, self.wind.since, self.summary)
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort, and sum up what there is without a step."""
+        """Sort the particles, and sum up their state without a step."""
         self.grid.sort()
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 group, p, u = t // self.tasks.stride, self.particles.position, self.particles.velocity
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
+                for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
                     x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
                     self.accounts.count_motion(group, v, self.pull.at(x, v), 0)
                     self.accounts.count_density(group, self.particles.density[i])
         self.accounts.summarise(summary)
 
     @ti.func
-    def fall(self, i, dt, group):
+    def advance_particle(self, i, dt, group):
         """Move particle i."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
-        a_wind, a_pull, a_hull = self.blown(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
+        a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
         mean, fast = self.walls.limit_motion(v + 0.5 * dt * a, dt)  # of the step; x + v dt + a dt^2 / 2 is exact
         x_new, v_new = self.walls.bounce(x + dt * mean, mean + 0.5 * dt * a)
-        self.leave(i, x_new, v_new)
+        self.stage_particle(i, x_new, v_new)
         self.accounts.count_motion(group, v_new, a, fast)
         self.accounts.count_density(group, self.particles.density[i])
         if ti.static(self.accounts.impulses):
@@ -121,7 +121,7 @@ class Ballistic(ParticleWater):
             self.accounts.count_impulse(group, WALLS, m * (v_new - v - dt * a), v_mean)
 
     @ti.kernel
-    def fly(self, dt: float, since: float, summary: Array):
+    def advance_all(self, dt: float, since: float, summary: Array):
         """Move and sort."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
@@ -129,8 +129,8 @@ class Ballistic(ParticleWater):
                 group = t // self.tasks.stride
                 self.accounts.begin_motion(group)
                 self.accounts.begin_density(group)
-                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
-                    self.fall(i, dt, group)
+                for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+                    self.advance_particle(i, dt, group)
         self.grid.sort()
         self.accounts.summarise(summary)
 

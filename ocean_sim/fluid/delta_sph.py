@@ -9,7 +9,7 @@ under a free surface that of a Riemann problem between particles that meet (Zhan
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
 What is stored is the deviation from the rest density, which single precision would lose in the density itself.
 
-The kernel is one under which the lattice that water starts from is as water is (smoothing.NEUTRAL): where a lattice
+The kernel is one under which a lattice of particles behaves as water does (smoothing.NEUTRAL_KERNEL): where a lattice
 bears shear waves run fast, however fine it is, and where it is unstable still water stirs. Where the surface cuts the
 kernel, rows of particles rest under a pressure that is not smooth; diffusion would flatten it for ever, and take its
 share of each wave that passes. So it is graded: next to a free surface none takes part but in water that is sheared.
@@ -25,24 +25,24 @@ from ocean_sim.columns import Columns, vec3
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
-from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.neighbours.grid import STATE_COLUMNS
 from ocean_sim.fluid.neighbours.grid_size import ListSize
-from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected_free_slip
+from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_row_free_slip, row_at
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw
 from ocean_sim.fluid.sph.particles import Components, staggered_field
 from ocean_sim.fluid.sph.smoothing import (
-    NEUTRAL,
+    NEUTRAL_KERNEL,
     NEUTRAL_RATIO,
     Kernel,
     Smoothing,
     Stencil,
-    of_rigidity,
+    lesser,
     positive,
-    smaller,
+    rigidity_notes,
 )
-from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
@@ -51,17 +51,20 @@ from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
-CROWDING = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
-DAMPER = 0.7  # bulk viscosity over h c; at the default Courant number 1 is stable and 2 is not
-LAG = 0.42  # bulk viscosity over h^2 / dt at most: longer steps than the default damp less, and stay stable
-CUT, WHOLE = 0.90, 0.97  # share of a kernel that is filled at which nothing and everything diffuses
-STRETCHED, SHEARED = 0.1, 0.6  # spin over strain, both squared, from and up to which diffusion comes back there
-MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
-SELDOM = 1.0 / 64.0  # of that time between two looks at them
-CALM, BLOWN = 1e-3, 1e-4  # [c / h] strain below which water is still; under a wind, whose drift may be as small
-IMPACT = 0.5  # of the dissipation between particles that meet, over their density and the square of their speed
-CARRIED, GRADED = 2, 3  # deviation of the density, damped pressure over density squared; share, spin, strain
-NEAR = 3.5  # [spacings] support of the kernel by which particles are found to be too near to each other
+CROWDING_WEIGHT = 0.2  # weight of near neighbours in a shift (Sun et al. 2017)
+BULK_VISCOSITY = 0.7  # [h c]; at the default Courant number 1 is stable and 2 is not
+MAX_BULK_VISCOSITY = 0.42  # [h^2 / dt]; steps longer than the default damp less, and stay stable
+CUT_SHARE, FILLED_SHARE = 0.90, 0.97  # share of a kernel that is filled at which nothing and everything diffuses
+# Spin over strain, both squared, from which diffusion comes back next to a surface, and up to which.
+STRETCHED_RATIO, SHEARED_RATIO = 0.1, 0.6
+SHEAR_MEMORY = 3.0  # [depth over reference speed] over which spin and strain are remembered
+SHEAR_UPDATE_INTERVAL = 1.0 / 64.0  # [SHEAR_MEMORY]
+# [c / h] strain below which water is still; less under a wind, whose drift may be as small.
+CALM_STRAIN, WINDY_CALM_STRAIN = 1e-3, 1e-4
+IMPACT_DISSIPATION = 0.5  # between particles that meet, over their density and the square of their speed
+# Deviation of the density, damped pressure over density squared; share of diffusion, spin, strain.
+CARRIED_NUMBERS, GRADED_NUMBERS = 2, 3
+NEAR_SUPPORT_SPACINGS = 3.5  # [spacings] support of the kernel that finds particles too near to each other
 
 
 class Config(SphConfig):
@@ -73,7 +76,7 @@ class Config(SphConfig):
     attenuation: ClassVar = Attenuation(0.0, flat=1.0e-3, steep=2.7e-3, travelling=Attenuation(0.0, 2.0e-3, 7.9e-3))
     delay: ClassVar = Delay(0.33, high=0.12)
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
-    kernel: ClassVar[Kernel] = NEUTRAL
+    kernel: ClassVar[Kernel] = NEUTRAL_KERNEL
     kind: Literal["delta_sph"] = "delta_sph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
     """Kernel support radius over the spacing; by default 4.0. At 4.0 the lattice from which water starts bears no
@@ -86,56 +89,57 @@ class Config(SphConfig):
     """alpha of Monaghan (1992), on approaching particles: nu = alpha h c / 8 in 2-D, / 10 in 3-D; h is 0.4 of
     the kernel support radius."""
     collision_distance: float = quantity("spacings", 0.25, gt=0.0, le=1.0)
-    """How near to a wall or the floor a particle's centre may come; its ghost particles hold it before that."""
+    """Least distance of a particle's centre from a wall or the floor; its ghost particles hold it before that."""
 
-    def limited(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
+    def limits_at(self, smoothing: Smoothing, sound_speed: float, speed: float, acceleration: float) -> Limits:
         """Limits of the time step. Pairs rub at rates of up to 14 nu / h^2 (twice that of the Laplacian's sum), so
         viscosity counts twice; artificial viscosity counts with it."""
-        nu = 2.0 * (self.kinematic_viscosity + self.artificial(smoothing, sound_speed))
-        return limits(smoothing, sound_speed, nu, speed, acceleration)
+        nu = 2.0 * (self.kinematic_viscosity + self.artificial_nu(smoothing, sound_speed))
+        return step_limits(smoothing, sound_speed, nu, speed, acceleration)
 
-    def artificial(self, smoothing: Smoothing, sound_speed: float) -> float:
+    def artificial_nu(self, smoothing: Smoothing, sound_speed: float) -> float:
         """Kinematic viscosity that the artificial one is, of water that is compressed [m2/s]."""
         return self.artificial_viscosity * smoothing.length * sound_speed / (2.0 * (smoothing.dimension + 2.0))
 
     def viscosity(self, basin: Basin) -> float:
-        return self.kinematic_viscosity + self.artificial(self.smoothing(basin), self.sound_speed(basin))
+        return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
     def settling(self, preflight: Preflight) -> float:
-        """Of the deepest column, g h^2 / (2 c^2)."""
+        """Settlement of the deepest column [m], g h^2 / (2 c^2)."""
         tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
-        if lattice is None or self.enclosed(tank) or pull <= 0.0:
+        if lattice is None or self.is_enclosed(tank) or pull <= 0.0:
             return 0.0
-        return float(lowered(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
+        return float(column_drop(0.0, pull * lattice.deepest, pull, self.sound_speed(tank)))
 
     def still_limits(self, preflight: Preflight) -> Limits:
-        return self.limited(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
+        return self.limits_at(self.smoothing(preflight.tank), self.sound_speed(preflight.tank), 0.0, 0.0)
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
-        notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
+        notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
         return super().statements(preflight) + notable
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         what = "position, velocity, density, pressure, its deviation and rate, number"
-        if not self.enclosed(preflight.tank):
+        if not self.is_enclosed(preflight.tank):
             what += "; share of diffusion, spin, strain"
-        numbers = 15 if self.enclosed(preflight.tank) else 12 + 2 * GRADED
-        return rows(preflight, self.sizes(self.began(preflight), preflight.arch), numbers, what, self.told_to_bodies)
+        numbers = 15 if self.is_enclosed(preflight.tank) else 12 + 2 * GRADED_NUMBERS
+        sizes = self.list_sizes(self.start_lattice(preflight), preflight.arch)
+        return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
-    def sizes(self, lattice: Lattice, arch: str) -> ListSize:
-        """How large grid and lists are on a backend."""
-        if self.enclosed(lattice.basin):
-            return self.sized(lattice, arch, Momentum.row.size, CARRIED)
-        return self.sized(lattice, arch, Continuity.row.size, CARRIED + GRADED)
+    def list_sizes(self, lattice: Lattice, arch: str) -> ListSize:
+        """Sizes of grid and lists on a backend."""
+        if self.is_enclosed(lattice.basin):
+            return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
+        return self.list_size(lattice, arch, Continuity.row.size, CARRIED_NUMBERS + GRADED_NUMBERS)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "DeltaSph":
         return DeltaSph(self, basin, accounts, wind)
 
 
-def lowered(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
-    """How far [m] the weight of water lowers where its pressure over the density is `top` [m2/s2], over a column that
-    ends where it is `bottom`: the integral of p / (rho0 c^2)."""
+def column_drop(top: np.ndarray | float, bottom: np.ndarray | float, pull: float, sound_speed: float) -> np.ndarray:
+    """Settlement [m] of water whose pressure over the density is `top` [m2/s2], on a column that ends at the pressure
+    `bottom`: the integral of p / (rho0 c^2)."""
     return np.maximum(np.square(bottom) - np.square(top), 0.0) / (2.0 * pull * sound_speed**2)
 
 
@@ -155,9 +159,9 @@ class Momentum(MomentumLaw):
         self.laminar = 2.0 * config.kinematic_viscosity / rho_0
         self.per_component = fluid.smoothing.dimension + 2.0  # of the central form over that of one component
         self.artificial = config.artificial_viscosity * h * fluid.sound_speed / rho_0
-        self.impact = IMPACT / rho_0
-        self.enclosed = fluid.shifting
-        self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or not self.enclosed
+        self.impact = IMPACT_DISSIPATION / rho_0
+        self.is_enclosed = fluid.shifting
+        self.viscous = self.laminar > 0.0 or self.artificial > 0.0 or not self.is_enclosed
         self.squared_gap = 1e-6 * h * h  # [m2] keeps two particles in one position finite
         super().__init__(fluid)
         self.options = replace(
@@ -205,7 +209,7 @@ class Momentum(MomentumLaw):
         """beta u / rho0 of particles that approach at u = r u_ij, with beta = min(u / 2, c) (Zhang, Hu & Adams 2017,
         whose factor is 3 and not a half), over r."""
         met = positive(closing)
-        return smaller(r * met, self.fluid.sound_speed / IMPACT) * r * self.impact * met
+        return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
     @ti.func
     def pair(self, own, other):
@@ -218,7 +222,7 @@ class Momentum(MomentumLaw):
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
         """All terms of a pair; `tense`: whether a pressure may be negative."""
-        x_ij = self.fluid.smoothing.between(own, other, self.row.position)
+        x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         p_i, p_j = own[self.row.pressure], other[self.row.pressure]
@@ -227,9 +231,9 @@ class Momentum(MomentumLaw):
             along += self.artificial_stress(p_i, p_j, r)
         push, rub, shear = along * x_ij, tm.vec3(0.0), tm.vec3(0.0)
         if ti.static(self.viscous):
-            v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
+            v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
             closing = -v_ij.dot(x_ij) / (r2 + self.squared_gap)  # u_ij [1/s]
-            if ti.static(self.enclosed):
+            if ti.static(self.is_enclosed):
                 shear = self.viscosity_without_surface(v_ij)
                 rub = shear + self.artificial_viscosity(closing) * x_ij
             else:
@@ -240,7 +244,7 @@ class Momentum(MomentumLaw):
                     shear = self.viscosity(closing) * x_ij
                     lost += self.viscosity(closing)
                 rub = lost * x_ij
-        return self.added(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
+        return self.row_of_terms(self.fluid.smoothing.shape_gradient(r), push, rub, shear)
 
 
 @in_kernels
@@ -257,7 +261,7 @@ class Continuity(Law):
 
     def __init__(self, fluid: "DeltaSph") -> None:
         self.fluid = fluid
-        self.reads = (*fluid.grid.moved[: STATE.id], fluid.deviation)
+        self.reads = (*fluid.grid.moved[: STATE_COLUMNS.id], fluid.deviation)
         if fluid.shifting:
             self.row = Columns(position=3, velocity=3, deviation=1)
         else:
@@ -268,7 +272,7 @@ class Continuity(Law):
         filled = {} if fluid.shifting and not fluid.bodies else {"filled": 1}
         self.terms = Columns(rate=1, diffusion=1, **filled, **({"crowding": 3} if fluid.shifting else {}))
         # Sum of `filled` on a lattice [kg/m3], times the prefactor.
-        self.whole = Stencil(fluid.smoothing, fluid.spacing).filled * fluid.smoothing.dimension * rho_0
+        self.whole = Stencil(fluid.smoothing, fluid.spacing).filled_gain * fluid.smoothing.dimension * rho_0
         self.add_bodies(fluid.boundary)
 
     @ti.func
@@ -283,8 +287,8 @@ class Continuity(Law):
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity across it turned round, its density continued
         hydrostatically."""
-        x, image = vec3(other, self.row.position), reflected_free_slip(mirror, other)
-        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
+        pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.deviation] += self.heavier * hydrostatic_offset(mirror, x, pull)
         return image
 
@@ -293,7 +297,7 @@ class Continuity(Law):
         """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
         to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
         moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
-        other = displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
+        other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
         return other
@@ -319,13 +323,13 @@ class Continuity(Law):
     def crowding(self, r):
         """1 + 0.2 (W(r) / W(spacing))^4: weight of a neighbour in the shift (Sun et al. 2017, eq. 16)."""
         near = self.fluid.closeness(r)
-        return 1.0 + CROWDING * near * near * near * near
+        return 1.0 + CROWDING_WEIGHT * near * near * near * near
 
     @ti.func
     def pair(self, own, other):
         smoothing = self.fluid.smoothing
-        x_ij = smoothing.between(own, other, self.row.position)
-        v_ij = smoothing.between(own, other, self.row.velocity)
+        x_ij = smoothing.difference(own, other, self.row.position)
+        v_ij = smoothing.difference(own, other, self.row.velocity)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
         weight = smoothing.shape_gradient(r)
@@ -333,7 +337,7 @@ class Continuity(Law):
         total[self.terms.rate] = weight * self.continuity(v_ij, x_ij)
         total[self.terms.diffusion] = weight * self.density_diffusion(own, other, x_ij)
         if ti.static(not self.fluid.shifting):  # the same share for both, so that no mass is made
-            total[self.terms.diffusion] *= smaller(own[self.row.share], other[self.row.share])
+            total[self.terms.diffusion] *= lesser(own[self.row.share], other[self.row.share])
         if ti.static(not self.fluid.shifting or self.fluid.bodies):
             total[self.terms.filled] = weight * r2
         if ti.static(self.fluid.shifting):
@@ -343,14 +347,16 @@ class Continuity(Law):
         return total
 
     @ti.func
-    def grade(self, i, own, total):
-        """Find which share of the diffusion particle i takes part in: all where its kernel is filled; none next to a
-        free surface, but for water that is sheared there (spin as great as strain) and not merely stretched, as by
-        waves (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
+    def grade_diffusion(self, i, own, total):
+        """Find the share of the diffusion in which particle i takes part: all if its kernel is filled. Next to a free
+        surface it is none, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves
+        (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
         filled = self.prefactor(own) * total[self.terms.filled] / self.whole
-        inside = tm.clamp((filled - CUT) / (WHOLE - CUT), 0.0, 1.0)
-        sheared = tm.clamp((spin / (strain + fluid.calm) - STRETCHED) / (SHEARED - STRETCHED), 0.0, 1.0)
+        inside = tm.clamp((filled - CUT_SHARE) / (FILLED_SHARE - CUT_SHARE), 0.0, 1.0)
+        sheared = tm.clamp(
+            (spin / (strain + fluid.calm) - STRETCHED_RATIO) / (SHEARED_RATIO - STRETCHED_RATIO), 0.0, 1.0
+        )
         for k, value in ti.static(enumerate((inside + (1.0 - inside) * sheared, spin, strain))):
             fluid.fresh[k][i] = value
 
@@ -363,13 +369,14 @@ class Continuity(Law):
         if ti.static(fluid.bodies):
             solid = self.solid.total(vec3(own, self.row.position), own)
             total += solid
-            fluid.steady(i, self.prefactor(own) * solid[self.terms.filled] / self.whole)
+            fluid.damp_crowded(i, self.prefactor(own) * solid[self.terms.filled] / self.whole)
+        # Second half step of the density; the first was made before the sort.
         compressed, diffused = total[self.terms.rate], self.diffusion * total[self.terms.diffusion]
         rate = self.prefactor(own) * (compressed + diffused)
         excess = deviation + 0.5 * dt * rate
         fluid.rate[i], fluid.excess[i] = rate, excess
         particles.density[i], particles.pressure[i] = rho_0 + excess, fluid.equation_of_state(excess)
-        x = fluid.grid.wrapped(vec3(own, self.row.position))
+        x = fluid.grid.wrap_position(vec3(own, self.row.position))
         for k, component in ti.static(enumerate(particles.position)):
             component[i] = x[k]
         for k, component in ti.static(enumerate(particles.velocity)):
@@ -379,13 +386,13 @@ class Continuity(Law):
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
         else:
-            self.grade(i, own, total)
+            self.grade_diffusion(i, own, total)
         fluid.accounts.count_density(group, rho_0 + excess)
         if ti.static(fluid.accounts.impulses):
-            self.book(i, own, compressed, diffused, group)
+            self.book_work(i, own, compressed, diffused, group)
 
     @ti.func
-    def book(self, i, own, compressed, diffused, group):
+    def book_work(self, i, own, compressed, diffused, group):
         """Put the work of compression and of diffusion to the budget; that of the damped part is friction's."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
@@ -404,7 +411,7 @@ class Shear(Law):
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
     def __init__(self, fluid: "DeltaSph") -> None:
-        self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE.id], fluid.smoothing.dimension
+        self.fluid, self.reads, self.dimension = fluid, fluid.grid.moved[: STATE_COLUMNS.id], fluid.smoothing.dimension
         self.terms = Columns(gradient=self.dimension**2)
         self.add_bodies(fluid.boundary)
 
@@ -414,18 +421,18 @@ class Shear(Law):
 
     @ti.func
     def image(self, other, mirror):
-        return reflected_free_slip(mirror, other)
+        return mirror_row_free_slip(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body moves with it."""
-        return displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
+        return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
         """x_ij v_ij, to be times -m grad W / x_ij."""
-        x_ij = self.fluid.smoothing.between(own, other, self.row.position)
-        v_ij = self.fluid.smoothing.between(own, other, self.row.velocity)
+        x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
+        v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
         lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
             total[self.terms.gradient + self.dimension * j + k] = lever[j] * v_ij[k]
@@ -461,68 +468,74 @@ class DeltaSph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sizes(config.lattice(basin), arch())
+        sizes = config.list_sizes(config.lattice(basin), arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = self.carried[:CARRIED]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
-        self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED]  # the same before the sort of a step
+        self.deviation, self.pressing = self.carried[
+            :CARRIED_NUMBERS
+        ]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
+        self.next_deviation, self.next_pressing = self.grid.carried[
+            :CARRIED_NUMBERS
+        ]  # the same before the sort of a step
         self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = Copy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
-        self.clamped, self.shifting = config.minimum_pressure is not None, config.enclosed(basin)
+        self.clamped, self.shifting = config.minimum_pressure is not None, config.is_enclosed(basin)
         if self.shifting:
             self.shift = Components(particles.n)  # [1/m] where to
         else:
-            graded = self.carried[CARRIED : CARRIED + GRADED]
+            graded = self.carried[CARRIED_NUMBERS : CARRIED_NUMBERS + GRADED_NUMBERS]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(staggered_field(float, particles.n) for _ in range(GRADED))  # the same at its end
-            self.memory = MEMORY * basin.depth / self.reference_speed  # [s]
+            self.fresh = tuple(
+                staggered_field(float, particles.n) for _ in range(GRADED_NUMBERS)
+            )  # the same at its end
+            self.memory = SHEAR_MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
-            calm = BLOWN if wind.blows else CALM
+            calm = WINDY_CALM_STRAIN if wind.blows else CALM_STRAIN
             self.calm = (calm * self.sound_speed / self.smoothing.length) ** 2  # [1/s2]
-        self.per_reach = 1.0 / (NEAR * particles.spacing)  # [1/m]
-        q = 1.0 - 1.0 / NEAR
+        self.per_reach = 1.0 / (NEAR_SUPPORT_SPACINGS * particles.spacing)  # [1/m]
+        q = 1.0 - 1.0 / NEAR_SUPPORT_SPACINGS
         self.per_W_spacing = 1.0 / (q**4 * (5.0 - 4.0 * q))
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         if not self.shifting:
             self.shear = Shear(self)
-        self.compress(sizes.grid.lattice.ends()[0])
+        self.lower_particles(sizes.grid.lattice.column_ends()[0])
         self.begin()
 
-    def compress(self, bed: np.ndarray) -> None:
-        """Lower the particles by what the weight of the water above takes off the column below, down to the bed
-        (n,) [m] of each: the integral of p / (rho0 c^2)."""
+    def lower_particles(self, bed: np.ndarray) -> None:
+        """Lower the particles by the settlement of the column below, down to the bed (n,) [m] of each: the integral of
+        p / (rho0 c^2)."""
         pull = -self.pull.constant.y
         if pull > 0.0 and not self.closed:
             x, p = self.particles.position.to_numpy().astype(float), self.particles.pressure.to_numpy().astype(float)
             rho_0 = self.particles.rest_density
             bed = np.append(bed, x[len(bed) :, 1])  # what has left an emitter stays
-            lower = lowered(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
+            lower = column_drop(p / rho_0, p / rho_0 + pull * (x[:, 1] - bed), pull, self.sound_speed)
             self.surface_drop = float(lower.max())
             x[:, 1] -= lower
             self.particles.position.from_numpy(x)
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """At the end of the step, in the order of its middle, with nothing wrapped into the period since."""
-        return self.grid.moved[: STATE.velocity]
+        """Positions at the end of the step, in the order of its middle, not wrapped into the period since."""
+        return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
         self.settle(self.summary)
 
     def step(self, dt: float) -> None:
-        self.leap(dt, self.status.max_speed, self.wind.since)
-        self.land(self.summary)
+        self.drift_kick_drift(dt, self.status.max_speed, self.wind.since)
+        self.find_density_rate(self.summary)
         if not self.shifting:
             self.unseen += dt
-            if self.unseen > SELDOM * self.memory:
-                self.remember(min(1.0, self.unseen / self.memory))
+            if self.unseen > SHEAR_UPDATE_INTERVAL * self.memory:
+                self.update_shear(min(1.0, self.unseen / self.memory))
                 self.unseen = 0.0
 
     @ti.func
-    def leave(self, i, x, v):
+    def stage_particle(self, i, x, v):
         """Keep the next position and velocity of particle i, which stays in the cell that it was in in mid-step."""
-        self.grid.keep(i, x, v)
+        self.grid.stage_motion(i, x, v)
 
     @ti.func
     def closeness(self, r):
@@ -550,7 +563,7 @@ class DeltaSph(Sph):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
         self.grid.sort()
         for i in range(self.particles.count.there()):
-            for k in ti.static(range(STATE.id)):
+            for k in ti.static(range(STATE_COLUMNS.id)):
                 self.grid.moved[k][i] = self.grid.state[k][i]
         for group in range(self.accounts.groups):
             self.accounts.begin_motion(group)
@@ -564,12 +577,13 @@ class DeltaSph(Sph):
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
-    def leap(self, dt: float, speed: float, since: float):
+    def drift_kick_drift(self, dt: float, speed: float, since: float):
         """Drift half a step, sort, kick, drift to the end."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
-        bulk = tm.min(DAMPER * self.sound_speed * h, LAG * h * h / dt)  # [m2/s]
+        bulk = tm.min(BULK_VISCOSITY * self.sound_speed * h, MAX_BULK_VISCOSITY * h * h / dt)  # [m2/s]
+        # First drift: half a step with the present velocity; density and damped pressure follow to mid-step.
         for i in range(self.particles.count.there()):
             p, u = self.particles.position, self.particles.velocity
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -578,32 +592,33 @@ class DeltaSph(Sph):
                 shift = tm.vec3(self.shift.x[i], self.shift.y[i], self.shift.z[i])
                 way += dt * speed * self.smoothing.support * shift
             middle = self.excess[i] + 0.5 * dt * self.rate[i]
-            self.grid.leave(i, x + self.grid.gone(i, way), v)
+            self.grid.stage_state(i, x + self.grid.whole_quanta(i, way), v)
             self.next_deviation[i] = middle
             pressed = self.equation_of_state(middle) + bulk * self.rate[i]
             self.next_pressing[i] = pressed / (self.particles.rest_density + middle) ** 2
             if ti.static(not self.shifting):
                 for k, fresh in ti.static(enumerate(self.fresh)):
-                    self.grid.carried[CARRIED + k][i] = fresh[i]
+                    self.grid.carried[CARRIED_NUMBERS + k][i] = fresh[i]
+        # Kick in mid-step; the momentum law also makes the second drift.
         self.grid.sort()
         self.momentum.react(dt)
         self.neighbours.walk(self.momentum, True)
 
     @ti.kernel
-    def land(self, summary: Array):
+    def find_density_rate(self, summary: Array):
         """Find the rate of the density at the end: a kernel of its own, since Taichi 1.7 cannot make one of both walks
         for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 
     @ti.kernel
-    def remember(self, lately: float):
+    def update_shear(self, lately: float):
         """Let the spin and strain of now count with this weight among those remembered."""
         self.lately[None] = lately
         self.neighbours.walk(self.shear, False)
 
     def limits(self) -> Limits:
-        return self.config.limited(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)
+        return self.config.limits_at(self.smoothing, self.sound_speed, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]; raises Diverged where there

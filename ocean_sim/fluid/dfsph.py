@@ -18,7 +18,7 @@ gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the densi
 (Cornelis et al. 2019, Visual Computer 35). So they do before a run, where bodies lie off the lattice (make_room).
 
 A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves.
-A lattice gives way where it is not elastically stable under the kernel (Stencil.softest).
+A lattice gives way where it is not elastically stable under the kernel (Stencil.softest_mode).
 """
 
 from math import sqrt
@@ -35,21 +35,21 @@ from ocean_sim.fluid.budget.momentum_budget import (
     PRESSURE,
     SEA,
     SHIP,
-    TERMS,
+    TERM_NAMES,
     VISCOSITY,
     WALLS,
     WIND,
-    absent,
-    pushing,
+    absent_terms,
+    impulse_terms,
 )
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.pair_sph import Force
 from ocean_sim.fluid.sph.particles import Components, staggered_field
-from ocean_sim.fluid.sph.pressure_solver import REPORT, TOO_DENSE, UPHILL, Solver
-from ocean_sim.fluid.sph.smoothing import NEUTRAL, NEUTRAL_RATIO, Kernel, Stencil, of_rigidity
-from ocean_sim.fluid.sph.sph import Sph, SphConfig, limits, rows
+from ocean_sim.fluid.sph.pressure_solver import REPORT_SIZE, TOO_DENSE, UPHILL_SLOPE, Solver
+from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, NEUTRAL_RATIO, Kernel, Stencil, rigidity_notes
+from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
@@ -57,14 +57,14 @@ from ocean_sim.runtime import Array, Template, arch, in_kernels
 from ocean_sim.wind import Wind
 
 FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
-CALM = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
-BRIEF = 0.1  # of the smoothing length over the reference speed: in shorter steps calm water compresses itself less
-SLOW = 2.0  # of the reference speed: water counts as no slower when the next step is chosen, see `limits`
-STIRRED = 0.3  # of the reference speed: the root mean square speed about the mean up to which water is calm
-STEADY = (3.0, 3.5)  # [spacings] support below which water at rest stirs, in 2-D and in 3-D
-LEAST = 0.05  # of its value on the lattice: A_ii is taken to be no less, which keeps coincident particles finite
-ROOM, SNUG = 20, 1.0e-6  # times that particles make room before a run, and the mean error that each may end with
-GAP = 0.1  # of what is missing in a gap that may close in a step; wider gaps close as fast as they are wide
+CALM_ERRORS = {"density": 0.1, "divergence": 0.003}  # [tolerances] errors below which water counts as calm
+BRIEF_STEP = 0.1  # [smoothing length over reference speed]; in shorter steps calm water compresses itself less
+MIN_LIMIT_SPEED = 2.0  # [reference speeds] least speed by which the next step is chosen, see `limits`
+CALM_RMS_SPEED = 0.3  # [reference speeds] root mean square speed about the mean up to which water is calm
+MIN_STEADY_SUPPORT = (3.0, 3.5)  # [spacings] support below which water at rest stirs, in 2-D and in 3-D
+MIN_DIAGONAL_SHARE = 0.05  # least A_ii over its value on the lattice; keeps coincident particles finite
+MAX_ROOM_STEPS, ROOM_TOLERANCE = 20, 1.0e-6  # times that particles make room before a run, and mean error of each
+GAP_CLOSING_SHARE = 0.1  # least share of a gap's missing density that closes in a step; wider gaps close faster
 
 
 class Config(SphConfig):
@@ -79,7 +79,7 @@ class Config(SphConfig):
     unheeded: ClassVar[tuple[str, ...]] = ("compression",)
     told_to_bodies: ClassVar[int] = 0
     default_ratio: ClassVar[tuple[float, float]] = (NEUTRAL_RATIO, NEUTRAL_RATIO)
-    kernel: ClassVar[Kernel] = NEUTRAL
+    kernel: ClassVar[Kernel] = NEUTRAL_KERNEL
     counts_in_doubles: ClassVar[bool] = True
     kind: Literal["dfsph"] = "dfsph"
     support_ratio: float | None = quantity("spacings", None, ge=1.2, le=6.0)
@@ -100,7 +100,7 @@ class Config(SphConfig):
 
     def viscosity(self, basin: Basin) -> float:
         h = self.smoothing(basin).length
-        artificial = 0.0 if self.enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
+        artificial = 0.0 if self.is_enclosed(basin) else self.artificial_viscosity * h * self.speed(basin)
         return self.kinematic_viscosity + artificial
 
     def viscosity_added(
@@ -109,20 +109,20 @@ class Config(SphConfig):
         artificial = self.viscosity(preflight.tank) - self.kinematic_viscosity
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
-    def limited(self, basin: Basin, speed: float, acceleration: float) -> Limits:
+    def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
         """Nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by springs,
         whose frequency is about sqrt(p / density) / spacing. Pairs rub at up to twice the rate of the sum."""
-        speed = max(speed, SLOW * self.speed(basin))
-        return limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
+        speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
+        return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
     def still_limits(self, preflight: Preflight) -> Limits:
         basin = preflight.tank
-        return self.limited(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
+        return self.limits_at(basin, 0.0, float(np.linalg.norm(np.add(basin.gravity, self.body_force))))
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, basin = super().warnings(preflight), preflight.tank
         ratio = self.ratio(basin)
-        if ratio < STEADY[basin.dimension - 2] and not self.enclosed(basin):
+        if ratio < MIN_STEADY_SUPPORT[basin.dimension - 2] and not self.is_enclosed(basin):
             found.append(
                 f"at a support of {ratio:g} spacings still water of dfsph stirs, and below 2.5 it sinks and may burst: "
                 "ten rows of it lost 16 % of their depth in 2 s at 1.2 spacings, 2 % at 2; take 4, its default"
@@ -131,7 +131,7 @@ class Config(SphConfig):
 
     def statements(self, preflight: Preflight) -> list[str]:
         basin = preflight.tank
-        notable = [] if self.enclosed(basin) else of_rigidity(self.smoothing(basin), self.lattice(basin).spacing)
+        notable = [] if self.is_enclosed(basin) else rigidity_notes(self.smoothing(basin), self.lattice(basin).spacing)
         flight = "water that flies freely goes too far by the time step over the time of its fall (first order)"
         return [*super().statements(preflight), *notable, flight]
 
@@ -141,14 +141,14 @@ class Config(SphConfig):
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         basin, word = preflight.tank, preflight.word
         what = "position, velocity, density, pressure, number; predicted velocity, way and two solvers' fields"
-        sizes = self.sized(self.began(preflight), preflight.arch, FORCE_ROW.size, 1)
+        sizes = self.list_size(self.start_lattice(preflight), preflight.arch, FORCE_ROW.size, 1)
         neighbours = self.neighbours_kept(basin)
-        numbers = 27 + self.enclosed(basin)
+        numbers = 27 + self.is_enclosed(basin)
         if preflight.sums_impulses:
-            numbers += 3 * len(pushing(absent(basin)))
+            numbers += 3 * len(impulse_terms(absent_terms(basin)))
         kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
-        return [*rows(preflight, sizes, numbers, what), pairs]
+        return [*scheme_ledger(preflight, sizes, numbers, what), pairs]
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Dfsph":
         return Dfsph(self, basin, accounts, wind)
@@ -167,8 +167,12 @@ class Density(Law):
         stencil, m = fluid.stencil, fluid.particles.mass
         self.slope, self.square = -stencil.slope, stencil.slope**2
         self.mass = m * stencil.slope * fluid.smoothing.support**2
-        self.scale, self.least, self.volume = m * fluid.weight, LEAST * stencil.squares, stencil.volume
-        self.lacking = stencil.lacking
+        self.diagonal_scale, self.least, self.volume = (
+            m * fluid.weight,
+            MIN_DIAGONAL_SHARE * stencil.gradient_squares,
+            stencil.volume,
+        )
+        self.top_deficit = stencil.top_deficit
         self.add_bodies(fluid.boundary)
 
     @ti.func
@@ -192,19 +196,20 @@ class Density(Law):
             solid = self.solid.total(own, own)
             solid[self.terms.squares] = 0.0  # no pressure moves a body
             total += solid
+        # A_ii over dt^2: the squared sum of gradients and the sum of squared gradients.
         gradient = self.slope * vec3(total, self.terms.gradient)
         rho = self.mass * total[self.terms.density]
         squares = gradient.dot(gradient) + self.square * total[self.terms.squares]
         gradient *= self.volume  # of the share of water
         fluid.particles.density[i], fluid.particles.pressure[i] = rho, fluid.held_pressure[i]
-        fluid.diagonal[i] = self.scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
+        fluid.diagonal[i] = self.diagonal_scale * tm.max(rho / rest, 1.0) * tm.max(squares, self.least)
         fluid.rows.add(group, TOO_DENSE, rho)
         if ti.static(fluid.closed):
             for k, component in ti.static(enumerate(fluid.shift)):
                 component[i] = -gradient[k]
         else:
-            gap = tm.max(1.0 - rho / rest - self.lacking * gradient.norm(), 0.0)
-            fluid.closing[i] = rest * gap * tm.max(gap, GAP)
+            gap = tm.max(1.0 - rho / rest - self.top_deficit * gradient.norm(), 0.0)
+            fluid.closing[i] = rest * gap * tm.max(gap, GAP_CLOSING_SHARE)
         fluid.accounts.count_density(group, rho)
 
 
@@ -226,7 +231,8 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Of the pressures: m / rho0^2 and the constant of grad W, over what the lattice makes of a gradient of one."""
+        """Factor of the pressures: m / rho0^2 and the constant of grad W, over the lattice's gradient of a unit
+        gradient."""
         return self.fluid.pressing
 
     @ti.func
@@ -280,27 +286,28 @@ class Forces(Force):
         dt, x, v = fluid.dt[None], vec3(own, self.row.position), tm.vec3(u.x[i], u.y[i], u.z[i])
         beyond = self.with_bodies(beyond, x, own)
         fluid.begin_changes(i)
-        a_wind, a_pull, a_hull = fluid.blown(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
+        # Forces that do not depend on the new velocity.
+        a_wind, a_pull, a_hull = fluid.wind_acceleration(i, x, v), fluid.pull.at(x, v), fluid.hull_push(x, 0.0)
         a = a_wind + a_pull + a_hull
-        v_new = v + fluid.changed(i, WIND, dt * a_wind)
-        v_new += fluid.changed(i, GRAVITY, dt * a_pull)
-        v_new += fluid.changed(i, SHIP, dt * a_hull)
+        v_new = v + fluid.change_velocity(i, WIND, dt * a_wind)
+        v_new += fluid.change_velocity(i, GRAVITY, dt * a_pull)
+        v_new += fluid.change_velocity(i, SHIP, dt * a_hull)
         if ti.static(self.viscous):
             rub, rub_walls = vec3(total, self.terms.rub), vec3(beyond, self.terms.rub)
-            v_new += fluid.changed(i, VISCOSITY, dt * self.rubbing * rub)
-            v_new += fluid.changed(i, WALLS, dt * self.rubbing * rub_walls)
+            v_new += fluid.change_velocity(i, VISCOSITY, dt * self.rubbing * rub)
+            v_new += fluid.change_velocity(i, WALLS, dt * self.rubbing * rub_walls)
             a += self.rubbing * (rub + rub_walls)
-        v_new += fluid.pressed(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
+        v_new += fluid.apply_pressures(i, dt, vec3(total, self.terms.push), vec3(beyond, self.terms.push))
         # What follows slows the water: not the fall of a step, which pressure holds up.
         if ti.static(fluid.rubs):
             a_bed = fluid.bed.push(x, v_new, dt)
-            v_new += fluid.changed(i, BED, dt * a_bed)
+            v_new += fluid.change_velocity(i, BED, dt * a_bed)
             a += a_bed
         if ti.static(fluid.joined):
             a_sea = fluid.rim.acceleration(x, v_new, dt)
-            v_new += fluid.changed(i, SEA, dt * a_sea)
+            v_new += fluid.change_velocity(i, SEA, dt * a_sea)
             a += a_sea
-        v_new += fluid.changed(i, WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
+        v_new += fluid.change_velocity(i, WALLS, fluid.walls.relax(x, v_new, dt) - v_new)
         for k, component in ti.static(enumerate(fluid.predicted)):
             component[i] = fluid.base[k][i] = v_new[k]
         fluid.divergence.begin(i)
@@ -318,17 +325,17 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), arch(), FORCE_ROW.size, 1)
+        sizes = config.list_size(config.lattice(basin), arch(), FORCE_ROW.size, 1)
         super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
-        self.basin, self.closed = basin, config.enclosed(basin)
+        self.basin, self.closed = basin, config.is_enclosed(basin)
         side = (particles.mass / particles.rest_density) ** (1.0 / basin.dimension)
         self.stencil = Stencil(self.smoothing, side)
         self.weight = particles.mass / (self.stencil.gain * particles.rest_density**2)  # of p_i + p_j in acceleration
         self.pressing = self.weight * self.stencil.slope
         self.predicted, self.way = Components(n), Components(n)  # velocity at the end of the step; way over dt [m/s]
         self.base = tuple(Components(n))  # [m/s] before what the pressures gain
-        self.pairs = self.neighbours.keep(self.smoothing, self.stencil.neighbours, self.tasks)
+        self.pairs = self.neighbours.keep_pairs(self.smoothing, self.stencil.neighbours, self.tasks)
         self.held_pressure = self.carried[0]  # [Pa]
         if self.closed:
             self.shift = Components(n)  # [1/m] where to
@@ -336,22 +343,22 @@ class Dfsph(Sph):
             self.closing = staggered_field(float, n)  # what a gap may gain in density in a step [kg/m3]
             self.rate = staggered_field(float, n)  # what the velocities that are left compress, a sum over pairs
         self.diagonal = staggered_field(float, n)  # A_ii / dt^2
-        kept = self.accounts.pushing if self.accounts.impulses else ()
+        kept = self.accounts.impulse_terms if self.accounts.impulses else ()
         # Of the velocity by each term in this step [m/s]: its work takes the velocity that the step ends with.
-        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERMS)))
+        self.changes = tuple(tuple(Components(n)) if term in kept else () for term in range(len(TERM_NAMES)))
         self.momentum, self.level = (ti.field(float, shape=()) for _ in range(2))  # how far an iteration is carried
         self.level[None] = particles.rest_density  # on; density that is sought [kg/m3]
-        self.rows = Rows(self.accounts.groups, REPORT)
-        calm, brief = CALM["divergence"], BRIEF * self.smoothing.length / self.reference_speed
+        self.rows = Rows(self.accounts.groups, REPORT_SIZE)
+        calm, brief = CALM_ERRORS["divergence"], BRIEF_STEP * self.smoothing.length / self.reference_speed
         if self.closed:
             calm, brief = 1.0, 0.0  # without a surface less would damp the flow
-        limits = config.divergence_tolerance, config.max_divergence_iterations, calm
-        self.divergence = Solver(self, self.predicted, *limits, self.held_pressure, brief)
-        limits = config.density_tolerance, config.max_density_iterations, CALM["density"]
-        self.incompressible = Solver(self, self.way, *limits)
+        options = config.divergence_tolerance, config.max_divergence_iterations, calm
+        self.divergence = Solver(self, self.predicted, *options, self.held_pressure, brief)
+        options = config.density_tolerance, config.max_density_iterations, CALM_ERRORS["density"]
+        self.incompressible = Solver(self, self.way, *options)
         self.solvers = {"density": self.incompressible, "divergence": self.divergence}
         self.density, self.forces = Density(self), Forces(self, config.viscosity(basin))
-        self.report: np.ndarray = np.zeros(REPORT, dtype=particles.position.precision)
+        self.report: np.ndarray = np.zeros(REPORT_SIZE, dtype=particles.position.precision)
         self.begin()
         if (basin.obstacles or basin.afloat) and not self.closed:
             self.make_room()
@@ -364,12 +371,12 @@ class Dfsph(Sph):
         """Move particles apart that are pressed together next to a body, without a velocity: the first step would do it
         within its own time, and so the faster the shorter it is."""
         self.dt[None] = 2.0**-20  # [s] so brief that no body moves; beside that only the way counts
-        for _ in range(ROOM):
+        for _ in range(MAX_ROOM_STEPS):
             if self.status.max_density <= (1.0 + self.config.density_tolerance) * self.particles.rest_density:
                 break
-            self.compress(0.0, self.report)
-            self.sought(self.incompressible, SNUG)
-            self.put()
+            self.predict_density(0.0, self.report)
+            self.iterate_to(self.incompressible, ROOM_TOLERANCE)
+            self.displace_all()
             self.arrive()
             self.status = self.accounts.status(self.summary, self.grid)
 
@@ -381,26 +388,26 @@ class Dfsph(Sph):
     def step(self, dt: float) -> None:
         total, n = self.totals(), self.particles.count.now
         stirred = total.squared_speed - total.velocity @ total.velocity / n  # about their mean velocity
-        calm = stirred < n * (STIRRED * self.reference_speed) ** 2
+        calm = stirred < n * (CALM_RMS_SPEED * self.reference_speed) ** 2
         self.predict(dt, self.wind.since, self.report)
         self.solve(self.divergence, dt, calm)
-        self.compress(self.status.max_speed, self.report)
+        self.predict_density(self.status.max_speed, self.report)
         self.solve(self.incompressible, dt, calm)
-        self.move()
+        self.displace_and_react()
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
         """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
         mean, at most so often."""
-        solver.ended(*self.sought(solver, solver.enough(self.error, dt, calm)))
+        solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
-            self.account(solver)
+            self.book_pressures(solver)
 
-    def sought(self, solver: Solver, enough: float) -> tuple[int, float]:
-        """Iterate until the error is no more than `enough`, at most so often; how often, and the error that is left."""
+    def iterate_to(self, solver: Solver, enough: float) -> tuple[int, float]:
+        """Iterate until the error is no more than `enough`; return the number of iterations and the error left."""
         done, along = 0, 1.0
         while not self.error <= enough and done < solver.most:
-            if self.report[UPHILL] > 0.0:
+            if self.report[UPHILL_SLOPE] > 0.0:
                 along = 1.0
             ahead = 0.5 + sqrt(0.25 + along * along)
             self.iterate(solver, (along - 1.0) / ahead, self.report)
@@ -409,9 +416,9 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """How far the pressures press the water together, or apart, more than they may: a mean, over its density."""
+        """Mean relative error of the density, of particles pressed together or apart."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
-        return scale * float(self.report[:UPHILL].max())
+        return scale * float(self.report[:UPHILL_SLOPE].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
@@ -431,14 +438,14 @@ class Dfsph(Sph):
         self.rows.sum_into(report)
 
     @ti.kernel
-    def account(self, solver: Template):
-        """Put what a solver's pressures have done to the accounts."""
+    def book_pressures(self, solver: Template):
+        """Book the impulses of a solver's pressures."""
         self.pairs.walk(solver.account)
 
     @ti.kernel
-    def compress(self, speed: float, report: Array):
-        """The density that these velocities, and shifts of particles as fast as `speed`, lead to. Without shifts it has
-        been found before: the velocities are those that the solver for the divergence has left."""
+    def predict_density(self, speed: float, report: Array):
+        """Predict the density from these velocities and from shifts of particles as fast as `speed`. Without shifts the
+        solver for the divergence has left it."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -459,13 +466,13 @@ class Dfsph(Sph):
 
     @ti.func
     def judge_group(self, group):
-        """Begin with the density of a group's particles by what the solver for the divergence has left."""
+        """Judge a group's particles by the compression that the solver for the divergence has left."""
         self.incompressible.compression.begin(group)
-        for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
-            self.incompressible.compression.judge(i, self.rate[i], group)
+        for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+            self.incompressible.compression.judge_particle(i, self.rate[i], group)
 
     @ti.kernel
-    def move(self):
+    def displace_and_react(self):
         """Displace the particles, and take over their velocities and, where they were forces, all pressures."""
         for i in range(self.particles.count.there()):
             self.held_pressure[i] = self.held_pressure[i] + self.divergence.gain[i]
@@ -475,23 +482,23 @@ class Dfsph(Sph):
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
                 group = t // self.tasks.stride
-                for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
+                for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
                     self.displace(i, self.dt[None], group)
 
     @ti.kernel
-    def put(self):
+    def displace_all(self):
         """Displace the particles, as far as the walls let them."""
         for i in range(self.particles.count.there()):
             u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
             v = tm.vec3(u.x[i], u.y[i], u.z[i])
-            x, _ = self.landed(i, self.dt[None] * way, v)
-            self.leave(i, x, v)
+            x, _ = self.landing(i, self.dt[None] * way, v)
+            self.stage_particle(i, x, v)
 
     @ti.func
-    def landed(self, i, way, u):
-        """Where particle i is [m] after a way [m] that it goes at velocity u, and its velocity there, by the walls."""
+    def landing(self, i, way, u):
+        """Place [m] of particle i after a way [m] at velocity u, and its velocity there, limited by the walls."""
         p = self.particles.position
-        return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.gone(i, way), u)
+        return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
@@ -501,15 +508,15 @@ class Dfsph(Sph):
         if ti.static(self.closed):
             u = tm.vec3([component[i] for component in ti.static(tuple(self.predicted))])
         held, fast = self.walls.limit_motion(way, dt)
-        x, v = self.landed(i, dt * held, u)
-        self.changed(i, WALLS, v - u)
+        x, v = self.landing(i, dt * held, u)
+        self.change_velocity(i, WALLS, v - u)
         before = self.particles.velocity
         mean = 0.5 * (tm.vec3(before.x[i], before.y[i], before.z[i]) + v)
         for term, change in ti.static(enumerate(self.changes)):
             if ti.static(len(change) > 0):
                 impulse = self.particles.mass * tm.vec3([component[i] for component in ti.static(change)])
                 self.accounts.count_impulse(group, term, impulse, mean)
-        self.leave(i, x, v)
+        self.stage_particle(i, x, v)
         self.accounts.count_motion(group, v, tm.vec3(0.0), fast)
 
     @ti.kernel
@@ -521,15 +528,15 @@ class Dfsph(Sph):
         self.accounts.summarise(summary)
 
     @ti.func
-    def surplus(self, i):
-        """What particle i may gain in density in this step, in a gap that closes [kg/m3]."""
+    def density_allowance(self, i):
+        """Density that particle i may gain in this step, in a gap that closes [kg/m3]."""
         surplus = 0.0
         if ti.static(not self.closed):
             surplus = self.closing[i]
         return surplus
 
     @ti.func
-    def held(self, pressure):
+    def admissible_pressure(self, pressure):
         """A pressure as the water can have it: under a free surface it does not pull."""
         p = pressure
         if ti.static(not self.closed):
@@ -537,10 +544,10 @@ class Dfsph(Sph):
         return p
 
     @ti.func
-    def pressed(self, i, dt, total, beyond):
+    def apply_pressures(self, i, dt, total, beyond):
         """Change of velocity of particle i by the pressures of the water and of the walls, kept for the accounts."""
         scale = dt * self.pressing
-        return self.changed(i, PRESSURE, scale * total) + self.changed(i, WALLS, scale * beyond)
+        return self.change_velocity(i, PRESSURE, scale * total) + self.change_velocity(i, WALLS, scale * beyond)
 
     @ti.func
     def begin_changes(self, i):
@@ -550,7 +557,7 @@ class Dfsph(Sph):
                 component[i] = 0.0
 
     @ti.func
-    def changed(self, i, term: Template, change):
+    def change_velocity(self, i, term: Template, change):
         """A change of velocity of particle i by a term, kept for the accounts."""
         for k, component in ti.static(enumerate(self.changes[term])):
             component[i] = component[i] + change[k]
@@ -558,7 +565,7 @@ class Dfsph(Sph):
 
     def limits(self) -> Limits:
         """The acceleration is that of all forces but pressure."""
-        return self.config.limited(self.basin, self.max_speed, self.status.max_acceleration)
+        return self.config.limits_at(self.basin, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
         """0: nothing is compressed [J]."""

@@ -19,7 +19,7 @@ from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.pair_sph import MomentumLaw, PairSph
 from ocean_sim.fluid.sph.particles import staggered_field
 from ocean_sim.fluid.sph.smoothing import positive
-from ocean_sim.fluid.sph.sph import SphConfig, rows
+from ocean_sim.fluid.sph.sph import SphConfig, scheme_ledger
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
@@ -27,9 +27,9 @@ from ocean_sim.runtime import Copy, arch, in_kernels
 from ocean_sim.wind import Wind
 
 SQUARED_GAP = 1.0e-12  # [m2] keeps two particles in one position finite
-STIRRING = (3.6e-3, 1.8e-3)  # of c times the spacing, in 2-D and 3-D: the viscosity that keeps still water from boiling
-SOON = 10.0  # sqrt(depth / g) after which it does: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
-SLOPE, OFFSET, VISCOUS = range(3)  # what may change while the water moves
+CALMING_VISCOSITY = (3.6e-3, 1.8e-3)  # [c spacing] in 2-D and 3-D: less lets still water boil
+BOILING_TIME = 10.0  # [sqrt(depth / g)] after which it boils: 0.5 m of a slice at 2 m/s rms, which is sqrt(g depth)
+SLOPE_FACTOR, OFFSET_FACTOR, VISCOUS_FACTOR = range(3)  # rows of the factors that `adjust` may change
 
 
 class Config(SphConfig):
@@ -64,9 +64,9 @@ class Config(SphConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, basin = super().warnings(preflight), preflight.tank
-        least = STIRRING[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
+        least = CALMING_VISCOSITY[basin.dimension - 2] * self.sound_speed(basin) * self.lattice(basin).spacing
         pull = waves.downward_gravity(basin)
-        seen = pull > 0.0 and preflight.duration > SOON * sqrt(basin.depth / pull)
+        seen = pull > 0.0 and preflight.duration > BOILING_TIME * sqrt(basin.depth / pull)
         if seen and self.kinematic_viscosity < 0.9 * least:
             found.append(
                 f"still water of mueller boils within seconds below a viscosity of about {least:.1g} m2/s; set "
@@ -75,8 +75,9 @@ class Config(SphConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        sizes = self.sized(self.began(preflight), preflight.arch, Momentum.row.size)
-        return rows(preflight, sizes, 9, "position, velocity, density, pressure, volume, number", self.told_to_bodies)
+        sizes = self.list_size(self.start_lattice(preflight), preflight.arch, Momentum.row.size)
+        what = "position, velocity, density, pressure, volume, number"
+        return scheme_ledger(preflight, sizes, 9, what, self.told_to_bodies)
 
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> "Mueller":
         return Mueller(self, basin, accounts, wind)
@@ -113,7 +114,7 @@ class Density(Law):
     @ti.func
     def equation_of_state(self, density_sum):
         """k (rho - rho0) (2.15), of the sum without its prefactor, and no less than the minimum [Pa]."""
-        p = self.fluid.factors[SLOPE] * density_sum - self.fluid.factors[OFFSET]
+        p = self.fluid.factors[SLOPE_FACTOR] * density_sum - self.fluid.factors[OFFSET_FACTOR]
         if ti.static(self.clamped):
             p = tm.max(p, self.minimum)
         return p
@@ -124,7 +125,7 @@ class Density(Law):
         if ti.static(self.bodies):
             solid = self.solid.total(own, own)
             total += solid
-            fluid.steady(i, self.prefactor(own) * solid[self.terms.density] / fluid.rest_density)
+            fluid.damp_crowded(i, self.prefactor(own) * solid[self.terms.density] / fluid.rest_density)
         rho = self.prefactor(own) * total[self.terms.density]
         particles.density[i], particles.pressure[i] = rho, self.equation_of_state(total[self.terms.density])
         fluid.specific_volume[i] = 1.0 / rho
@@ -152,7 +153,7 @@ class Momentum(MomentumLaw):
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body has the rest density."""
-        other = self.continued(own, s, d, mirror)
+        other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
@@ -164,7 +165,7 @@ class Momentum(MomentumLaw):
     @ti.func
     def viscosity(self, v_ji):
         """mu v_ji (2.18), the Laplacian of the viscosity kernel over its constant and q, by the prefactor here."""
-        return self.fluid.factors[VISCOUS] * v_ji
+        return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func
     def pair(self, own, other):
@@ -177,7 +178,7 @@ class Momentum(MomentumLaw):
         if ti.static(self.fluid.viscous):
             rub = self.viscosity(v_ji)
         push = self.pressure(own[self.row.pressure], other[self.row.pressure], r, q) * x_ij
-        return self.added(q * other[self.row.volume], push, rub, rub)
+        return self.row_of_terms(q * other[self.row.volume], push, rub, rub)
 
 
 @in_kernels
@@ -189,7 +190,7 @@ class Mueller(PairSph):
     momentum: Momentum
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.sized(config.lattice(basin), arch(), Momentum.row.size)
+        sizes = config.list_size(config.lattice(basin), arch(), Momentum.row.size)
         super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
@@ -202,7 +203,7 @@ class Mueller(PairSph):
 
     @property
     def adjustable(self) -> dict[str, Setting]:
-        """What `adjust` takes, and its unit; without viscosity in the scene its term is not compiled."""
+        """Settings that `adjust` takes, with units; without viscosity in the scene its term is not compiled."""
         found = {"stiffness": Setting(self.stiffness, "m2/s2")}
         if self.viscous:
             found["kinematic_viscosity"] = Setting(self.kinematic_viscosity, "m2/s")
@@ -214,10 +215,10 @@ class Mueller(PairSph):
         self.stiffness = values.get("stiffness", self.stiffness)
         self.kinematic_viscosity = values.get("kinematic_viscosity", self.kinematic_viscosity)
         self.sound_speed = sqrt(self.stiffness)
-        self.factors[SLOPE] = real(self.density.constant) * real(self.stiffness)
-        self.factors[OFFSET] = real(particles.rest_density) * real(self.stiffness)
+        self.factors[SLOPE_FACTOR] = real(self.density.constant) * real(self.stiffness)
+        self.factors[OFFSET_FACTOR] = real(particles.rest_density) * real(self.stiffness)
         mu = particles.rest_density * self.kinematic_viscosity
-        self.factors[VISCOUS] = mu * particles.mass * self.smoothing.viscosity_constant / self.momentum.constant
+        self.factors[VISCOUS_FACTOR] = mu * particles.mass * self.smoothing.viscosity_constant / self.momentum.constant
 
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""

@@ -151,12 +151,12 @@ class Config(PeriodicConfig):
         return [f"render: stills at {times} s are never drawn: the run ends at {preflight.duration:g} s"]
 
     def film_pictures(self, duration: float, kept: float) -> int:
-        """How many pictures the film of a run of this duration [s] has that keeps a frame each `kept` [s]; 0 without a
+        """Number of pictures in the film of a run of this duration [s] that keeps a frame each `kept` [s]; 0 without a
         film."""
         return int(duration / max(self.every, kept) * (1.0 + 1e-9)) + 1 if self.film else 0
 
     def pictures(self, preflight: Preflight) -> int | None:
-        """How many the film of a run has; None where there is nothing to draw."""
+        """Number of pictures in the film of a run; None if there is nothing to draw."""
         frames = preflight.parts.get("frames")
         return self.film_pictures(preflight.duration, frames.every) if isinstance(frames, PeriodicConfig) else None
 
@@ -171,7 +171,7 @@ class Config(PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """What of DRAWS is drawn, as far as that is known without a frame."""
+        """Drawn scenery, a key of PROCESS_BYTES, as far as it is known without a frame."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -203,14 +203,14 @@ class Config(PeriodicConfig):
 
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
-    """What a config asks of the frames in a folder, by option of `render_run`: no picture of the film twice."""
+    """Options of `render_run` that a config sets for the frames in a folder: no picture of the film twice."""
     with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
 class Render(Concluding):
-    """Draws film.mp4 from what `frames` keeps while the run goes on, and preview.png and all else when it is over;
-    then the report is written again, with the pictures."""
+    """Draws film.mp4 from the frames while the run goes on, and preview.png and all else when it is over; then the
+    report is written again, with the pictures."""
 
     left_out = ("drawer", "progress", "every")  # of the process that goes on
 
@@ -264,7 +264,7 @@ class Render(Concluding):
 
 
 class Drawer:
-    """A child process that draws what is ordered, and the processes that it leads."""
+    """A child process that draws orders, and the processes that it leads."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """`goes_on`: the run still writes frames, until `finish` is called."""
@@ -314,7 +314,7 @@ class Drawer:
             self.stop()
 
     def stop(self) -> None:
-        """End the child and its encoder, and remove what they left unfinished."""
+        """End the child and its encoder, and remove their unfinished files."""
         child = self.child
         if child is not None:
             if child.returncode != 0:  # else it has ended what it led
@@ -338,7 +338,7 @@ def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subproc
 
 
 def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
-    """Why a process that draws has ended before it should."""
+    """Exception for a process that draws and has ended before it should."""
     if child.returncode < 0:
         opengl.forget()
         return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
@@ -368,25 +368,26 @@ def render_run(
 
 
 def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **asked: Any) -> Order:
-    """What to draw of a run into `out`, by default its own folder; `config_options` as in Order."""
+    """Order for pictures of a run into `out`, by default its own folder; `asked` as in Order."""
     by_turns = {"painters": painter_count(run_scene(folder).get("duration", 0.0) / every)}
     return Order(str(folder), str(out or folder), every=every, **by_turns | asked)
 
 
 def painter_count(pictures: float) -> int:
-    """How many processes draw a film of so many pictures by turns: one where it is short or there is but one core."""
+    """Number of processes that draw a film of so many pictures by turns: one if it is short or there is but one
+    core."""
     return min(MAX_PAINTERS, cores()) if pictures > SHORT_FILM else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
-    """Draw in a child process what is ordered; raises OpenGLMissing or RenderFailed."""
+    """Draw orders in a child process; raises OpenGLMissing or RenderFailed."""
     Drawer(orders, progress).finish()
 
 
 def obstacle_to_pictures(
     folder: Path, camera: CameraName, stills: Sequence[float], ship: str | None = None
 ) -> str | None:
-    """Why there is no picture from a camera, of a ship or at a time, or None."""
+    """Reason why no picture can be drawn from a camera, of a ship or at a time, or None."""
     files, ground = frame_files(folder), folder / "frames" / "grid.npz"
     if not files or not ground.is_file():
         return f"{folder} has no frames to draw; run with the observer `frames`"
@@ -409,7 +410,7 @@ def times_without_frame(files: Sequence[Path], stills: Sequence[float]) -> list[
 
 
 def no_picture_sentence(files: Sequence[Path], missing: Sequence[float]) -> str:
-    """Why there is no picture at the first of these times [s]."""
+    """Reason why there is no picture at the first of these times [s]."""
     start, end = FrameLog([files[0], files[-1]]).span
     return f"there is no picture at {missing[0]:g} s; the frames of this run reach from {start:g} to {end:g} s"
 
@@ -455,8 +456,8 @@ def still_name(time: float) -> str:
 
 
 def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]:
-    """Draw what is ordered; yields how many pictures of the film are drawn of how many, of 0 while that is unknown.
-    `over`: set when the run has written its last frame."""
+    """Draw an order; yields the number of drawn pictures of the film and their total, 0 while that is unknown. `over`:
+    set when the run has written its last frame."""
     out = Path(order.out)
     with ExitStack() as stack:
         turns_of_others = range(1, order.painters) if order.film else ()
@@ -491,7 +492,7 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
 
 
 def sample_files(files: list[Path]) -> list[Path]:
-    """Of many frames some sixty, from which a run is surveyed."""
+    """Some sixty of many frames, from which a run is surveyed."""
     return files[:: max(1, len(files) // 60)]
 
 
@@ -543,7 +544,7 @@ class Painter:
     a session of its own, and ends with this one."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """As `draw_order`; `turn`: which of the processes it is, counted from 0, this one."""
+        """Start a process as `draw_order` says; `turn`: its number among the processes, counted from 0, this one."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
         asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
@@ -554,7 +555,7 @@ class Painter:
             threading.Thread(target=self.tell, args=(over,), daemon=True).start()
 
     def tell(self, over: threading.Event) -> None:
-        """That the run is over, once it is."""
+        """Tell the process that the run is over, once it is."""
         over.wait()
         with suppress(OSError, ValueError):  # it has ended
             self.told.write(b"over\n")
@@ -646,7 +647,7 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
 
 
 def join_film(pictures: list[Path], path: Path, every: float) -> None:
-    """The same film of pictures that lie there as files, one for each `every` [s]."""
+    """Write a film of pictures that lie there as files, one for each `every` [s]."""
     import imageio.v2 as imageio
 
     with whole(path) as draft, film_writer(draft, every) as writer:
@@ -655,7 +656,7 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
 
 
 def film_writer(path: Path, every: float) -> Any:
-    """What takes the pictures of a film, one for each `every` [s]."""
+    """Writer of the pictures of a film, one for each `every` [s]."""
     import imageio.v2 as imageio
 
     return imageio.get_writer(
@@ -683,7 +684,7 @@ def hurry_when_over(over: threading.Event) -> None:
 
 
 def main() -> None:
-    """Draw what is asked in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
+    """Draw a request in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
     pictures of a film; the one with the first, 0, draws all else."""
     over = outlive_no_parent()
     asked = json.loads(sys.argv[1])

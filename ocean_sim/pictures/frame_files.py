@@ -81,12 +81,12 @@ class Frame:
 
     @property
     def place(self) -> np.ndarray:
-        """(3,) the origin of the heights, as a place at the height of the still water [m]."""
+        """Origin (3,) of the heights at the height of the still water [m]."""
         return np.insert(self.origin, 1, 0.0)
 
     @property
     def folds(self) -> bool:
-        """Whether the surface is more than a height above each point: some of its triangles do not face up."""
+        """True if the surface has more than one height above some point: not all of its triangles face up."""
         if self.mesh is None:
             return False
         a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
@@ -137,13 +137,13 @@ class FrameLog:
 
 
 def film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Which frame is nearest to each multiple of `every`."""
+    """Numbers of the frames nearest to each multiple of `every`."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
 
 
 def known_film_frames(times: np.ndarray, every: float) -> list[int]:
-    """As much of `film_frames` as no later frame can change."""
+    """The beginning of `film_frames` that no later frame can change."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 

@@ -1,4 +1,4 @@
-"""Composition of what a user wrote into one tree: a part, under the scene, under the profile, under `--set`.
+"""Composition of a user's layers into one tree: a part, under the scene, under the profile, under `--set`.
 
 A place is where a part stands: a slot, as `wind`, or one of several ships, as `ships.tug`.
 """
@@ -18,7 +18,7 @@ NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """The content of a slot: a kind or a preset, and what was written over it."""
+    """The content of a slot: a kind or a preset, and the keys written over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -28,13 +28,13 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """The preset or kind with what was written over it, at the line that names it and not in the preset's file."""
+        """The preset or kind with the keys written over it, at the line that names it and not in the preset's file."""
         return merged(self.base, self.own)
 
 
 @dataclass
 class Composition:
-    """The tree of a scene while layers are laid over it, and what was noticed on the way."""
+    """The tree of a scene while layers are laid over it, with the problems and notes found on the way."""
 
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
@@ -65,7 +65,7 @@ class Composition:
                 self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
-        """The place and node of each ship in a mapping of them; what is none is a problem."""
+        """The place and node of each ship in a mapping of them; any other value is a problem."""
         if node.data is None:
             return
         if not node.is_mapping:

@@ -54,7 +54,7 @@ class Key(NamedTuple):
 
     path: str
     takes: str
-    """A description of what may be written."""
+    """A description of the values that may be written."""
     unit: str
     """Unit as in `m/s`; empty for what is no quantity, `1` for a number without one."""
     default: str
@@ -111,7 +111,7 @@ def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iter
 
 
 def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
-    """A key, and what is inside its value."""
+    """A key, and the keys inside its value."""
     yield key_of_node(path, node, required)
     yield from keys_inside(path, node, within)
 

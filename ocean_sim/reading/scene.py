@@ -1,4 +1,4 @@
-"""A scene: what a user wrote, composed, checked and frozen."""
+"""A scene: the text of a user, composed, checked and frozen."""
 
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -79,7 +79,7 @@ class SceneConfig(Heading):
     runtime: RuntimeConfig
     observers: dict[str, ObserverConfig] = {}
     notes: list[str] = []
-    """Sentences for `run` and `check` on what composing the scene dropped or changed."""
+    """Sentences for `run` and `check` on keys that composing the scene dropped or changed."""
 
     _preflight: Preflight | None = PrivateAttr(None)
     _inputs: dict[str, str] = PrivateAttr({})
@@ -241,7 +241,7 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 
 def _override_node(key: str, value: Any) -> Node:
-    """A node of what `--set`, or Python, gives for a key."""
+    """A node of the value that `--set`, or Python, gives for a key."""
     shown = "" if isinstance(value, Node) else cut(in_yaml(value), MAX_VALUE_BYTES)
     return node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
 
@@ -401,7 +401,7 @@ def _missing_needs(
     data: dict[str, Node],
     root: Node,
 ) -> list[Problem]:
-    """Observers that lack what they observe; a part with problems counts as present."""
+    """Observers that lack a part they observe; a part with problems counts as present."""
     problems, there = [], {*observers, *parts, *wrong}
     for name, config in observers.items():
         absent = [need for need in config.needs if need not in there]

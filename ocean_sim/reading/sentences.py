@@ -30,7 +30,7 @@ def opening_sentence(docstring: str) -> str:
 
 
 def file_sentence(path: Path) -> str:
-    """The title in a file, or else what its first comment begins with."""
+    """The title in a file, or else the beginning of its first comment."""
     title = read(path).data.get("title")
     if title is not None and isinstance(title.data, str):
         return title.data

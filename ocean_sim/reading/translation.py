@@ -188,7 +188,7 @@ def translate_errors(error: ValidationError, model: type[BaseModel], root: Node,
 
 
 class _Found(NamedTuple):
-    """One pydantic error: where in the data it is, and what the schema of the model allows there."""
+    """One pydantic error: its place in the data, and the values that the schema of the model allows there."""
 
     kind: str
     message: str
@@ -262,7 +262,7 @@ def _is_meant(place: dict[str, Any], tag: str) -> bool:
 
 
 def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
-    """The schema of what stands under a key or an index."""
+    """The schema of the value under a key or an index."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})

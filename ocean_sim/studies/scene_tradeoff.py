@@ -88,7 +88,7 @@ class Setting:
     finest: bool
 
     def line(self) -> str:
-        """As options of `ocean-sim run SCENE`."""
+        """Options of `ocean-sim run SCENE` for this setting."""
         words = [f"--profile {self.values['profile']}"] if "profile" in self.values else []
         for key, value in self.values.items():
             if key != "profile":

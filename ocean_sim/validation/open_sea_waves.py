@@ -25,7 +25,7 @@ from ocean_sim.fluid import with_particles
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.fluid.patch.sea_patch import table_nodes
 from ocean_sim.fluid.patch.sources import Depths
-from ocean_sim.fluid.sph.initial_state import carried, of_patch
+from ocean_sim.fluid.sph.initial_state import displaced_state, patch_waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
 from ocean_sim.validation.shared.state import State, particle_state, sampled_states, set_state
@@ -159,7 +159,7 @@ def measure_packet(simulation: Simulation) -> Finding:
     share = np.exp(-0.5 * ((k / K - 1.0) / PACKET_SPREAD) ** 2)
     sea = waves.Components(PACKET_SLOPE / K * share / share.sum(), np.stack([k, 0.0 * k], axis=1), 0.0 * k, DEPTH, G)
     began = particle_state(simulation)
-    position, velocity, pressure = carried(sea, began.position, basin, water.rest_density)
+    position, velocity, pressure = displaced_state(sea, began.position, basin, water.rest_density)
     set_state(simulation, position, velocity, pressure)
     losses = water.config.losses(water.config.lattice(basin), sea)
     assert losses is not None
@@ -213,7 +213,7 @@ def random_problem() -> Problem:
 
 def measure_random(simulation: Simulation) -> Finding:
     """Heights in the free part over the second half of the run."""
-    sea = of_patch(simulation.basin, simulation.fluid.spacing)
+    sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH
     x = np.linspace(-half, half, 81)

@@ -1,4 +1,4 @@
-"""`ocean-sim check`: what a scene would take, before anything is allocated."""
+"""`ocean-sim check`: memory, time step and time of a scene, before anything is allocated."""
 
 from math import isinf
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""`ocean-sim explain`: one key of a scene: what it means, its unit, default and range, and how to set it."""
+"""`ocean-sim explain`: meaning, unit, default and range of a key of a scene, and how to set it."""
 
 import shlex
 from typing import Annotated, Any
@@ -82,7 +82,7 @@ def by_kind(word: str) -> str:
 
 
 def refusal_end(word: str) -> str:
-    """The end of a refusal: what the word most likely means, else where there is more."""
+    """The end of a refusal: the likeliest meaning of the word, else the place where there is more."""
     whole = {key.path for key in scene_keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
     end = keys_elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
@@ -90,7 +90,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """The likeliest of what lies beside a wrong one: the key `wind.u10` for `wind.speed`, the kind `wind.stress`."""
+    """The likeliest name beside a wrong one: the key `wind.u10` for `wind.speed`, the kind `wind.stress`."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()

@@ -45,7 +45,7 @@ def scripts_named(stem: str) -> str:
 
 
 def figure_order(name: str) -> tuple[list[int], str]:
-    """Sort key of a figure: chapter and number; what has none comes last."""
+    """Sort key of a figure: chapter and number; one without a number comes last."""
     return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
 
 

@@ -303,7 +303,7 @@ def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | 
 
 
 def stability_problems(stability: "Stability") -> list[str]:
-    """Why a ship would not stay as she is put into the water, in words."""
+    """Sentences on reasons why a ship would not stay as she is put into the water."""
     from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
 
     found = []

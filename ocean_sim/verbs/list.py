@@ -1,4 +1,4 @@
-"""`ocean-sim list`: what there is to choose from, each with one sentence; no kind is imported for it."""
+"""`ocean-sim list`: all names to choose from, each with one sentence; no kind is imported for it."""
 
 from typing import Annotated
 
@@ -42,7 +42,7 @@ def list_choices(
 
 
 def section_rows(section: str) -> list[dict[str, str]]:
-    """Name, what it is and a sentence, for everything in a section."""
+    """Name, class and sentence of every entry in a section."""
     if section == "scenes":
         folder = library("scenes")
         return [

@@ -111,7 +111,7 @@ def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[st
 
 
 def run_folders(stem: str) -> Iterator[Path]:
-    """Where the runs of a scene go, one after the other."""
+    """Folders for the runs of a scene, one after the other."""
     return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 

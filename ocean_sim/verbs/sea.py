@@ -27,7 +27,7 @@ def sea(
     until: Annotated[float | None, typer.Option(min=0.001, help="Its end [s]; by default that of the scene.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Write the files that are asked for, and say what is in them."""
+    """Write the files that are asked for, and describe their content."""
     if swd is None and openfast is None:
         raise Refused("name a file to write: --swd FILE, --openfast FILE")
     point = number_list("--at", at)

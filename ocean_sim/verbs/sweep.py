@@ -29,7 +29,7 @@ def sweep(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Run what a plan asks for and has not been run yet; the table is whole after every run."""
+    """Run all that a plan asks for and that has not been run yet; the table is whole after every run."""
     at_once = workers or cores()
     runs = read_plan(plan, max(1, cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
@@ -43,7 +43,7 @@ def sweep(
 
 
 def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
-    """The table for people: what was set, and how it went."""
+    """Print the settings and outcome of each run."""
     names = ["run", *keys, *FACT_COLUMNS]
     console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 

@@ -250,7 +250,7 @@ def sampling_facts(errors: list[float]) -> list[str]:
 
 
 def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
-    """Sentences on what a record is too short for."""
+    """Sentences on measures for which a record is too short."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
             return [f"the record holds no wave that goes {treatment.hysteresis:g} m below and above zero"]

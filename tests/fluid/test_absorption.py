@@ -9,7 +9,7 @@ from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.bodies.walls import Zone, zones
 from ocean_sim.fluid.delta_sph import Config
-from ocean_sim.fluid.sph.initial_state import fitted
+from ocean_sim.fluid.sph.initial_state import fitted_waves
 from ocean_sim.reading.scene import load
 from ocean_sim.waves.absorption import DAMPING_POWER
 from tests.fluid.conftest import put
@@ -171,7 +171,7 @@ def amplitude(again, target: dict | None, ahead: float = 0.0) -> complex:
     put(fluid, x, v)
     while fluid.time < 2.0 * PERIOD:
         fluid.advance(0.8 * fluid.limits().acoustic)
-    sea = fitted(rough, fluid.grid.basin)
+    sea = fitted_waves(rough, fluid.grid.basin)
     x, v = fluid.particles.position.to_numpy(), fluid.particles.velocity.to_numpy()
     now, late = (waves.linear_velocity(sea, x, t) for t in (fluid.time, fluid.time - 0.25 * PERIOD))
     return complex((v * now).sum() / (now * now).sum(), (v * late).sum() / (late * late).sum())

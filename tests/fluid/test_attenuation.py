@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ocean_sim
-from ocean_sim.fluid.sph.initial_state import of_patch
+from ocean_sim.fluid.sph.initial_state import patch_waves
 from ocean_sim.validation import problems
 
 QUIET = {"accuracy": None, "health": None, "timings": None}
@@ -91,7 +91,7 @@ def test_waves_too_short_to_be_carried_are_left_out_and_told(cut_off, spacing, w
         "fluid": {"kind": "delta_sph", "spacing": spacing},
     }
     config = ocean_sim.load(scene, QUIET)
-    sea = of_patch(config.preflight.tank, spacing)
+    sea = patch_waves(config.preflight.tank, spacing)
     assert (2.0 * np.pi / sea.wavenumber).min() > 0.999 * 10.0 * spacing
     part = (sea.significant_height / 0.8) ** 2
     for said, expected in ((config.fluid.warnings, warned), (config.fluid.statements, stated)):

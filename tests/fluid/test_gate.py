@@ -10,7 +10,7 @@ from ocean_sim import load
 from ocean_sim.__main__ import answered
 from ocean_sim.basin.motion import Gate
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.fluid.bodies.boundary import MOTION
+from ocean_sim.fluid.bodies.boundary import MOTION_COLUMNS
 from ocean_sim.observers.shared.checks import distance_outside
 from ocean_sim.reading.scene import SceneError
 from ocean_sim.simulation import Simulation
@@ -129,7 +129,7 @@ def test_it_runs_out_below_a_gate_that_is_lifted_and_freely_once_that_has_left(c
         while fluid.time < START + 0.17:
             fluid.advance(0.001)
             times.append(fluid.time - START)
-            seen.append(body.motion[0, MOTION.position : MOTION.position + 3] - middle)
+            seen.append(body.motion[0, MOTION_COLUMNS.position : MOTION_COLUMNS.position + 3] - middle)
         t, seen = np.maximum(times, 0.0), np.array(seen)
         np.testing.assert_allclose(seen, np.stack([0.0 * t, t + t * t, 0.0 * t], axis=1), atol=1e-12)
         assert 0.19 < seen[-1, 1] < 0.21 and body.speed == pytest.approx(1.0 + 2.0 * t[-1])

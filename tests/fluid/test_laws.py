@@ -53,7 +53,7 @@ def test_the_smallest_law_of_the_docs_counts_what_the_density_is_made_of(water):
     spec.loader.exec_module(module)
     fluid = water("mueller", basin=BOX | {"width": None, "obstacles": []}, spacing=0.1)
     law = module.NumberDensity(fluid)
-    law.find_areas()
+    law.find()
     np.testing.assert_allclose(
         fluid.particles.mass * law.found.to_numpy(), fluid.particles.density.to_numpy(), rtol=1e-12
     )

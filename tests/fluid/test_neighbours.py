@@ -8,7 +8,7 @@ import pytest
 from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
-from ocean_sim.fluid.neighbours.grid import STATE
+from ocean_sim.fluid.neighbours.grid import STATE_COLUMNS
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.particles import PAGE_BYTES
 from ocean_sim.kernel_library import ti
@@ -167,7 +167,11 @@ def test_what_fields_have_of_a_particle_lies_in_lines_of_the_cache_that_do_not_c
         basin=basin, spacing=0.1, fill=[{"min": [-0.05 * along, -0.1 * n / along], "max": [0.05 * along, 0.0]}]
     )
     assert fluid.particles.n == n
-    for together in (fluid.grid.state[: STATE.id], fluid.grid.moved[: STATE.id], fluid.neighbours.scratch):
+    for together in (
+        fluid.grid.state[: STATE_COLUMNS.id],
+        fluid.grid.moved[: STATE_COLUMNS.id],
+        fluid.neighbours.scratch,
+    ):
         lines = {address(field) % PAGE_BYTES // 64 for field in together}
         assert len(lines) == len(together)
 
@@ -204,7 +208,7 @@ def test_sorting_in_chunks_gives_the_same_order(water, ratio, halves):
     assert fluid.grid.chunks > 1 and fluid.grid.halves == halves
     x = np.random.default_rng(5).uniform(-1.4, 1.4, (fluid.particles.n, 3)) * [1.0, 0.6, 1.0]
     put(fluid, x)
-    along = (x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner])
+    along = (x - np.array(fluid.grid.lower)) / np.array([w for _, w in fluid.grid.size.inner_cells])
     place = np.floor(along).astype(int) + 1
     cell = (place[:, 2] * fluid.grid.cells[1] + place[:, 1]) * fluid.grid.cells[0] + place[:, 0]
     half = (halves * (along % 1.0)).astype(int)

@@ -16,7 +16,7 @@ from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, relaxation_ban
 from ocean_sim.fluid.patch.sea_patch import table_nodes
 from ocean_sim.fluid.patch.sources import Depths, PlaneWaveSource, SteepSource
 from ocean_sim.fluid.sph import initial_state
-from ocean_sim.fluid.sph.initial_state import of_patch
+from ocean_sim.fluid.sph.initial_state import patch_waves
 from ocean_sim.kernel_library import ti
 from ocean_sim.observers.shared.energy import kinetic_energy, total_energy
 from ocean_sim.reading.scene import load
@@ -68,7 +68,7 @@ def test_the_table_holds_the_velocity_of_a_spread_sea_below_the_still_level():
         points = random.uniform([-3.0, -1.0, -2.0], [3.0, 0.0, 2.0], (200, 3)).astype(np.float32)
         values = np.zeros((200, 6), dtype=np.float32)
         read(table, points, values)
-    sea = of_patch(scene.preflight.tank, 0.25)
+    sea = patch_waves(scene.preflight.tank, 0.25)
     right = waves.linear_velocity(sea, points.astype(float), time)
     assert np.abs(values[:, :3] - right).max() < 0.02 * np.abs(right).max()
     assert np.sqrt(((values[:, :3] - right) ** 2).mean()) < 0.005 * np.sqrt((right**2).mean())
@@ -213,7 +213,7 @@ def test_a_coarse_random_sea_keeps_its_energy_for_a_minute():
 def test_waves_are_fitted_to_the_patch_and_statements_say_so():
     sea = REGULAR | {"period": 1.04 * PERIOD}
     scene = patch(sea)
-    found = of_patch(scene.preflight.tank, 0.1)
+    found = patch_waves(scene.preflight.tank, 0.1)
     assert found.wavelength == pytest.approx(LENGTH)
     said = " ".join(scene.fluid.statements(scene.preflight))
     assert "fitted to the patch" in said and f"{PERIOD:.4g} s" in said and "heading" not in said

@@ -27,9 +27,9 @@ def placed(name):
     hull = hull_of(name)
     vertices, triangles = drawn_mesh(hull.shape)
     centre = np.array(hull.centre_of_mass)
-    still = hull.afloat(8.0, 1000.0, 9.81)
+    still = hull.in_still_water(8.0, 1000.0, 9.81)
     helm = NOWHERE if HULLS[name] is None else np.array(HULLS[name]) - centre
-    return vertices - centre, triangles, still.wanted / still.voxels.volume, helm
+    return vertices - centre, triangles, still.needed_volume / still.voxels.volume, helm
 
 
 @pytest.fixture(scope="module", params=HULLS)

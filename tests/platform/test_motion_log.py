@@ -171,7 +171,7 @@ def test_a_worked_specific_force_as_the_log_tells_it(frame, felt):
     observer.signs = conventions.to_frame(frame, np.eye(3)).sum(axis=1)
     body = Attitude(np.zeros((4, 1)), turn[..., None], (turn @ rate)[:, None])
     rest = np.zeros((1, 2 + 6 * len(PARTS)))  # no orders, no load
-    [values] = observer.values(body, (turn @ acceleration)[:, None], (turn @ change)[:, None], rest)
+    [values] = observer.load_table(body, (turn @ acceleration)[:, None], (turn @ change)[:, None], rest)
     row = dict(zip(logged(PARTS)[-len(values) :], values))
     np.testing.assert_allclose([row[name] for name in FORCE_COLUMNS], felt, rtol=0.0, atol=1e-6)
 

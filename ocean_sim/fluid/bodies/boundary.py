@@ -29,8 +29,8 @@ from numpy.typing import ArrayLike
 from ocean_sim.basin.motion import Gate
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.images import SIGN, flipped, turned
-from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_direction, mirror_velocity
+from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.sph.body_force import Pull
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.law import Law
@@ -39,7 +39,9 @@ from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels
 
-MOTION = Columns(position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1)
+MOTION_COLUMNS = Columns(
+    position=3, rotation=9, velocity=3, angular_velocity=3, acceleration=3, angular_acceleration=3, gone=1
+)
 NO_ROTATION = np.eye(3)
 ZERO_VECTOR = np.zeros(3)
 
@@ -160,7 +162,7 @@ class Boundary:
         plan = grid.size.plan
         self.block, self.stride = plan.samples, plan.stride
         self.blocks = -(-n // self.block)
-        self.motion = np.zeros((len(bodies), MOTION.size))  # where they are and how they move
+        self.motion = np.zeros((len(bodies), MOTION_COLUMNS.size))  # where they are and how they move
         self.moved = True  # whether they have, since they were sorted
         self.gates = [(k, body.gate) for k, body in enumerate(bodies) if body.gate is not None]
         self.moving, self.working = bool(self.gates), accounts and any_moves(bodies)
@@ -185,8 +187,8 @@ class Boundary:
         self.share, self.free, self.name = ti.field(float, shape=n), ti.field(int, shape=n), ti.field(int, shape=n)
         self.start = ti.field(int, shape=self.grid.cell_count + 1)
         self.box = ti.field(float, shape=(len(bodies), 2, 3))  # half the size of each body and its middle [m]
-        self.around = Around(self.position, self.grid, self.start)
-        self.water = Around(particles.position, self.grid)
+        self.around = PointSum(self.position, self.grid, self.start)
+        self.water = PointSum(particles.position, self.grid)
         unit = particles.mass / particles.rest_density
         self.volume = Volume(self, smoothing, unit)
         self.local.from_numpy(np.concatenate([body.position for body in bodies]))
@@ -207,8 +209,8 @@ class Boundary:
         for k, gate in self.gates:
             moved = gate.at(time)
             if moved is None:
-                self.moved = self.moved or not self.motion[k, MOTION.gone]
-                self.motion[k, MOTION.gone] = 1.0
+                self.moved = self.moved or not self.motion[k, MOTION_COLUMNS.gone]
+                self.motion[k, MOTION_COLUMNS.gone] = 1.0
             else:
                 self.speed = max(self.speed, float(np.linalg.norm(moved.velocity)))
                 self.place(
@@ -229,7 +231,7 @@ class Boundary:
         tank; it moves with `velocity` [m/s], `angular_velocity` [rad/s] and their rates. The next step takes it over:
         say where it is when that step ends."""
         rates = (velocity, angular_velocity, acceleration, angular_acceleration)
-        row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION has them
+        row = np.concatenate([position, np.ravel(rotation), *rates, [0.0]])  # as MOTION_COLUMNS has them
         self.moved = self.moved or bool((row != self.motion[body]).any())
         self.motion[body] = row
 
@@ -252,7 +254,7 @@ class Boundary:
                 self.turn_arm(s, motion)
                 c = self.grid.cell_at(self.grid.indices_at(self.sample_position(s, motion)))
                 if ti.static(self.moving):
-                    if motion[self.owner[s], MOTION.gone] > 0.0:
+                    if motion[self.owner[s], MOTION_COLUMNS.gone] > 0.0:
                         c = self.grid.cell_count  # after all cells
                         store(self.force, s, tm.vec3(0.0))
                 self.cell[s], self.start[c] = c, self.start[c] + 1
@@ -266,9 +268,9 @@ class Boundary:
             for b, k in ti.ndrange(motion.shape[0], 3):
                 up, low = self.box[b, 0, k], self.box[b, 1, k]
                 self.box[b, 0, k] = 0.5 * (up - low) + self.grid.support
-                self.box[b, 1, k] = ti.cast(motion[b, MOTION.position + k], float) + 0.5 * (up + low)
+                self.box[b, 1, k] = ti.cast(motion[b, MOTION_COLUMNS.position + k], float) + 0.5 * (up + low)
                 if ti.static(self.moving):
-                    if motion[b, MOTION.gone] > 0.0:
+                    if motion[b, MOTION_COLUMNS.gone] > 0.0:
                         self.box[b, 0, k] = -tm.inf  # near nothing
 
     @ti.func
@@ -276,7 +278,7 @@ class Boundary:
         """Turn the arm of sample s with its body."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
-            along = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(local), float)
+            along = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
             arm[s] = along
             self.box[b, 0, k] = tm.max(self.box[b, 0, k], along)
             self.box[b, 1, k] = tm.min(self.box[b, 1, k], along)
@@ -284,22 +286,26 @@ class Boundary:
     @ti.func
     def sample_position(self, s, motion: Template):
         """Position of sample s [m], once its arm is turned."""
-        return self.grid.wrapped(ti.cast(three(motion, self.owner[s], MOTION.position) + vector(self.arm, s), float))
+        return self.grid.wrap_position(
+            ti.cast(three(motion, self.owner[s], MOTION_COLUMNS.position) + vector(self.arm, s), float)
+        )
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
         """Put sample s where it belongs in the order of the cells."""
         b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
-        spin = three(motion, b, MOTION.angular_velocity)
+        spin = three(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
-        v = three(motion, b, MOTION.velocity) + swept
-        a = three(motion, b, MOTION.acceleration) + three(motion, b, MOTION.angular_acceleration).cross(arm)
+        v = three(motion, b, MOTION_COLUMNS.velocity) + swept
+        a = three(motion, b, MOTION_COLUMNS.acceleration) + three(motion, b, MOTION_COLUMNS.angular_acceleration).cross(
+            arm
+        )
         a += spin.cross(swept)
         store(self.position, to, x)
         store(self.velocity, to, v)
         store(self.acceleration, to, a)
         for k, normal in ti.static(enumerate(self.normal)):
-            normal[to] = ti.cast(three(motion, b, MOTION.rotation + 3 * k).dot(facing), float)
+            normal[to] = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(facing), float)
         self.share[to], self.free[to], self.name[to] = self.shares[s], self.slips[s], s
 
     @ti.func
@@ -320,13 +326,16 @@ class Boundary:
     def head(self, x, a, s, d, mirror):
         """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
         mirror."""
-        n, a_s = flipped(mirror, vector(self.normal, s)), flipped(mirror, vector(self.acceleration, s))
+        n, a_s = (
+            mirror_direction(mirror, vector(self.normal, s)),
+            mirror_direction(mirror, vector(self.acceleration, s)),
+        )
         return (self.pull.at_rest(x + 0.5 * d) - a).dot(d) + (a - a_s).dot(n) * n.dot(d)
 
     @ti.func
     def mirrored_velocity(self, s, mirror):
         """Velocity of sample s [m/s] in a mirror."""
-        return turned(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
+        return mirror_velocity(mirror, tm.vec3(self.velocity.x[s], self.velocity.y[s], self.velocity.z[s]))
 
     @ti.func
     def opposed_velocity(self, v, s, mirror):
@@ -468,11 +477,11 @@ class Reaction:
     def term(self, own, j, d, mirror):
         law = self.law
         here = ti.Vector([field[j] for field in ti.static(self.told)])
-        away = tm.vec3([-mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+        away = tm.vec3([-mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])
         push = self.boundary.particle_equivalent(own) * law.pair(here, law.sample(here, own, away, mirror))
         total = ti.Vector.zero(float, self.sums)
         for first, acceleration in ti.static(enumerate(self.forces)):
             force = -self.mass * acceleration(here, push)
             for k in ti.static(range(3)):
-                total[3 * first + k] = ti.select(mirror[SIGN, k] > 0.0, force[k], 0.0)
+                total[3 * first + k] = ti.select(mirror[POSITION_SIGN, k] > 0.0, force[k], 0.0)
         return total

@@ -11,7 +11,7 @@ from typing import Any
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.neighbours.backend_plan import Walk
-from ocean_sim.fluid.neighbours.images import SIGN, mirrored
+from ocean_sim.fluid.neighbours.images import POSITION_SIGN, mirror_position
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.particles import Components
@@ -152,7 +152,7 @@ class Bend(Law):
     def __init__(self, exposure: Exposure) -> None:
         self.particles, self.smoothing = exposure.particles, exposure.smoothing
         self.reads = (*exposure.reads, *exposure.surface)
-        self.skin = Stencil(exposure.smoothing, exposure.particles.spacing).skin
+        self.skin = Stencil(exposure.smoothing, exposure.particles.spacing).skin_depth
         self.bend = Components(exposure.particles.n)  # by the number of the particle
 
     @ti.func
@@ -164,11 +164,11 @@ class Bend(Law):
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its slope across the side turned round."""
-        x, image = mirrored(mirror, vec3(other, self.row.position)), other
+        x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
-        image[self.row.slope] *= mirror[SIGN, 0]
-        image[self.row.slope + 1] *= mirror[SIGN, 2]
+        image[self.row.slope] *= mirror[POSITION_SIGN, 0]
+        image[self.row.slope + 1] *= mirror[POSITION_SIGN, 2]
         return image
 
     @ti.func

@@ -10,9 +10,9 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.basin import OPEN, Basin, Side
-from ocean_sim.fluid.neighbours.images import SIDE, Images
+from ocean_sim.fluid.neighbours.images import SIDE_COLUMNS, Images
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
-from ocean_sim.fluid.sph.initial_state import Initial, borne, fitted
+from ocean_sim.fluid.sph.initial_state import Initial, bearable_waves, fitted_waves
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.water_keys import free_fall_speed
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
@@ -111,8 +111,8 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
     if target is not None and target.waves is not None:
         given = target.waves.sea(basin)
         if target.waves.spectrum is not None:
-            given = borne(given, target.waves.spectrum.significant_wave_height, MIN_WAVE_SPACINGS * spacing)
-        given = fitted(given, basin)
+            given = bearable_waves(given, target.waves.spectrum.significant_wave_height, MIN_WAVE_SPACINGS * spacing)
+        given = fitted_waves(given, basin)
     sea, size = given or of_scene, basin.upper[axis] - basin.lower[axis]
     length, rate = UNKNOWN_PART * size, UNKNOWN_RATE * free_fall_speed(basin) / basin.depth
     if sea is not None:
@@ -209,11 +209,11 @@ class Walls:
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
                 if ti.static(axis == k):
-                    wall = 0.5 * self.images.side[s, SIDE.twice_velocity + axis]
+                    wall = 0.5 * self.images.side[s, SIDE_COLUMNS.twice_velocity + axis]
                     if ti.static(upper):
-                        up = self.images.side[s, SIDE.position] - self.gap
+                        up = self.images.side[s, SIDE_COLUMNS.position] - self.gap
                     else:
-                        low = self.images.side[s, SIDE.position] + self.gap
+                        low = self.images.side[s, SIDE_COLUMNS.position] + self.gap
             inside = tm.clamp(x[k], low, up)
             if inside != x[k]:
                 v = self.reflect(v, k, wall, ti.select(x[k] > inside, 1.0, -1.0))

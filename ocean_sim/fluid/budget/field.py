@@ -14,8 +14,8 @@ import numpy as np
 from ocean_sim.basin import OPEN
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.images import halfway, hydrostatic_offset, turned
-from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_velocity
+from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.sph.body_force import Pull
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.fluid.sph.smoothing import Smoothing
@@ -25,20 +25,20 @@ from ocean_sim.runtime import Array, Array2, in_kernels
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.bodies.boundary import Boundary
 
-MOMENTS = Columns(share=1, first=3, xx=1, yy=1, zz=1, xy=1, yz=1, zx=1)
-FACTOR = Columns(constant=1, slope=3)
-WET = 0.5  # smoothed share of water at a flat surface
-REACH = 2.0  # how far outside its neighbours a point is extrapolated to [standard deviations of their positions]
-FLAT = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, along which alone there is a slope
-PROBES = 4  # a support is searched in so many steps
-HALVINGS = 4
+MOMENT_COLUMNS = Columns(share=1, first=3, xx=1, yy=1, zz=1, xy=1, yz=1, zx=1)
+FACTOR_COLUMNS = Columns(constant=1, slope=3)
+WET_SHARE = 0.5  # smoothed share of water at a flat surface
+MAX_EXTRAPOLATION = 2.0  # [standard deviations of neighbours' positions] distance of a point outside its neighbours
+MIN_SPREAD = 1.0e-6  # [supports^2] least spread of neighbours; less is a plane or a line, with a slope along it alone
+STEPS_PER_SUPPORT = 4  # a support is searched in so many steps
+SURFACE_HALVINGS = 4
 
 
 @in_kernels
 class Spread:
-    """How much water there is around a point, and how it is spread: share, first and second moments."""
+    """Share of water around a point, and its first and second moments."""
 
-    sums = MOMENTS.size
+    sums = MOMENT_COLUMNS.size
 
     def __init__(self, field: "Field") -> None:
         self.field = field
@@ -63,9 +63,9 @@ class DynamicPressure:
         particles, p = self.field.particles, self.field.particles.position
         weight = self.field.weight(d) * self.field.factor(own, d)
         x = tm.vec3(p.x[j], p.y[j], p.z[j])
-        unsteady = self.field.unsteady(halfway(mirror, x))
+        unsteady = self.field.unsteady_pull(mirror_midpoint(mirror, x))
         driven = ti.static(particles.rest_density) * hydrostatic_offset(mirror, x, unsteady)
-        return ti.Vector([weight * (particles.pressure[j] - self.field.still(x) + driven)])
+        return ti.Vector([weight * (particles.pressure[j] - self.field.still_pressure(x) + driven)])
 
 
 @in_kernels
@@ -80,7 +80,9 @@ class Velocity:
     @ti.func
     def term(self, own, j, d, mirror):
         v = self.field.particles.velocity
-        return self.field.weight(d) * self.field.factor(own, d) * turned(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
+        return (
+            self.field.weight(d) * self.field.factor(own, d) * mirror_velocity(mirror, tm.vec3(v.x[j], v.y[j], v.z[j]))
+        )
 
 
 @in_kernels
@@ -104,7 +106,7 @@ class Field:
             self.pull, self.moving = pull, pull.moving
         if boundary is not None:
             self.boundary = boundary
-        self.around = Around(particles.position, grid)
+        self.around = PointSum(particles.position, grid)
         self.volume = particles.mass / particles.rest_density
         held = [0.0 if period > 0.0 else g for g, period in zip(gravity, grid.basin.periods, strict=True)]
         self.held, self.head = tm.vec3(held), tm.vec3([particles.rest_density * g for g in held])  # [m/s2], [Pa/m]
@@ -116,61 +118,61 @@ class Field:
         return self.volume * self.smoothing.W_poly6(d.dot(d))
 
     @ti.func
-    def still(self, x):
+    def still_pressure(self, x):
         """Pressure of still water at x, but for a constant [Pa]."""
         return self.head.dot(x)
 
     @ti.func
-    def unsteady(self, x):
-        """What the motion of the tank adds to gravity for water at rest at x [m/s2]."""
+    def unsteady_pull(self, x):
+        """Acceleration beyond gravity of water at rest at x in a moving tank [m/s2]."""
         pull = tm.vec3(0.0)
         if ti.static(self.moving):
             pull = self.pull.at_rest(x) - self.held
         return pull
 
     @ti.func
-    def wet(self, x, share):
-        """Whether the water's share of what is not solid around x is at least one half."""
-        least = WET
+    def is_wet(self, x, share):
+        """True if water fills at least half of the space around x that is not solid."""
+        least = WET_SHARE
         if ti.static(self.bodies):
             least *= 1.0 - self.boundary.solid(x)
         return share >= least
 
     @ti.func
     def factor(self, own, d):
-        """What a neighbour counts besides its weight; linear in its position."""
-        return own[FACTOR.constant] - vec3(own, FACTOR.slope).dot(d / self.smoothing.support)
+        """Factor of a neighbour besides its weight; linear in its position."""
+        return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
-    def fitted(self, x):
+    def fit_plane(self, x):
         """Share of water around x, and constant and slope of the factor that makes a sum the value at x of a plane
         through the neighbours; its slope is lowered where x lies far outside them."""
         m = self.around.total(x, self.spread, 0.0)
-        share = tm.max(m[MOMENTS.share], 1.0e-12)
-        mean = vec3(m, MOMENTS.first) / share
-        xx, xy = m[MOMENTS.xx] / share - mean.x**2, m[MOMENTS.xy] / share - mean.x * mean.y
-        yy, yz = m[MOMENTS.yy] / share - mean.y**2, m[MOMENTS.yz] / share - mean.y * mean.z
-        zz, zx = m[MOMENTS.zz] / share - mean.z**2, m[MOMENTS.zx] / share - mean.z * mean.x
-        spread = tm.mat3([xx + FLAT, xy, zx], [xy, yy + FLAT, yz], [zx, yz, zz + FLAT])
+        share = tm.max(m[MOMENT_COLUMNS.share], 1.0e-12)
+        mean = vec3(m, MOMENT_COLUMNS.first) / share
+        xx, xy = m[MOMENT_COLUMNS.xx] / share - mean.x**2, m[MOMENT_COLUMNS.xy] / share - mean.x * mean.y
+        yy, yz = m[MOMENT_COLUMNS.yy] / share - mean.y**2, m[MOMENT_COLUMNS.yz] / share - mean.y * mean.z
+        zz, zx = m[MOMENT_COLUMNS.zz] / share - mean.z**2, m[MOMENT_COLUMNS.zx] / share - mean.z * mean.x
+        spread = tm.mat3([xx + MIN_SPREAD, xy, zx], [xy, yy + MIN_SPREAD, yz], [zx, yz, zz + MIN_SPREAD])
         slope = spread.inverse() @ mean
-        slope *= tm.min(1.0, REACH / ti.sqrt(tm.max(mean.dot(slope), 1.0e-12)))
-        return m[MOMENTS.share], ti.Vector([1.0 + slope.dot(mean), slope.x, slope.y, slope.z]) / share
+        slope *= tm.min(1.0, MAX_EXTRAPOLATION / ti.sqrt(tm.max(mean.dot(slope), 1.0e-12)))
+        return m[MOMENT_COLUMNS.share], ti.Vector([1.0 + slope.dot(mean), slope.x, slope.y, slope.z]) / share
 
     @ti.func
     def pressure(self, x):
-        """At x [Pa]; 0 where it is dry."""
-        share, factors = self.fitted(x)
+        """Pressure at x [Pa]; 0 where it is dry."""
+        share, factors = self.fit_plane(x)
         pressure = 0.0
-        if self.wet(x, share):
-            pressure = self.around.total(x, self.dynamic_pressure, factors)[0] + self.still(x)
+        if self.is_wet(x, share):
+            pressure = self.around.total(x, self.dynamic_pressure, factors)[0] + self.still_pressure(x)
         return pressure
 
     @ti.func
     def velocity(self, x):
-        """At x [m/s]; 0 where it is dry."""
-        share, factors = self.fitted(x)
+        """Velocity at x [m/s]; 0 where it is dry."""
+        share, factors = self.fit_plane(x)
         velocity = tm.vec3(0.0)
-        if self.wet(x, share):
+        if self.is_wet(x, share):
             velocity = self.around.total(x, self.motion, factors)
         return velocity
 
@@ -222,7 +224,7 @@ class FreeSurface:
 
     def __init__(self, particles: Particles, grid: Grid, smoothing: Smoothing) -> None:
         self.particles, self.grid, self.smoothing = particles, grid, smoothing
-        self.around = Around(particles.position, grid)
+        self.around = PointSum(particles.position, grid)
         self.share = Share(smoothing, particles.mass / particles.rest_density)
         basin = grid.basin
         self.bed = basin.lower[1]
@@ -233,14 +235,14 @@ class FreeSurface:
         """A height above which no particle reaches the vertical through x, z, or that of the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
-        home = grid.indices_at(grid.wrapped(tm.vec3(x, self.bed, z)))
+        home = grid.indices_at(grid.wrap_position(tm.vec3(x, self.bed, z)))
         top = self.bed
         for dz in range(-1, 2):
             for dx in range(-1, 2):
                 found = 0
                 for down in range(grid.cells[1] - 2):
                     there = tm.ivec3(home.x + dx, grid.cells[1] - 2 - down, home.z + dz)
-                    c = grid.cell_at(self.around.home(there)[0])
+                    c = grid.cell_at(self.around.periodic_home(there)[0])
                     if (found == 0 or down < grid.sky) and grid.start[c + 1] > grid.start[c]:
                         found = 1
                         for j in range(grid.start[c], grid.start[c + 1]):
@@ -252,8 +254,8 @@ class FreeSurface:
         """Search down from above in steps, then halve the step that holds the surface, then interpolate in it [m]."""
         high = self.ceiling(x, z)
         low, share_low, share_high, halvings = high, 0.0, 0.0, 0
-        while halvings <= HALVINGS and high > self.bed:
-            y = ti.select(halvings > 0, 0.5 * (low + high), high - self.smoothing.support / PROBES)
+        while halvings <= SURFACE_HALVINGS and high > self.bed:
+            y = ti.select(halvings > 0, 0.5 * (low + high), high - self.smoothing.support / STEPS_PER_SUPPORT)
             share = self.around.total(tm.vec3(x, y, z), self.share, 0.0)[0]
             if share >= 0.5:
                 low, share_low = y, share

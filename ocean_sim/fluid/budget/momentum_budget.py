@@ -1,4 +1,5 @@
-"""What a step did, counted per group of cells and added in their order: extremes, and the impulse of every term."""
+"""Budget of a step: extremes, and the impulse of every term, counted per group of cells and added in the order of
+groups; and sums over all particles."""
 
 from math import isfinite
 
@@ -9,37 +10,37 @@ from ocean_sim.columns import Columns
 from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Status, Totals
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.thread_tasks import LINE, TASK
+from ocean_sim.fluid.neighbours.thread_tasks import ROW_PADDING, TASK_ITERATIONS
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Doubles2, Doubles3, Template, alone, in_kernels
 
-TERMS = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
-PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERMS))
-SUMMARY = 7  # numbers that a step reports
-WORK = 3  # number of a column, behind the impulse
-DENSE = 1.0e30  # [kg/m3] more than any density
-BLOCKS = 16
-SUMS = Columns(density=1, compression=1, deficit=1, squared_speed=1, position=3, velocity=3, turning=3)
-MOST = Columns(compression=1, low=3, high=3)  # behind the sums; `low` is the highest of what is below 0
-FAR = 1.0e30  # [m]
+TERM_NAMES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
+PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERM_NAMES))
+SUMMARY_SIZE = 7  # numbers that a step reports
+WORK_COLUMN = 3  # number of a column, behind the impulse
+UNREACHABLE_DENSITY = 1.0e30  # [kg/m3] more than any density
+SUM_BLOCKS = 16
+SUM_COLUMNS = Columns(density=1, compression=1, deficit=1, squared_speed=1, position=3, velocity=3, turning=3)
+MAX_COLUMNS = Columns(compression=1, low=3, high=3)  # behind the sums; `low` is the highest of what is below 0
+FAR_COORDINATE = 1.0e30  # [m]
 
 
-def absent(basin: Basin) -> tuple[int, ...]:
+def absent_terms(basin: Basin) -> tuple[int, ...]:
     """The terms that water in a basin has not."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
-def pushing(absent: tuple[int, ...]) -> tuple[int, ...]:
+def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
     """The terms that give impulses, but for those that are absent: diffusion moves nothing."""
-    return tuple(term for term in range(len(TERMS)) if term not in (*absent, DIFFUSION))
+    return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, DIFFUSION))
 
 
 @in_kernels
 class Accounts:
     """Each group of cells writes its own row, so nothing depends on the order of threads."""
 
-    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = LINE) -> None:
+    def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
         """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
         scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
         them."""
@@ -49,14 +50,14 @@ class Accounts:
         self.speed2, self.acceleration2, self.sum = (ti.field(float, shape=(groups, apart)) for _ in range(3))
         self.thin, self.dense = (ti.field(float, shape=(groups, apart)) for _ in range(2))
         if impulses:
-            self.terms = tuple(term for term in range(len(TERMS)) if term not in absent)
-            self.pushing = pushing(absent)
-            rows = (groups, len(TERMS) + apart // (2 * (WORK + 1)), WORK + 1)
+            self.terms = tuple(term for term in range(len(TERM_NAMES)) if term not in absent)
+            self.impulse_terms = impulse_terms(absent)
+            rows = (groups, len(TERM_NAMES) + apart // (2 * (WORK_COLUMN + 1)), WORK_COLUMN + 1)
             self.given = ti.field(ti.f64, shape=rows)  # impulse, and work
-            self.copied = np.zeros(rows)
+            self.sums_copy = np.zeros(rows)
 
-    def acts(self, term: int) -> bool:
-        """Whether a term does anything, as is known when a kernel is compiled; the others stay zero."""
+    def has_term(self, term: int) -> bool:
+        """True if a term acts in this scene, as is known when a kernel is compiled; the others stay zero."""
         return term not in self.idle
 
     @ti.func
@@ -65,7 +66,7 @@ class Accounts:
 
     @ti.func
     def begin_density(self, group):
-        self.thin[group, 0], self.dense[group, 0] = DENSE, 0.0
+        self.thin[group, 0], self.dense[group, 0] = UNREACHABLE_DENSITY, 0.0
 
     @ti.func
     def count_motion(self, group, v, a, fast):
@@ -83,9 +84,9 @@ class Accounts:
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
         """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
-        if ti.static(self.acts(term)):
+        if ti.static(self.has_term(term)):
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
-            for k in ti.static(range(WORK + 1)):
+            for k in ti.static(range(WORK_COLUMN + 1)):
                 self.given[group, term, k] = self.given[group, term, k] + ti.cast(four[k], ti.f64)
 
     @ti.func
@@ -96,12 +97,12 @@ class Accounts:
 
     @ti.func
     def count_work(self, group, term: Template, work):
-        self.given[group, term, WORK] = self.given[group, term, WORK] + ti.cast(work, ti.f64)
+        self.given[group, term, WORK_COLUMN] = self.given[group, term, WORK_COLUMN] + ti.cast(work, ti.f64)
 
     @ti.func
-    def added_up(self, begin, end):
-        """Of the rows from `begin` to `end`, but for impulses and work: what a step reports."""
-        speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, DENSE, 0.0, 0.0, 0, 0
+    def block_extremes(self, begin, end):
+        """Extremes, sum and counts over the rows from `begin` to `end`, without impulses and work."""
+        speed2, acceleration2, thin, dense, total, clipped, crowded = 0.0, 0.0, UNREACHABLE_DENSITY, 0.0, 0.0, 0, 0
         for g in range(begin, end):
             speed2, acceleration2 = ti.max(speed2, self.speed2[g, 0]), ti.max(acceleration2, self.acceleration2[g, 0])
             thin, dense = ti.min(thin, self.thin[g, 0]), ti.max(dense, self.dense[g, 0])
@@ -112,18 +113,19 @@ class Accounts:
 
     @ti.func
     def summarise(self, summary: Template):
-        """Into an array of SUMMARY numbers: largest squared speed and acceleration, least and largest density, a sum
-        that shows what is not a number, particles held back, and cells with more candidates than their list holds."""
+        """Fill an array of SUMMARY_SIZE numbers: largest squared speed and acceleration, least and largest density, a
+        sum that shows numbers that are not finite, particles held back, and cells with more candidates than their list
+        holds."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            for k, number in ti.static(enumerate(self.added_up(0, self.groups))):
+            for k, number in ti.static(enumerate(self.block_extremes(0, self.groups))):
                 summary[k] = number
 
     def status(self, summary: np.ndarray, grid: Grid) -> Status:
-        """What `summarise` left, as it is shown outside; raises Diverged where a list of candidates overflowed."""
+        """Status from the numbers of `summarise`; raise Diverged where a list of candidates overflowed."""
         speed2, acceleration2, thin, dense, total, clipped, crowded = summary.tolist()
         if crowded:
-            x, y, z = grid.fullest()
+            x, y, z = grid.fullest_place()
             raise Diverged(
                 f"{int(crowded)} cells have more neighbours than their lists hold: the water is packed up to "
                 f"{dense:.0f} kg/m3, most of all around ({x:.4g}, {y:.4g}, {z:.4g}) m; "
@@ -132,67 +134,67 @@ class Accounts:
         return Status(speed2**0.5, acceleration2**0.5, thin, dense, int(clipped), isfinite(total))
 
     @ti.kernel
-    def copy(self, to: Doubles3):
+    def copy_sums(self, to: Doubles3):
         """Impulse and work of each term, group by group."""
         ti.loop_config(serialize=ti.static(alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
 
-    def total(self) -> dict[str, np.ndarray]:
+    def total_impulse(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
         if not self.impulses:
             return {}
-        self.copy(self.copied)
-        total = self.copied[:, :, :WORK].sum(axis=0)
-        return {TERMS[term]: total[term] for term in self.pushing}
+        self.copy_sums(self.sums_copy)
+        total = self.sums_copy[:, :, :WORK_COLUMN].sum(axis=0)
+        return {TERM_NAMES[term]: total[term] for term in self.impulse_terms}
 
     def total_work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; of diffusion, what it adds to the internal energy."""
+        """Work of each term since the start [J]; that of diffusion is its addition to the internal energy."""
         if not self.impulses:
             return {}
-        self.copy(self.copied)
-        total = self.copied[:, :, WORK].sum(axis=0).tolist()
-        return {TERMS[term]: total[term] for term in self.terms}
+        self.copy_sums(self.sums_copy)
+        total = self.sums_copy[:, :, WORK_COLUMN].sum(axis=0).tolist()
+        return {TERM_NAMES[term]: total[term] for term in self.terms}
 
 
 @in_kernels
 class Summing:
-    """Adds up what particles have now."""
+    """Sums over all particles in float64: fixed blocks, added in their order, so that threads change nothing."""
 
     def __init__(self, particles: Particles) -> None:
         self.particles = particles
-        self.table = np.zeros((BLOCKS, SUMS.size + MOST.size))
+        self.table = np.zeros((SUM_BLOCKS, SUM_COLUMNS.size + MAX_COLUMNS.size))
 
-    def now(self) -> Totals:
-        """Of the state that the particles are in."""
+    def totals(self) -> Totals:
+        """Sums over the present state of the particles."""
         self.add_up(self.table)
         with np.errstate(invalid="ignore"):  # infinite both ways is NaN
-            total, most = self.table[:, : SUMS.size].sum(axis=0), self.table[:, SUMS.size :].max(axis=0)
+            total, most = self.table[:, : SUM_COLUMNS.size].sum(axis=0), self.table[:, SUM_COLUMNS.size :].max(axis=0)
         return Totals(
-            density=float(total[SUMS.density]),
-            compression=float(total[SUMS.compression]),
-            most_compressed=float(most[MOST.compression]),
-            deficit=float(total[SUMS.deficit]),
-            squared_speed=float(total[SUMS.squared_speed]),
-            position=total[SUMS.position : SUMS.velocity],
-            velocity=total[SUMS.velocity : SUMS.turning],
-            turning=total[SUMS.turning :],
-            lower=-most[MOST.low : MOST.high],
-            upper=most[MOST.high :],
+            density=float(total[SUM_COLUMNS.density]),
+            compression=float(total[SUM_COLUMNS.compression]),
+            most_compressed=float(most[MAX_COLUMNS.compression]),
+            deficit=float(total[SUM_COLUMNS.deficit]),
+            squared_speed=float(total[SUM_COLUMNS.squared_speed]),
+            position=total[SUM_COLUMNS.position : SUM_COLUMNS.velocity],
+            velocity=total[SUM_COLUMNS.velocity : SUM_COLUMNS.turning],
+            turning=total[SUM_COLUMNS.turning :],
+            lower=-most[MAX_COLUMNS.low : MAX_COLUMNS.high],
+            upper=most[MAX_COLUMNS.high :],
         )
 
     @ti.kernel
     def add_up(self, table: Doubles2):
-        for b in range(BLOCKS * TASK):
-            if b % TASK == 0:
-                self.add_block(b // TASK, table)
+        for b in range(SUM_BLOCKS * TASK_ITERATIONS):
+            if b % TASK_ITERATIONS == 0:
+                self.add_block(b // TASK_ITERATIONS, table)
 
     @ti.func
     def add_block(self, block, table: Template):
         p, u, n = self.particles.position, self.particles.velocity, self.particles.count.there()
-        total, compressed = ti.Vector.zero(ti.f64, SUMS.size), ti.cast(0.0, ti.f64)
-        low, high = tm.vec3(FAR), tm.vec3(-FAR)
-        each = (n + BLOCKS - 1) // BLOCKS
+        total, compressed = ti.Vector.zero(ti.f64, SUM_COLUMNS.size), ti.cast(0.0, ti.f64)
+        low, high = tm.vec3(FAR_COORDINATE), tm.vec3(-FAR_COORDINATE)
+        each = (n + SUM_BLOCKS - 1) // SUM_BLOCKS
         for i in range(block * each, ti.min((block + 1) * each, n)):
             x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
             low, high = tm.min(low, x), tm.max(high, x)
@@ -201,18 +203,18 @@ class Summing:
             density = ti.cast(self.particles.density[i], ti.f64)
             excess = density / ti.static(self.particles.rest_density) - 1.0
             compressed = ti.max(compressed, excess)
-            total[SUMS.density] += density
-            total[SUMS.compression] += ti.max(excess, 0.0)
-            total[SUMS.deficit] += ti.max(-excess, 0.0)
-            total[SUMS.squared_speed] += way.dot(way)
+            total[SUM_COLUMNS.density] += density
+            total[SUM_COLUMNS.compression] += ti.max(excess, 0.0)
+            total[SUM_COLUMNS.deficit] += ti.max(-excess, 0.0)
+            total[SUM_COLUMNS.squared_speed] += way.dot(way)
             turning = at.cross(way)
             for k in ti.static(range(3)):
-                total[SUMS.position + k] += at[k]
-                total[SUMS.velocity + k] += way[k]
-                total[SUMS.turning + k] += turning[k]
-        for c in ti.static(range(SUMS.size)):
+                total[SUM_COLUMNS.position + k] += at[k]
+                total[SUM_COLUMNS.velocity + k] += way[k]
+                total[SUM_COLUMNS.turning + k] += turning[k]
+        for c in ti.static(range(SUM_COLUMNS.size)):
             table[block, c] = total[c]
-        table[block, SUMS.size + MOST.compression] = compressed
+        table[block, SUM_COLUMNS.size + MAX_COLUMNS.compression] = compressed
         for k in ti.static(range(3)):
-            table[block, SUMS.size + MOST.low + k] = -low[k]
-            table[block, SUMS.size + MOST.high + k] = high[k]
+            table[block, SUM_COLUMNS.size + MAX_COLUMNS.low + k] = -low[k]
+            table[block, SUM_COLUMNS.size + MAX_COLUMNS.high + k] = high[k]

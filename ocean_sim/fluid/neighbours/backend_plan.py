@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ocean_sim.fluid.budget.momentum_budget import TERMS, Accounts
+from ocean_sim.fluid.budget.momentum_budget import TERM_NAMES, Accounts
 from ocean_sim.fluid.neighbours.cell_walk import CellWalk
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize, Plan
@@ -44,7 +44,7 @@ class ParticlePlan(Plan):
         return size.grid.lattice.n * (slot_count(neighbours) if neighbours else 1)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        return n * (5 * word + 8 + (8 * 4 * len(TERMS) if impulses else 0))
+        return n * (5 * word + 8 + (8 * 4 * len(TERM_NAMES) if impulses else 0))
 
 
 CELL_PLAN, PARTICLE_PLAN = Plan(Grid, Accounts, CellWalk), ParticlePlan(WideGrid, WideAccounts, ParticleWalk)

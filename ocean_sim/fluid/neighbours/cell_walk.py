@@ -1,26 +1,26 @@
-"""Who is near whom: the walk over neighbours, written once.
+"""The walk over neighbours for processors.
 
-The unit of work is a cell, as wide as the support, or a part of a large one: the particles within one support of the
-bounding box of its particles are its candidates, found once a step and kept; a pair law is then summed over them in one
-long loop without branches. Everything is gathered, nothing is scattered, so the result does not depend on the number of
-threads.
+The unit of work is a cell, as wide as the support, or a part of a large one. Its candidates are the particles within
+one support of the bounding box of its own particles. They are found once a step and kept. A pair law is then summed
+over them in one long loop without branches. Sums are gathered and never scattered, so the result does not depend on the
+number of threads.
 """
 
 from ocean_sim.columns import vec3
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.momentum_budget import Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import FILLER_X, ListSize, whole
-from ocean_sim.fluid.neighbours.images import mirrored
-from ocean_sim.fluid.neighbours.kept_pairs import Blocks, KeptPairs, flips
-from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
+from ocean_sim.fluid.neighbours.grid_size import FILLER_X, ListSize, whole_vectors
+from ocean_sim.fluid.neighbours.images import mirror_position
+from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairBlocks, flip_code
+from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
 from ocean_sim.fluid.sph.law import NO_COLUMN
 from ocean_sim.fluid.sph.particles import Particles, staggered_field
 from ocean_sim.fluid.sph.smoothing import Smoothing, positive
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
-HERE = 13  # code of what is seen where it is, through no periodic side
+UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic side
 
 
 @in_kernels
@@ -38,24 +38,26 @@ class CellWalk:
         self.scratch = tuple(staggered_field(float, self.groups * self.width) for _ in range(size.reads))
         self.size, self.keeps = size, False  # whether pairs are kept
 
-    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        self.keeps, self.blocks = True, Blocks(self.position, self.grid, self.scratch, smoothing, self.size)
+    def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
+        self.keeps, self.blocks = True, PairBlocks(self.position, self.grid, self.scratch, smoothing, self.size)
         self.name = ti.field(int, shape=self.groups * self.width)
         return self.blocks
 
     @ti.func
-    def bounds(self, k):
+    def part_bounds(self, k):
         """Middle of the box around the particles of occupied part k, and half its sides [m]."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         first = self.grid.first[k]
-        lo = tm.vec3(x[first], y[first], z[first])  # read outside all loops, without which those of `listed` are slow
+        lo = tm.vec3(
+            x[first], y[first], z[first]
+        )  # read outside all loops, without which those of `list_near` are slow
         up = lo
         for i in range(first + 1, self.grid.first[k + 1]):
             lo, up = tm.min(lo, tm.vec3(x[i], y[i], z[i])), tm.max(up, tm.vec3(x[i], y[i], z[i]))
         return 0.5 * (lo + up), 0.5 * (up - lo)
 
     @ti.func
-    def near(self, x, middle, half):
+    def is_near(self, x, middle, half):
         """1 within one support of a box, else 0."""
         squared = 0.0
         for k in ti.static(self.grid.axes):
@@ -64,19 +66,19 @@ class CellWalk:
         return int(squared < self.grid.support * self.grid.support)
 
     @ti.func
-    def listed(self, begin, end, code, shift, middle, half, first):
+    def list_near(self, begin, end, code, shift, middle, half, first):
         """Keep those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
         their code, from `first` on; their number. First all are judged, several at a time, then they are listed."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
-            self.candidate[first + a] = self.near(tm.vec3(x[at], y[at], z[at]) + shift, middle, half)
-        return self.kept(self.candidate, first, end - begin, begin + code)
+            self.candidate[first + a] = self.is_near(tm.vec3(x[at], y[at], z[at]) + shift, middle, half)
+        return self.compact(self.candidate, first, end - begin, begin + code)
 
     @ti.func
-    def kept(self, names: Template, first, n, name):
-        """Of the n numbers from `name` on keep those that are marked with 1 from `first` on, in place of the marks; how
-        many."""
+    def compact(self, names: Template, first, n, name):
+        """Keep of the n numbers from `name` on those marked with 1 from `first` on, in place of the marks; return their
+        number."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -85,7 +87,7 @@ class CellWalk:
         return kept
 
     @ti.func
-    def found(self, c, code, middle, half, first, room):
+    def find_candidates(self, c, code, middle, half, first, room):
         """Keep the particles near the box, and their code, from `first` on; their number, or -1 where they do not find
         `room`."""
         grid = self.grid
@@ -97,32 +99,33 @@ class CellWalk:
                 if m + end - begin > room:
                     full = 1
                     end = begin
-                m += self.listed(begin, end, code, tm.vec3(0.0), middle, half, first + m)
+                m += self.list_near(begin, end, code, tm.vec3(0.0), middle, half, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
-    def found_around(self, indices, middle, half, first, room):
-        """The same next to a periodic side: a candidate is a particle and a code of the period it is seen through."""
+    def find_periodic_candidates(self, indices, middle, half, first, room):
+        """Keep the particles near the box next to a periodic side. A candidate is a particle and a code of the period
+        through which it is seen."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
-            there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, HERE
+            there, code = indices + tm.ivec3(d % 3, d // 3 % 3, d // 9) - 1, UNSHIFTED_CODE
             for k, period in ti.static(enumerate(self.grid.basin.periods)):
                 if ti.static(period > 0.0):
                     around = int(there[k] > grid.cells[k] - 2) - int(there[k] < 1)
                     there[k] -= around * (grid.cells[k] - 2)
                     code += around * 3**k
-            c, shift = grid.cell_at(there), self.shift(code)
+            c, shift = grid.cell_at(there), self.code_shift(code)
             begin, end = grid.start[c], grid.start[c + 1]
             if m + end - begin > room:
                 full = 1
                 end = begin
-            m += self.listed(begin, end, code * MOST_PARTICLES, shift, middle, half, first + m)
+            m += self.list_near(begin, end, code * MOST_PARTICLES, shift, middle, half, first + m)
         return ti.select(full == 1, -1, m)
 
     @ti.func
-    def inside(self, c):
-        """Whether no cell around c is seen through a periodic side."""
+    def is_interior(self, c):
+        """True if no cell around c is seen through a periodic side."""
         indices, inside = self.grid.indices_of(c), True
         for k in ti.static(range(3)):
             if ti.static(self.grid.basin.periods[k] > 0.0):
@@ -130,33 +133,35 @@ class CellWalk:
         return inside
 
     @ti.func
-    def shift(self, code):
-        """Where the particles of a code are seen, relative to where they are [m]."""
+    def code_shift(self, code):
+        """Shift [m] from the particles of a code to their repeats."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
-    def found_images(self, mirror, middle, half, scratch, n, gap, m, first):
+    def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
         """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
-            self.candidate[first + a] = self.near(mirrored(mirror, tm.vec3(x[at], y[at], z[at])), middle, half)
-        return self.kept(self.candidate, first, m, 0)
+            self.candidate[first + a] = self.is_near(
+                mirror_position(mirror, tm.vec3(x[at], y[at], z[at])), middle, half
+            )
+        return self.compact(self.candidate, first, m, 0)
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """For every particle i: sum law.pair over its candidates, then law.finish it. Call it at the top of a kernel.
+        """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
 
-        `find`: whether the candidates are found anew, which those are that law.reads has as positions. Images are
-        summed with the particles, or, where the law wants them `apart`, by themselves.
+        `find`: True if the candidates are to be found anew, by the positions that law.reads holds. Images are summed
+        with the particles, or by themselves if the law wants them `apart`.
         """
-        for g in range(self.groups * TASK):
-            if g % TASK == 0:
-                self.walk_group(g // TASK, law, find)
+        for g in range(self.groups * TASK_ITERATIONS):
+            if g % TASK_ITERATIONS == 0:
+                self.walk_group(g // TASK_ITERATIONS, law, find)
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """The same for the particles of a group's parts of cells."""
+        """Walk the particles of the parts of cells of one group."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -167,10 +172,10 @@ class CellWalk:
             room = ti.min(self.capacity, (group + 1) * self.segment - kept - self.images.sides)
             middle, half = tm.vec3(0.0), tm.vec3(0.0)
             if ti.static(find):
-                middle, half = self.bounds(k)
+                middle, half = self.part_bounds(k)
                 self.list_candidates(k, middle, half, group, kept, room)
-            n = self.gathered(k, law, find, group, kept)
-            m, end = self.with_images(k, law, find, middle, half, group, n, kept + n, room)
+            n = self.gather_part(k, law, find, group, kept)
+            m, end = self.append_images(k, law, find, middle, half, group, n, kept + n, room)
             self.sum_up(k, law, find, group, n, m)
             kept = end
 
@@ -179,27 +184,28 @@ class CellWalk:
         """Find the candidates of occupied part k, and list them from `first` on; none where there is no room."""
         c = self.grid.occupied[k]
         if ti.static(not self.periodic):
-            self.candidates[k] = self.found(c, 0, middle, half, first, room)
-        elif self.inside(c):
-            self.candidates[k] = self.found(c, HERE * MOST_PARTICLES, middle, half, first, room)
+            self.candidates[k] = self.find_candidates(c, 0, middle, half, first, room)
+        elif self.is_interior(c):
+            self.candidates[k] = self.find_candidates(c, UNSHIFTED_CODE * MOST_PARTICLES, middle, half, first, room)
         else:
-            self.candidates[k] = self.found_around(self.grid.indices_of(c), middle, half, first, room)
+            self.candidates[k] = self.find_periodic_candidates(self.grid.indices_of(c), middle, half, first, room)
         if self.candidates[k] < 0:
             self.candidates[k] = 0
             self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1
 
     @ti.func
-    def gathered(self, k, law: Template, find: Template, group, first):
-        """Put what the law reads of the candidates of occupied part k into the scratch; how many there are."""
+    def gather_part(self, k, law: Template, find: Template, group, first):
+        """Put the fields that the law reads of the candidates of occupied part k into the scratch; return their
+        number."""
         scratch, n = group * self.width, self.candidates[k]
         if ti.static(not self.periodic):
-            self.gather(law, find, scratch, first, n, 0)
-        elif self.inside(self.grid.occupied[k]):
-            self.gather(law, find, scratch, first, n, HERE * MOST_PARTICLES)
+            self.gather_unshifted(law, find, scratch, first, n, 0)
+        elif self.is_interior(self.grid.occupied[k]):
+            self.gather_unshifted(law, find, scratch, first, n, UNSHIFTED_CODE * MOST_PARTICLES)
         else:
             for a in range(n):
                 j = self.candidate[first + a]
-                shift = self.shift(j // MOST_PARTICLES)
+                shift = self.code_shift(j // MOST_PARTICLES)
                 j = j % MOST_PARTICLES
                 if ti.static(find and self.keeps):
                     self.name[scratch + a] = j
@@ -208,8 +214,8 @@ class CellWalk:
         return n
 
     @ti.func
-    def gather(self, law: Template, find: Template, scratch, first, n, code):
-        """The same of n candidates that are all seen where they are, through one code."""
+    def gather_unshifted(self, law: Template, find: Template, scratch, first, n, code):
+        """Put n candidates with one code, none of them shifted, into the scratch."""
         for a in range(n):
             j = self.candidate[first + a] - code
             if ti.static(find and self.keeps):
@@ -218,23 +224,23 @@ class CellWalk:
                 self.scratch[t][scratch + a] = field[j]
 
     @ti.func
-    def with_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
+    def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
         """Put the images of the n candidates in the scratch after them, behind the gap; how many there are then, and
         where the list of the next part begins.
 
         From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
         """
-        scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.gap(law, n)
+        scratch, last, m, gap = group * self.width, (group + 1) * self.segment, n, self.image_gap(law, n)
         if ti.static(self.images.sides > 0):
             indices = self.grid.indices_of(self.grid.occupied[k])
             if room > 0 and self.grid.at_rim(indices, self.images.deepest):
                 for side in range(self.images.sides):
-                    if self.images.adjoins(side, indices):
+                    if self.images.is_adjacent(side, indices):
                         mirror = self.images.mirror(side)
                         if ti.static(find):
                             found, fits = 0, entry + 1 + m + self.images.sides <= last
                             if fits:
-                                found = self.found_images(mirror, middle, half, scratch, n, gap, m, entry + 1)
+                                found = self.find_images(mirror, middle, half, scratch, n, gap, m, entry + 1)
                                 fits = m + found <= self.capacity
                             if not fits:
                                 found = 0
@@ -253,22 +259,22 @@ class CellWalk:
             a, to = self.candidate[first + b], scratch + gap + m + b
             a += scratch + ti.select(a < n, 0, gap)
             if ti.static(find and self.keeps):
-                self.name[to] = self.name[a] ^ flips(mirror)
+                self.name[to] = self.name[a] ^ flip_code(mirror)
             other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
             image = law.image(other, mirror)
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][to] = image[t]
 
     @ti.func
-    def filled(self, law: Template, count):
-        """How many candidates a sum over so many goes through: where the law is `padded`, as many as make whole
-        vectors. What is left over behind those is summed one by one, with four times the instructions each."""
-        return whole(count) if ti.static(law.options.padded) else count
+    def padded_count(self, law: Template, count):
+        """Number of candidates that a sum over `count` goes through: whole vectors if the law is `padded`. A remainder
+        behind whole vectors is summed one by one, with four times the instructions each."""
+        return whole_vectors(count) if ti.static(law.options.padded) else count
 
     @ti.func
-    def gap(self, law: Template, n):
+    def image_gap(self, law: Template, n):
         """Numbers of the scratch between n particles and their images, where these are summed apart."""
-        return self.filled(law, n) - n if ti.static(law.options.apart) else 0
+        return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
@@ -278,7 +284,7 @@ class CellWalk:
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
-    def negative(self, column: Template, begin, end):
+    def has_tension(self, column: Template, begin, end):
         """1 where one of these numbers of a column of the scratch is negative, else 0."""
         least = 0.0
         for a in range(begin, end):
@@ -286,49 +292,57 @@ class CellWalk:
         return int(least < 0.0)
 
     @ti.func
-    def sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
-        """What the candidates from `begin` to `middle` in the scratch add up to, each by `pair`, and the images from
-        there to `end`. Where pairs are kept their shapes go from `to` on."""
+    def candidate_sums(self, law: Template, pair: Template, own, begin, middle, end, find: Template, to):
+        """Sums of `pair` over the candidates from `begin` to `middle` in the scratch, and over the images from there to
+        `end`. Shapes of kept pairs go from `to` on."""
         total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
         for a in range(begin, middle):
-            total += self.added(law, pair, own, a, find, to + a - begin)
+            total += self.candidate_term(law, pair, own, a, find, to + a - begin)
         if ti.static(law.options.apart):
             for a in range(middle, end):
-                beyond += self.added(law, pair, own, a, find, to + a - begin)
+                beyond += self.candidate_term(law, pair, own, a, find, to + a - begin)
         return total, beyond
 
     @ti.func
-    def added(self, law: Template, pair: Template, own, a, find: Template, to):
-        """What candidate a in the scratch adds."""
+    def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
+        """Term of candidate a in the scratch."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
-            self.blocks.keep_pair(vec3(own, law.row.position) - vec3(other, law.row.position), to)
+            self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)
         return pair(own, other)
 
     @ti.func
     def sum_up(self, k, law: Template, find: Template, group, n, m):
         """Sum the law for every particle of occupied part k over the m candidates in the scratch, the first n of them
         particles, and finish it."""
+        # Layout of the scratch: particles up to `images`, then their images up to `end`, each filled up if padded.
         scratch = group * self.width
-        images = scratch + n + self.gap(law, n)
-        end = images + self.filled(law, m - n) if ti.static(law.options.apart) else scratch + self.filled(law, m)
+        images = scratch + n + self.image_gap(law, n)
+        end = (
+            images + self.padded_count(law, m - n)
+            if ti.static(law.options.apart)
+            else scratch + self.padded_count(law, m)
+        )
         middle = images if ti.static(law.options.apart) else end
         if ti.static(law.options.padded):
             self.fill_up(law, scratch, scratch + n, images)
             self.fill_up(law, scratch, images + m - n, end)
         column = ti.static(law.options.tension_column)
-        tense = self.negative(self.scratch[column], scratch, end) if ti.static(column != NO_COLUMN) else 1
+        tense = self.has_tension(self.scratch[column], scratch, end) if ti.static(column != NO_COLUMN) else 1
+        # Kept pairs: reserve room for the shapes of this part before its particles are summed.
         to, further = 0, 0  # where the shapes of a particle's pairs go, and how far from there those of the next
         if ti.static(find and self.keeps):
             ti.static_assert(law.options.apart and law.options.padded, "pairs are kept of whole vectors")
-            to, further, room = self.blocks.keep(k, group, self.name, n, images, m, end)
+            to, further, room = self.blocks.keep_part(k, group, self.name, n, images, m, end)
             self.accounts.overflow[group, 0] = self.accounts.overflow[group, 0] + 1 - room
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
             own = ti.Vector([field[i] for field in ti.static(law.reads)])
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             if tense == 1:
-                total, beyond = self.sums(law, law.pair, own, scratch, middle, end, find, to)
+                total, beyond = self.candidate_sums(law, law.pair, own, scratch, middle, end, find, to)
             elif ti.static(law.options.tension_column != NO_COLUMN):
-                total, beyond = self.sums(law, law.options.pair_without_tension, own, scratch, middle, end, find, to)
+                total, beyond = self.candidate_sums(
+                    law, law.options.pair_without_tension, own, scratch, middle, end, find, to
+                )
             law.finish(i, own, total, beyond, group)
             to += further

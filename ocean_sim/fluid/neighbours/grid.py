@@ -1,14 +1,13 @@
-"""Which cell a particle is in: a uniform grid, its cells at least a support wide, and a stable counting sort into it,
-within large cells by their parts.
+"""A uniform grid of cells at least a support wide, and a stable counting sort into cells, within large cells by their
+parts.
 
-Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor
-of threads. Particles beyond the grid belong to its border cells; those above it, since a jet would crowd these, to the
-layers over still water, down and up again as they fly higher. Neither moves two particles further apart, so every pair
-is within reach of neighbouring cells.
+Chunks of particles are counted apart and placed in order, so the result depends neither on the number of chunks nor on
+that of threads. Particles beyond the grid belong to its border cells. A jet above the grid would crowd these, so it
+belongs to the layers over still water, down and up again with its height. Neither moves two particles further apart, so
+every pair is within reach of neighbouring cells.
 
-Far from the origin a position in single precision is coarse (4e-6 m at 60 m), and a short way would be lost in it. So
-particles move by whole quanta, which positions hold without rounding, and what is left of a way is kept for the next
-step.
+Far from the origin a position in single precision is coarse (4e-6 m at 60 m) and would lose a short way. So particles
+move by whole quanta, which positions hold without rounding; the rest of a way is kept for the next step.
 """
 
 import numpy as np
@@ -16,12 +15,12 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import Images
-from ocean_sim.fluid.neighbours.thread_tasks import TASK
+from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS
 from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
-STATE = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with
+STATE_COLUMNS = Columns(position=3, velocity=3, id=1)  # what `state` and `moved` begin with
 
 
 @in_kernels
@@ -34,7 +33,7 @@ class Grid:
         self.images = Images(size)
         self.support, self.n, self.basin = size.support, particles.n, size.lattice.basin
         self.particles = particles.count
-        self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner])
+        self.lower, self.per_width = tm.vec3(self.basin.lower), tm.vec3([1.0 / width for _, width in size.inner_cells])
         self.cells, self.cell_count, self.chunks = size.cells, size.cell_count, size.chunks
         self.sky, self.top = size.sky, self.cells[1] - 1  # layers over still water, and where the last of them ends
         self.halves, self.parts = size.halves, size.parts
@@ -46,27 +45,31 @@ class Grid:
             *(*Components(self.n), *Components(self.n), staggered_field(int, self.n)),
             *(staggered_field(float, self.n) for _ in (*carried, *self.left)),
         )
-        self.carried = self.moved[STATE.size : STATE.size + len(carried)]  # what is carried, on its way to the sort
+        self.carried = self.moved[
+            STATE_COLUMNS.size : STATE_COLUMNS.size + len(carried)
+        ]  # what is carried, on its way to the sort
         self.part = staggered_field(int, self.n)  # of which cell: its number times `parts`, and more
-        self.count = ti.field(int, shape=size.counts)
+        self.count = ti.field(int, shape=size.count_numbers)
         self.start = ti.field(int, shape=self.cell_count + 1)
         self.occupied = ti.field(int, shape=size.occupied)  # cells of the parts in which there are particles
         self.first = ti.field(int, shape=size.occupied + 1)  # particle of each of these
         self.occupied_count = ti.field(int, shape=())
 
-    def fullest(self) -> np.ndarray:
-        """Where the fullest cell is: the mean position of its particles, (3,) [m]."""
+    def fullest_place(self) -> np.ndarray:
+        """Mean position of the particles in the fullest cell, (3,) [m]."""
         start = self.start.to_numpy()
         c = int(np.argmax(np.diff(start)))
-        return np.array([axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[: STATE.velocity]])
+        return np.array(
+            [axis.to_numpy()[start[c] : start[c + 1]].mean() for axis in self.state[: STATE_COLUMNS.velocity]]
+        )
 
     @ti.func
     def indices_at(self, x):
-        """Of the cell of a point, one for each axis, padding counted."""
-        return self.cell_of(self.in_cells(x))
+        """Indices of the cell of a point, one for each axis, padding counted."""
+        return self.cell_of(self.cell_coordinates(x))
 
     @ti.func
-    def in_cells(self, x):
+    def cell_coordinates(self, x):
         """A point, counted in cells from the outermost padding on; one above the grid is folded into its sky."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
@@ -83,7 +86,7 @@ class Grid:
     @ti.func
     def part_at(self, x):
         """Number of the part of a cell that a point is in."""
-        place = self.in_cells(x)
+        place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
         if ti.static(self.parts > 1):
@@ -110,11 +113,11 @@ class Grid:
 
     @ti.func
     def at_rim(self, indices, layers: Template):
-        """Whether a cell lies in the outermost `layers` of any side of the grid."""
+        """True if a cell lies in the outermost `layers` of any side of the grid."""
         return (indices <= layers).any() or (indices >= tm.ivec3(self.cells) - 1 - layers).any()
 
     @ti.func
-    def wrapped(self, x):
+    def wrap_position(self, x):
         """The position of x in the one period that the basin holds [m]."""
         for k, period in ti.static(enumerate(self.basin.periods)):
             if ti.static(period > 0.0):
@@ -122,24 +125,24 @@ class Grid:
         return x
 
     @ti.func
-    def leave(self, i, x, v):
+    def stage_state(self, i, x, v):
         """Keep the next state of particle i, and where it belongs, until the sort puts it there."""
-        x = self.wrapped(x)
+        x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
-        self.keep(i, x, v)
-        for moved, state in ti.static(zip(self.moved[STATE.id :], self.state[STATE.id :])):
+        self.stage_motion(i, x, v)
+        for moved, state in ti.static(zip(self.moved[STATE_COLUMNS.id :], self.state[STATE_COLUMNS.id :])):
             moved[i] = state[i]
 
     @ti.func
-    def keep(self, i, x, v):
-        """The same of its position and velocity alone: the particle stays in the cell that it was sorted into."""
+    def stage_motion(self, i, x, v):
+        """Keep the next position and velocity of particle i, which stays in its cell."""
         for k in ti.static(range(3)):
-            self.moved[STATE.position + k][i], self.moved[STATE.velocity + k][i] = x[k], v[k]
+            self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
-    def gone(self, i, way):
-        """The part of a way [m] that particle i goes now, with what was left of the last one: whole quanta. The rest
-        is left for the next."""
+    def whole_quanta(self, i, way):
+        """Whole quanta of a way [m] of particle i and of the rest of its last one. The new rest is kept for the next
+        step."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -149,23 +152,24 @@ class Grid:
 
     @ti.func
     def sort(self):
-        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
+        kernel."""
         if ti.static(self.chunks == 1):
             ti.loop_config(serialize=True)
             for _ in range(1):
                 self.count_chunk(0)
-                self.scan()
+                self.scan_counts()
                 self.place_chunk(0)
         else:
-            for b in range(self.chunks * TASK):
-                if b % TASK == 0:
-                    self.count_chunk(b // TASK)
+            for b in range(self.chunks * TASK_ITERATIONS):
+                if b % TASK_ITERATIONS == 0:
+                    self.count_chunk(b // TASK_ITERATIONS)
             ti.loop_config(serialize=True)
             for _ in range(1):
-                self.scan()
-            for b in range(self.chunks * TASK):
-                if b % TASK == 0:
-                    self.place_chunk(b // TASK)
+                self.scan_counts()
+            for b in range(self.chunks * TASK_ITERATIONS):
+                if b % TASK_ITERATIONS == 0:
+                    self.place_chunk(b // TASK_ITERATIONS)
 
     @ti.func
     def count_chunk(self, b):
@@ -178,7 +182,7 @@ class Grid:
             self.count[k] = self.count[k] + 1
 
     @ti.func
-    def scan(self):
+    def scan_counts(self):
         """First particle of every cell, part and chunk, and the list of occupied parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):

@@ -1,4 +1,4 @@
-"""How large the grid of cells is, known before anything is allocated."""
+"""Sizes of the grid of cells and of the lists of candidates, known before anything is allocated."""
 
 from dataclasses import dataclass
 from math import floor, log2, pi
@@ -6,12 +6,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
+from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.fluid.sph.particles import Count
 from ocean_sim.kernel_library import knows_processor, ti
 
-VECTOR = 32 if knows_processor() else 8  # candidates summed at once: eight lanes of f32 four times, or four lanes twice
+# Candidates summed at once: eight lanes of f32 four times, or four lanes twice.
+VECTOR_LENGTH = 32 if knows_processor() else 8
 MAX_KEPT_SHAPES = 2**30  # counted in 32 bits
 FILLER_X = 1.0e9  # [m] x of candidates that fill a list up, out of reach of all
 MAX_SERIAL_PARTICLES = 20_000  # up to so many particles one thread sorts faster than several
@@ -21,9 +22,9 @@ FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; ea
 
 
 @ti.func
-def whole(count):
+def whole_vectors(count):
     """So many candidates or more, in whole vectors."""
-    return (count + VECTOR - 1) // VECTOR * VECTOR
+    return (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Plan:
     """Constructor of the accounts of a step."""
     walk: Any
     """Constructor of the walk over neighbours."""
-    stride: ClassVar[int] = TASK
+    stride: ClassVar[int] = TASK_ITERATIONS
     """Iterations of a parallel loop for a task."""
     samples: ClassVar[int] = 32
     """Samples of solid bodies of a task."""
@@ -53,7 +54,7 @@ class Plan:
         return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """Parts of a cell along each axis, where a cell of water at rest holds `full` particles."""
+        """Parts of a cell along each axis, where a cell of water at rest holds `cell_particles` particles."""
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
@@ -66,11 +67,11 @@ class Plan:
 
     def pair_bytes(self, size: "ListSize", neighbours: int, word: int) -> int:
         """Bytes of the kept pairs of particles with so many neighbours on the lattice."""
-        return size.bytes_kept(word)
+        return size.kept_bytes(word)
 
     def highest_index(self, size: "ListSize", neighbours: int) -> int:
         """Highest number by which walks count, kept pairs of particles with so many `neighbours` included."""
-        return size.grid.groups * max(size.grid.lattice.n, size.kept if neighbours else size.segment)
+        return size.grid.groups * max(size.grid.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
         """Bytes of the accounts of n particles; 0 where they are too few to list."""
@@ -83,7 +84,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class GridSize:
-    """How large the grid is."""
+    """Size of the grid."""
 
     lattice: Lattice
     support: float  # [m]
@@ -91,7 +92,7 @@ class GridSize:
     carried: int = 0  # numbers that a scheme carries along with each particle
 
     @property
-    def inner(self) -> list[tuple[int, float]]:
+    def inner_cells(self) -> list[tuple[int, float]]:
         """Cells between the sides of the basin and their width [m], on each axis; at least a support wide."""
         extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
         counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
@@ -100,13 +101,14 @@ class GridSize:
     @property
     def cells(self) -> tuple[int, int, int]:
         """Cells along x, y, z with one empty cell of padding all round."""
-        nx, ny, nz = (n + 2 for n, _ in self.inner)
+        nx, ny, nz = (n + 2 for n, _ in self.inner_cells)
         return nx, ny, nz
 
     @property
     def sky(self) -> int:
-        """Layers of cells over still water, or the uppermost one at least: they hold what flies above the grid, too."""
-        return max(1, self.inner[1][0] // 2)
+        """Layers of cells over still water, at least the uppermost one. They also hold particles that fly above the
+        grid."""
+        return max(1, self.inner_cells[1][0] // 2)
 
     @property
     def cell_count(self) -> int:
@@ -114,19 +116,19 @@ class GridSize:
         return nx * ny * nz
 
     @property
-    def counts(self) -> int:
+    def count_numbers(self) -> int:
         """Numbers in which the particles of every part and chunk are counted."""
         return self.cell_count * self.parts * self.chunks
 
     @property
-    def full(self) -> float:
+    def cell_particles(self) -> float:
         """Particles in a cube of the support (in 2-D a square), in water at rest."""
         return float((self.support / self.lattice.spacing) ** self.lattice.basin.dimension)
 
     @property
     def halves(self) -> int:
         """Parts of a cell along each axis."""
-        return self.plan.parts_per_axis(self.full, self.lattice.basin.dimension)
+        return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
@@ -155,9 +157,9 @@ class GridSize:
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
-        """Of the grid and the state on its way into it, where `word` is the size of a `float` [bytes]."""
+        """Bytes of the grid and of the staged state, where `word` is the size of a `float` [bytes]."""
         return (
-            4 * (2 * self.lattice.n + self.counts + self.cell_count + 2 * self.occupied + 3)
+            4 * (2 * self.lattice.n + self.count_numbers + self.cell_count + 2 * self.occupied + 3)
             + word * (6 + 2 * self.lattice.basin.dimension + self.carried) * self.lattice.n
             + 4 * self.plan.sorting_integers(self.lattice.n, self.cell_count)
         )
@@ -165,7 +167,7 @@ class GridSize:
 
 @dataclass(frozen=True)
 class ListSize:
-    """How long the candidate lists are, known before anything is allocated."""
+    """Lengths of the candidate lists, known before anything is allocated."""
 
     grid: GridSize
     reads: int  # the most fields that a pair law of this fluid reads of a neighbour
@@ -173,7 +175,7 @@ class ListSize:
     @property
     def at_rest(self) -> float:
         """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
-        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.full
+        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.cell_particles
 
     @property
     def capacity(self) -> int:
@@ -183,43 +185,45 @@ class ListSize:
     @property
     def segment(self) -> int:
         """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
-        parts = self.grid.lattice.n / (self.grid.full / self.grid.parts)
+        parts = self.grid.lattice.n / (self.grid.cell_particles / self.grid.parts)
         return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
 
     @property
     def width(self) -> int:
         """Numbers of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
-        return self.capacity + 2 * VECTOR
+        return self.capacity + 2 * VECTOR_LENGTH
 
     @property
-    def each(self) -> int:
-        """Shapes of pairs that are kept a particle: a quarter more than in water that has lost its lattice, where parts
-        are full and candidates fill a support around them. What finds no room is found again when it is read."""
+    def shapes_per_particle(self) -> int:
+        """Kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice, where parts
+        are full and candidates fill a support around them. A shape without room is computed again when it is read."""
         lattice, side = self.grid.lattice, 1.0 / self.grid.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
             around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
-        return min(int(1.25 * around * self.grid.full) + VECTOR, MAX_KEPT_SHAPES // lattice.n)
+        return min(int(1.25 * around * self.grid.cell_particles) + VECTOR_LENGTH, MAX_KEPT_SHAPES // lattice.n)
 
     @property
-    def spare(self) -> int:
+    def spare_shapes(self) -> int:
         """Shapes of a group beyond those, the last `width` of them those of a particle that found no room."""
         return 4 * self.capacity + self.width
 
     @property
-    def kept(self) -> int:
+    def kept_candidates(self) -> int:
         """Candidates that one group of parts may keep: those that it lists, filled up where half of its particles are
         alone."""
-        return self.segment + VECTOR * (self.grid.lattice.n // self.grid.groups)
+        return self.segment + VECTOR_LENGTH * (self.grid.lattice.n // self.grid.groups)
 
-    def bytes_kept(self, word: int) -> int:
-        """Of pairs that are kept, and of their candidates."""
+    def kept_bytes(self, word: int) -> int:
+        """Bytes of kept pairs and of their candidates."""
         groups = self.grid.groups
-        names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept))
-        return names + word * (self.grid.lattice.n * self.each + groups * (self.spare + 3 * self.kept))
+        names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept_candidates))
+        return names + word * (
+            self.grid.lattice.n * self.shapes_per_particle + groups * (self.spare_shapes + 3 * self.kept_candidates)
+        )
 
     def bytes(self, word: int) -> int:
-        """Of lists and scratch, where `word` is the size of a `float` [bytes]."""
+        """Bytes of lists and scratch, where `word` is the size of a `float` [bytes]."""
         return (
             4 * (self.grid.occupied + self.grid.groups * self.segment)
             + word * self.grid.groups * self.width * self.reads

@@ -16,9 +16,9 @@ from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
-SIDE = Columns(axis=1, first_layer=1, last_layer=1, position=1, no_slip=1, twice_velocity=3, acceleration=1)
-MOTION = Columns(position=3, velocity=3)  # what the row of a law begins with whose neighbours move
-SIGN, OFFSET, TURN, PUSH, PULL = range(5)  # rows of a mirror
+SIDE_COLUMNS = Columns(axis=1, first_layer=1, last_layer=1, position=1, no_slip=1, twice_velocity=3, acceleration=1)
+MOTION_COLUMNS = Columns(position=3, velocity=3)  # what the row of a law begins with whose neighbours move
+POSITION_SIGN, POSITION_OFFSET, VELOCITY_SIGN, VELOCITY_OFFSET, SIDE_ACCELERATION = range(5)  # rows of a mirror
 
 
 @in_kernels
@@ -32,13 +32,13 @@ class Images:
         rows = []
         for side in sides:
             last = size.cells[side.axis] - 2
-            layers = 1 if side.piston is None else 1 + ceil(side.piston.reach / size.inner[side.axis][1])
+            layers = 1 if side.piston is None else 1 + ceil(side.piston.reach / size.inner_cells[side.axis][1])
             self.deepest = max(self.deepest, layers)
             near = (last + 1 - layers, last) if side.upper else (1, layers)
             row = (side.axis, *near, side.position, side.slip == "no_slip", *(2.0 * v for v in side.velocity), 0.0)
             rows.append(row)
         if rows:
-            self.side = ti.field(float, shape=(self.sides, SIDE.size))
+            self.side = ti.field(float, shape=(self.sides, SIDE_COLUMNS.size))
             self.side.from_numpy(np.array(rows, dtype=to_numpy_type(self.side.dtype)))
         self.pistons = [(s, side, side.piston) for s, side in enumerate(sides) if side.piston is not None]
         self.advance(0.0)
@@ -47,48 +47,53 @@ class Images:
         """Put the pistons where they are at a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
-            self.side[s, SIDE.position], self.side[s, SIDE.twice_velocity + side.axis] = side.position + x, 2.0 * v
-            self.side[s, SIDE.acceleration] = a
+            self.side[s, SIDE_COLUMNS.position], self.side[s, SIDE_COLUMNS.twice_velocity + side.axis] = (
+                side.position + x,
+                2.0 * v,
+            )
+            self.side[s, SIDE_COLUMNS.acceleration] = a
 
     @ti.func
-    def adjoins(self, s, cell):
-        """Whether a cell lies next to this side."""
-        layer = cell[int(self.side[s, SIDE.axis])]
-        return layer >= int(self.side[s, SIDE.first_layer]) and layer <= int(self.side[s, SIDE.last_layer])
+    def is_adjacent(self, s, cell):
+        """True if a cell lies next to this side."""
+        layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
+        return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
+            self.side[s, SIDE_COLUMNS.last_layer]
+        )
 
     @ti.func
     def mirror(self, s):
-        """How this side shows the water: an image lies at SIGN * x + OFFSET [m] and moves with TURN * v + PUSH [m/s],
-        behind a wall that accelerates by PULL [m/s2]."""
+        """Mirror of this side: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN *
+        v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
-            across = int(self.side[s, SIDE.axis]) == k
-            turned = across or self.side[s, SIDE.no_slip] > 0.5
-            mirror[SIGN, k] = ti.select(across, -1.0, 1.0)
-            mirror[OFFSET, k] = ti.select(across, 2.0 * self.side[s, SIDE.position], 0.0)
-            mirror[TURN, k] = ti.select(turned, -1.0, 1.0)
-            mirror[PUSH, k] = ti.select(turned, self.side[s, SIDE.twice_velocity + k], 0.0)
-            mirror[PULL, k] = ti.select(across, self.side[s, SIDE.acceleration], 0.0)
+            across = int(self.side[s, SIDE_COLUMNS.axis]) == k
+            mirror_velocity = across or self.side[s, SIDE_COLUMNS.no_slip] > 0.5
+            mirror[POSITION_SIGN, k] = ti.select(across, -1.0, 1.0)
+            mirror[POSITION_OFFSET, k] = ti.select(across, 2.0 * self.side[s, SIDE_COLUMNS.position], 0.0)
+            mirror[VELOCITY_SIGN, k] = ti.select(mirror_velocity, -1.0, 1.0)
+            mirror[VELOCITY_OFFSET, k] = ti.select(mirror_velocity, self.side[s, SIDE_COLUMNS.twice_velocity + k], 0.0)
+            mirror[SIDE_ACCELERATION, k] = ti.select(across, self.side[s, SIDE_COLUMNS.acceleration], 0.0)
         return mirror
 
 
 @ti.func
-def mirrored(mirror, x):
+def mirror_position(mirror, x):
     """Position of the image of x [m]."""
-    return tm.vec3([mirror[SIGN, k] * x[k] + mirror[OFFSET, k] for k in ti.static(range(3))])
+    return tm.vec3([mirror[POSITION_SIGN, k] * x[k] + mirror[POSITION_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
-def halfway(mirror, x):
+def mirror_midpoint(mirror, x):
     """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the way
     there."""
-    return 0.5 * (x + mirrored(mirror, x))
+    return 0.5 * (x + mirror_position(mirror, x))
 
 
 @ti.func
-def flipped(mirror, d):
+def mirror_direction(mirror, d):
     """A direction as a mirror shows it."""
-    return tm.vec3([mirror[SIGN, k] * d[k] for k in ti.static(range(3))])
+    return tm.vec3([mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])
 
 
 @ti.func
@@ -96,43 +101,48 @@ def hydrostatic_offset(mirror, x, pull):
     """(pull - acceleration of the side) . (image of x - x): rise of p / rho from x to its image [m2/s2]."""
     head = 0.0
     for k in ti.static(range(3)):
-        head += (pull[k] - mirror[PULL, k]) * (mirror[SIGN, k] * x[k] + mirror[OFFSET, k] - x[k])
+        head += (pull[k] - mirror[SIDE_ACCELERATION, k]) * (
+            mirror[POSITION_SIGN, k] * x[k] + mirror[POSITION_OFFSET, k] - x[k]
+        )
     return head
 
 
 @ti.func
-def turned(mirror, v):
-    """Velocity of the image of what moves with v [m/s]."""
-    return tm.vec3([mirror[TURN, k] * v[k] + mirror[PUSH, k] for k in ti.static(range(3))])
+def mirror_velocity(mirror, v):
+    """Velocity of the image of a particle with velocity v [m/s]."""
+    return tm.vec3([mirror[VELOCITY_SIGN, k] * v[k] + mirror[VELOCITY_OFFSET, k] for k in ti.static(range(3))])
 
 
 @ti.func
-def reflected(mirror, other):
-    """What a law reads of a neighbour, position and velocity first, as the side shows it; all else is as it was."""
-    x_image = mirrored(mirror, vec3(other, MOTION.position))
-    v_image = turned(mirror, vec3(other, MOTION.velocity))
+def mirror_row(mirror, other):
+    """Row of a neighbour, position and velocity first, as the side shows it; the other columns stay."""
+    x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
+    v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
     for k in ti.static(range(3)):
-        image[MOTION.position + k], image[MOTION.velocity + k] = x_image[k], v_image[k]
+        image[MOTION_COLUMNS.position + k], image[MOTION_COLUMNS.velocity + k] = x_image[k], v_image[k]
     return image
 
 
 @ti.func
-def reflected_free_slip(mirror, other):
-    """The same as `reflected`, but along the side as if it were slippery: what a side that holds fast drags along does
-    not press water together or draw it apart (Marrone et al. 2011, CMAME 200, section 3.2)."""
-    image = reflected(mirror, other)
+def mirror_row_free_slip(mirror, other):
+    """Row of a neighbour as a slippery side shows it. Water that a rough side drags along is neither pressed together
+    nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
-        if mirror[SIGN, k] > 0.0:
-            image[MOTION.velocity + k] = other[MOTION.velocity + k]
+        if mirror[POSITION_SIGN, k] > 0.0:
+            image[MOTION_COLUMNS.velocity + k] = other[MOTION_COLUMNS.velocity + k]
     return image
 
 
 @ti.func
-def displaced(own, d, v):
-    """What a law reads, position and velocity first, of what lies at d [m] from a particle and moves with v [m/s]; all
-    else is the particle's own."""
+def row_at(own, d, v):
+    """Row of a point at d [m] from a particle that moves with v [m/s], position and velocity first; the other columns
+    are the particle's own."""
     other = own
     for k in ti.static(range(3)):
-        other[MOTION.position + k], other[MOTION.velocity + k] = own[MOTION.position + k] + d[k], v[k]
+        other[MOTION_COLUMNS.position + k], other[MOTION_COLUMNS.velocity + k] = (
+            own[MOTION_COLUMNS.position + k] + d[k],
+            v[k],
+        )
     return other

@@ -1,6 +1,9 @@
-"""Pairs of neighbours kept for a step: what iterates over them again and again finds each with its gradient.
+"""Pairs of neighbours kept for a step, each with its gradient, for solvers that iterate over them.
 
-An image is named by its particle and by the axes along which it is mirrored, so what it has follows its particle.
+An image is named by its particle and by the axes along which it is mirrored, so its fields follow its particle.
+`PairSlots` keeps the pairs of each particle. `PairBlocks` keeps those of the particles of a part of a cell with all
+candidates of the part, near or not. There a pair costs one number, the shape of grad W, instead of its gradient and a
+name; and the fields of the candidates are fetched once for the part, so that sums run through adjacent numbers.
 """
 
 from abc import ABC, abstractmethod
@@ -9,8 +12,8 @@ from typing import Any
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import ListSize
-from ocean_sim.fluid.neighbours.images import SIDE, SIGN, Images
-from ocean_sim.fluid.neighbours.thread_tasks import TASK, Tasks
+from ocean_sim.fluid.neighbours.images import POSITION_SIGN, SIDE_COLUMNS, Images
+from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Components
 from ocean_sim.fluid.sph.smoothing import Smoothing
@@ -22,7 +25,7 @@ MIN_SLOTS = 48  # slots of a particle at least
 
 
 def slot_count(neighbours: int) -> int:
-    """Of a particle that has so many neighbours on the lattice."""
+    """Slots of a particle with so many neighbours on the lattice."""
     return max(MIN_SLOTS, int(SLOTS_PER_NEIGHBOUR * neighbours))
 
 
@@ -47,7 +50,7 @@ class KeptLaw(Law):
 
 @in_kernels
 class KeptPairs(ABC):
-    """Of each particle its neighbours and images."""
+    """Neighbours and images of each particle."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -59,38 +62,39 @@ class KeptPairs(ABC):
         images, then law.finish it."""
 
     @ti.func
-    def read(self, law: Template, j):
-        """What a law reads of particle j."""
+    def particle_row(self, law: Template, j):
+        """Row of particle j."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
-    def seen_as(self, law: Template, name, away):
-        """The same of an image."""
-        return law.kept_image(self.read(law, name % MOST_PARTICLES), name, away)
+    def image_row(self, law: Template, name, away):
+        """Row of an image."""
+        return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
-    def velocity(self, v, name, away):
-        """Of the image of what moves with v [m/s]: only its normal velocity is turned round, whatever the slip."""
+    def image_velocity(self, v, name, away):
+        """Velocity of the image of a particle with velocity v [m/s]: only its normal component is reversed, for any
+        slip."""
         image, flips = v, name // MOST_PARTICLES
         for k in ti.static(range(3)):
             image[k] = ti.select(flips >> k & 1, -image[k], image[k])
         for s, axis, upper in ti.static(self.pistons):
             beyond = away[axis] < 0.0 if ti.static(upper) else away[axis] > 0.0
             image[axis] += ti.select(
-                (flips >> axis & 1) and beyond, self.images.side[s, SIDE.twice_velocity + axis], 0.0
+                (flips >> axis & 1) and beyond, self.images.side[s, SIDE_COLUMNS.twice_velocity + axis], 0.0
             )
         return image
 
 
 @in_kernels
-class Pairs(KeptPairs):
-    """The same, each particle with slots of its own: pairs with particles first, those with images after them."""
+class PairSlots(KeptPairs):
+    """Pairs in slots of each particle: pairs with particles first, pairs with images after them."""
 
     def __init__(self, n: int, images: Images, tasks: Tasks, neighbours: int) -> None:
         super().__init__(images)
-        self.tasks, self.room = tasks, slot_count(neighbours)
-        self.name = ti.field(int, shape=n * self.room)
-        self.gradient = ti.Vector.field(3, float, shape=n * self.room)
+        self.tasks, self.slots = tasks, slot_count(neighbours)
+        self.name = ti.field(int, shape=n * self.slots)
+        self.gradient = ti.Vector.field(3, float, shape=n * self.slots)
         self.near, self.seen = (ti.field(int, shape=n) for _ in range(2))  # particles, and images with them
 
     @ti.func
@@ -101,32 +105,32 @@ class Pairs(KeptPairs):
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """The same for the particles of a group."""
+        """Sum the law for the particles of one group."""
         law.begin(group)
-        for i in range(self.tasks.first(group), self.tasks.first(group + 1)):
-            own, first = self.read(law, i), i * self.room
+        for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
+            own, first = self.particle_row(law, i), i * self.slots
             total, beyond = ti.Vector.zero(float, law.terms.size), ti.Vector.zero(float, law.terms.size)
             for a in range(first, first + self.near[i]):
-                total += law.kept_pair(own, self.read(law, self.name[a]), self.gradient[a])
+                total += law.kept_pair(own, self.particle_row(law, self.name[a]), self.gradient[a])
             for a in range(first + self.near[i], first + self.seen[i]):
                 gradient = self.gradient[a]
-                beyond += law.kept_pair(own, self.seen_as(law, self.name[a], gradient), gradient)
+                beyond += law.kept_pair(own, self.image_row(law, self.name[a], gradient), gradient)
             law.finish(i, own, total, beyond, group)
 
 
 @ti.func
-def flips(mirror):
-    """The axes along which a mirror turns what it shows, as a name has them."""
-    turned = 0
+def flip_code(mirror):
+    """Code in a name of the axes along which a mirror reverses."""
+    mirror_velocity = 0
     for k in ti.static(range(3)):
-        turned += int(mirror[SIGN, k] < 0.0) << k
-    return turned * MOST_PARTICLES
+        mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
+    return mirror_velocity * MOST_PARTICLES
 
 
 @in_kernels
-class Blocks(KeptPairs):
-    """Of each part its candidates, particles first and images after them, each filled up to whole vectors; then of each
-    of its particles the shapes of grad W."""
+class PairBlocks(KeptPairs):
+    """Candidates of each part, particles first and images after them, each filled up to whole vectors; and for each
+    particle of the part the shapes of grad W."""
 
     def __init__(
         self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: ListSize
@@ -134,42 +138,44 @@ class Blocks(KeptPairs):
         """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
-        self.groups, self.width, self.segment = size.grid.groups, size.width, size.kept
-        self.each, self.spare = size.each, size.spare
+        self.groups, self.width, self.segment = size.grid.groups, size.width, size.kept_candidates
+        self.shapes_per_particle, self.spare_shapes = size.shapes_per_particle, size.spare_shapes
         # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
         self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
         self.next_first, self.next_begun = (ti.field(int, shape=self.groups) for _ in range(2))  # of the next part
         self.name = ti.field(int, shape=self.groups * self.segment)
         self.place = Components(self.groups * self.segment)  # [m]
-        self.shape = ti.field(float, shape=size.grid.lattice.n * self.each + self.groups * self.spare)
+        self.shape = ti.field(
+            float, shape=size.grid.lattice.n * self.shapes_per_particle + self.groups * self.spare_shapes
+        )
 
     @ti.func
     def begin(self, group):
         """Nothing kept yet."""
-        self.next_first[group], self.next_begun[group] = group * self.segment, self.room(group)
+        self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func
-    def room(self, group):
-        """Where the shapes of a group begin: by its particles, since groups have the same number of parts."""
-        return self.each * self.grid.first[self.grid.first_part(group)] + group * self.spare
+    def shape_start(self, group):
+        """Index of the first shape of a group, by its first particle, since groups have equal numbers of parts."""
+        return self.shapes_per_particle * self.grid.first[self.grid.first_part(group)] + group * self.spare_shapes
 
     @ti.func
-    def anew(self, group):
-        """Where the shapes of a particle go that found no room."""
-        return self.room(group + 1) - self.width
+    def spare_start(self, group):
+        """Index of the spare shapes of a group, for a particle without room."""
+        return self.shape_start(group + 1) - self.width
 
     @ti.func
-    def keep(self, k, group, names: Template, n, images, m, end):
-        """Keep the m candidates of part k that are in the scratch, where the first n of them are particles; their
-        images begin at `images`, and what fills both up ends at `end`. Where the shapes of its first particle's pairs
-        go, how far from there those of the next, and whether the candidates found room."""
+    def keep_part(self, k, group, names: Template, n, images, m, end):
+        """Keep the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
+        their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
+        one, and 1 if the candidates have room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
         near, seen, room = images - scratch, end - scratch, 1
         if first + seen > (group + 1) * self.segment:
             near, seen, n, m, room = 0, 0, 0, 0, 0
         further = seen
-        if begun + (self.grid.first[k + 1] - self.grid.first[k]) * seen > self.anew(group):
-            begun, further = self.anew(group), 0
+        if begun + (self.grid.first[k + 1] - self.grid.first[k]) * seen > self.spare_start(group):
+            begun, further = self.spare_start(group), 0
         x, y, z = ti.static(self.place.x, self.place.y, self.place.z)
         px, py, pz = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(seen):
@@ -182,19 +188,19 @@ class Blocks(KeptPairs):
         return begun, further, room
 
     @ti.func
-    def keep_pair(self, away, to):
+    def keep_shape(self, away, to):
         """Keep the shape of a pair that is so far apart."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
     def walk(self, law: Template):
-        for g in range(self.groups * TASK):
-            if g % TASK == 0:
-                self.walk_group(g // TASK, law)
+        for g in range(self.groups * TASK_ITERATIONS):
+            if g % TASK_ITERATIONS == 0:
+                self.walk_group(g // TASK_ITERATIONS, law)
 
     @ti.func
     def walk_group(self, group, law: Template):
-        """The same for the particles of a group's parts of cells."""
+        """Sum the law for the particles of the parts of cells of one group."""
         law.begin(group)
         for k in range(self.grid.first_part(group), self.grid.first_part(group + 1)):
             self.gather(k, law, group * self.width)
@@ -202,15 +208,15 @@ class Blocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Put what the law reads of the candidates of part k into the scratch."""
+        """Put the fields that the law reads of the candidates of part k into the scratch."""
         first, near = self.first[k], self.near[k]
-        own = at(self.position, self.grid.first[k])  # of one of them, in the water
+        own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):
-            other = self.read(law, self.name[first + a])
+            other = self.particle_row(law, self.name[first + a])
             for t in ti.static(range(len(law.reads))):
                 self.scratch[t][scratch + a] = other[t]
         for a in range(near, self.seen[k]):
-            other = self.seen_as(law, self.name[first + a], own - at(self.place, first + a))
+            other = self.image_row(law, self.name[first + a], own - place_at(self.place, first + a))
             for t in ti.static(range(len(law.reads))):
                 self.scratch[t][scratch + a] = other[t]
 
@@ -218,36 +224,36 @@ class Blocks(KeptPairs):
     def sum_up(self, k, law: Template, group):
         """Sum the law for every particle of part k over its candidates, and finish it."""
         begun, near, seen = self.begun[k], self.near[k], self.seen[k]
-        kept = begun < self.anew(group)
+        kept = begun < self.spare_start(group)
         for i in range(self.grid.first[k], self.grid.first[k + 1]):
-            place, own = at(self.position, i), self.read(law, i)
+            place, own = place_at(self.position, i), self.particle_row(law, i)
             if not kept:
-                self.keep_anew(place, k, begun)
-            total = self.summed(law, place, own, k, group, begun, 0, near)
-            beyond = self.summed(law, place, own, k, group, begun, near, seen)
+                self.recompute_shapes(place, k, begun)
+            total = self.pair_sum(law, place, own, k, group, begun, 0, near)
+            beyond = self.pair_sum(law, place, own, k, group, begun, near, seen)
             law.finish(i, own, total, beyond, group)
             if kept:
                 begun += seen
 
     @ti.func
-    def keep_anew(self, place, k, begun):
+    def recompute_shapes(self, place, k, begun):
         """Find the shapes of a particle at `place` that found no room, for the moment."""
         first = self.first[k]
         for a in range(self.seen[k]):
-            self.keep_pair(place - at(self.place, first + a), begun + a)
+            self.keep_shape(place - place_at(self.place, first + a), begun + a)
 
     @ti.func
-    def summed(self, law: Template, place, own, k, group, begun, begin, end):
-        """What candidates of part k add to the sum of a particle at `place`, whose shapes begin at `begun`."""
+    def pair_sum(self, law: Template, place, own, k, group, begun, begin, end):
+        """Sum over candidates of part k for a particle at `place`, whose shapes begin at `begun`."""
         first, scratch, total = self.first[k], group * self.width, ti.Vector.zero(float, law.terms.size)
         for a in range(begin, end):
-            away = place - at(self.place, first + a)
+            away = place - place_at(self.place, first + a)
             other = ti.Vector([self.scratch[t][scratch + a] for t in ti.static(range(len(law.reads)))])
             total += law.kept_pair(own, other, self.shape[begun + a] * away)
         return total
 
 
 @ti.func
-def at(places: Template, i):
+def place_at(places: Template, i):
     """A place of Components [m]."""
     return tm.vec3(places.x[i], places.y[i], places.z[i])

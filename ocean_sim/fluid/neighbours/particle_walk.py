@@ -1,9 +1,9 @@
-"""The walk over neighbours where each particle has a thread, as on graphics cards: the same laws, the same sums.
+"""The walk over neighbours for graphics cards, with a thread for each particle: the same laws and the same sums.
 
-Nothing is listed: a thread goes through the cells around its particle, and through those around where sides show it.
-What `neighbours.Neighbours` does with few long tasks, and few rows of accounts, this does with a task and a row a
-particle. All is gathered; the one thing whose order is left to the card, which particle of a cell is put down first,
-is put right before anything reads it.
+Nothing is listed: a thread goes through the cells around its particle, and through those around its mirrored places. A
+task and a row of accounts belong to one particle, while `cell_walk.CellWalk` has few long tasks and rows. All is
+gathered. Only the order in which particles are put into a cell is left to the card, and it is corrected before anything
+reads it.
 """
 
 from math import isqrt
@@ -11,11 +11,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from ocean_sim.fluid.budget.momentum_budget import WORK, Accounts
+from ocean_sim.fluid.budget.momentum_budget import WORK_COLUMN, Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
-from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, Pairs, flips
-from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairSlots, flip_code
+from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
 from ocean_sim.fluid.sph.law import Law
 from ocean_sim.fluid.sph.particles import Particles
@@ -27,7 +27,8 @@ SUM_BLOCK_CELLS = 128  # cells that a thread adds up
 
 
 def level_sizes(cells: int) -> list[int]:
-    """How many sums there are of each level, of so many cells: sums of BLOCK sums of the last, down to one."""
+    """Numbers of sums of each level for so many cells: each level sums SUM_BLOCK_CELLS sums of the level before, down
+    to one."""
     sizes = [cells + 1]
     while sizes[-1] > 1:
         sizes.append(-(-sizes[-1] // SUM_BLOCK_CELLS))
@@ -50,23 +51,26 @@ class WideGrid(Grid):
 
     @ti.func
     def sort(self):
-        """Stable counting sort of what was left, by cell, into the particles; call it at the top of a kernel."""
+        """Sort the staged states by cell into the particles (stable counting sort). Call this at the top of a
+        kernel."""
+        # Count the particles of each cell, and sum the counts to the first particle of each.
         for c in self.count:
             self.count[c] = 0
         for i in range(self.particles.there()):
             ti.atomic_add(self.count[self.part[i]], 1)
         for c in self.start:
             self.start[c] = self.count[c] if c < self.cell_count else 0
-        self.scan()
+        self.scan_counts()
+        # Put particles down in any order, then each where its order of storage says.
         for c in self.count:
             self.count[c] = self.start[c]
         for i in range(self.particles.there()):
             self.slot[ti.atomic_add(self.count[self.part[i]], 1)] = i
         for i in range(self.particles.there()):
-            self.place(i)
+            self.place_particle(i)
 
     @ti.func
-    def scan(self):
+    def scan_counts(self):
         """The number of particles in each cell becomes that in all cells before it."""
         for level in ti.static(range(1, len(self.sums))):
             for b in self.sums[level]:
@@ -81,7 +85,7 @@ class WideGrid(Grid):
                 self.sums[above - 1][k] = self.sums[above - 1][k] + self.sums[above][k // SUM_BLOCK_CELLS]
 
     @ti.func
-    def place(self, i):
+    def place_particle(self, i):
         """Put particle i where it belongs: after those of its cell that were stored before it."""
         c = self.part[i]
         to = self.start[c]
@@ -110,7 +114,7 @@ class WideAccounts(Accounts):
     def add_up(self, b):
         """Put the rows of block b into one, but for impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
-        speed2, acceleration2, thin, dense, total, clipped, crowded = self.added_up(b * self.block, end)
+        speed2, acceleration2, thin, dense, total, clipped, crowded = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0] = speed2, acceleration2
         blocks.thin[b, 0], blocks.dense[b, 0] = thin, dense
         blocks.sum[b, 0], blocks.clipped[b, 0], blocks.overflow[b, 0] = total, clipped, crowded
@@ -120,17 +124,17 @@ class WideAccounts(Accounts):
         """Put the impulses and the work of the rows of each block into one."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
-                four = ti.Vector.zero(ti.f64, WORK + 1)
+                four = ti.Vector.zero(ti.f64, WORK_COLUMN + 1)
                 for g in range(b * self.block, ti.min((b + 1) * self.block, self.groups)):
-                    for k in ti.static(range(WORK + 1)):
+                    for k in ti.static(range(WORK_COLUMN + 1)):
                         four[k] += self.given[g, term, k]
-                for k in ti.static(range(WORK + 1)):
+                for k in ti.static(range(WORK_COLUMN + 1)):
                     self.blocks.given[b, term, k] = four[k]
 
-    def total(self) -> dict[str, np.ndarray]:
+    def total_impulse(self) -> dict[str, np.ndarray]:
         if self.impulses:
             self.add_up_impulses()
-        return self.blocks.total()
+        return self.blocks.total_impulse()
 
     def total_work(self) -> dict[str, float]:
         if self.impulses:
@@ -139,12 +143,12 @@ class WideAccounts(Accounts):
 
 
 @in_kernels
-class Seen:
-    """What a law of pairs adds up of the particles around, or of their images."""
+class RowLaw:
+    """Sum of a pair law over the particles around, or over their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
-        """`reflected`: whether what is seen are images; then the set of sides that show them, a bit each, comes after
-        the row of the particle."""
+        """`reflected`: True for images. Then the set of sides that show them, a bit each, follows the row of the
+        particle."""
         self.law, self.images, self.reflected, self.sums = law, grid.images, reflected, law.terms.size
         self.periodic = any(grid.basin.periods)
 
@@ -164,12 +168,12 @@ class Seen:
 
 
 @in_kernels
-class Kept:
+class PairCollector:
     """Keeps the pairs of a particle, number `own`, that a PointLaw is shown."""
 
     sums = 1
 
-    def __init__(self, pairs: Pairs, smoothing: Smoothing) -> None:
+    def __init__(self, pairs: PairSlots, smoothing: Smoothing) -> None:
         self.pairs, self.smoothing = pairs, smoothing
 
     @ti.func
@@ -178,9 +182,9 @@ class Kept:
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0
-            if seen < self.pairs.room:
-                self.pairs.name[own * self.pairs.room + seen] = j ^ flips(mirror)
-                self.pairs.gradient[own * self.pairs.room + seen] = self.smoothing.pair_gradient(-d)
+            if seen < self.pairs.slots:
+                self.pairs.name[own * self.pairs.slots + seen] = j ^ flip_code(mirror)
+                self.pairs.gradient[own * self.pairs.slots + seen] = self.smoothing.pair_gradient(-d)
             self.pairs.seen[own] = seen + 1
         return ti.Vector([found])
 
@@ -194,25 +198,26 @@ class ParticleWalk:
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
         self.particles, self.most = particles.count, size.grid.lattice.n
         self.grid, self.accounts = grid, accounts
-        self.shown: dict[Law, tuple[Around, Seen, Seen]] = {}  # what a law is shown, made when it first walks
+        self.shown: dict[Law, tuple[PointSum, RowLaw, RowLaw]] = {}  # what a law is shown, made when it first walks
         self.keeps = False
 
-    def keep(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
-        self.keeps, self.pairs = True, Pairs(self.most, self.grid.images, tasks, neighbours)
-        self.kept = Kept(self.pairs, smoothing)
+    def keep_pairs(self, smoothing: Smoothing, neighbours: int, tasks: Tasks) -> KeptPairs:
+        self.keeps, self.pairs = True, PairSlots(self.most, self.grid.images, tasks, neighbours)
+        self.kept = PairCollector(self.pairs, smoothing)
         return self.pairs
 
-    def around(self, law: Law) -> tuple[Around, Seen, Seen]:
-        """The water around a particle as a law reads it, and what sees particles and images there."""
+    def sums_of(self, law: Law) -> tuple[PointSum, RowLaw, RowLaw]:
+        """Sums around a particle over the fields that a law reads, and the terms of particles and of images."""
         if law not in self.shown:
-            places = Around(law.reads[:3], self.grid)
-            self.shown[law] = places, Seen(law, self.grid, False), Seen(law, self.grid, True)
+            places = PointSum(law.reads[:3], self.grid)
+            self.shown[law] = places, RowLaw(law, self.grid, False), RowLaw(law, self.grid, True)
         return self.shown[law]
 
     @ti.func
     def walk(self, law: Template, find: Template):
-        """As `Neighbours.walk`; to `find` candidates is to keep their pairs, where they are kept."""
-        around, water, images = ti.static(self.around(law))
+        """Sum law.pair over the neighbours of each particle, then call law.finish, as `CellWalk.walk`. If pairs are
+        kept, `find` keeps them."""
+        around, water, images = ti.static(self.sums_of(law))
         for i in range(self.most):
             law.begin(i)
             if ti.static(find):
@@ -220,36 +225,36 @@ class ParticleWalk:
             if i < self.particles.there():
                 own = ti.Vector([field[i] for field in ti.static(law.reads)])
                 x = ti.Vector([own[0], own[1], own[2]])
-                total, beyond = around.of_water(x, water, own), self.of_images(x, own, around, images)
+                total, beyond = around.water_total(x, water, own), self.image_total(x, own, around, images)
                 if ti.static(not law.options.apart):
                     total += beyond
                     beyond = ti.Vector.zero(float, law.terms.size)
                 if ti.static(find and self.keeps):
-                    self.keep_pairs(i, x, around)
+                    self.store_pairs(i, x, around)
                 law.finish(i, own, total, beyond, i)
 
     @ti.func
-    def of_images(self, x, own, around: Template, images: Template):
-        """What all images add to the sum of a particle at x [m]."""
-        here, total = self.grid.wrapped(x), ti.Vector.zero(float, images.sums)
-        reach = around.reach(here)
+    def image_total(self, x, own, around: Template, images: Template):
+        """Sum over all images for a particle at x [m]."""
+        here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
+        reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
         for k in ti.static(range(images.law.row.size)):
             own_and_sides[k] = own[k]
         for sides in range(1, reach + 1):
             if sides & reach == sides:
                 own_and_sides[images.law.row.size] = ti.cast(sides, float)
-                total += around.seen(here, around.mirror(sides), images, own_and_sides)
+                total += around.mirror_total(here, around.mirror(sides), images, own_and_sides)
         return total
 
     @ti.func
-    def keep_pairs(self, i, x, around: Template):
+    def store_pairs(self, i, x, around: Template):
         """Keep the pairs of particle i, which is at x [m]."""
         pairs = self.pairs
         pairs.seen[i] = 0
-        around.of_water(x, self.kept, i)
+        around.water_total(x, self.kept, i)
         pairs.near[i] = pairs.seen[i]
-        around.of_images(x, self.kept, i)
-        if pairs.seen[i] > pairs.room:
+        around.image_total(x, self.kept, i)
+        if pairs.seen[i] > pairs.slots:
             pairs.near[i] = pairs.seen[i] = 0
             self.accounts.overflow[i, 0] = 1

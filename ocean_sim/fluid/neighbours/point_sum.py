@@ -9,47 +9,55 @@ from collections.abc import Iterable
 from typing import Any, Protocol
 
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.images import OFFSET, PULL, PUSH, SIDE, SIGN, TURN, flipped, mirrored
+from ocean_sim.fluid.neighbours.images import (
+    POSITION_OFFSET,
+    POSITION_SIGN,
+    SIDE_ACCELERATION,
+    SIDE_COLUMNS,
+    VELOCITY_OFFSET,
+    VELOCITY_SIGN,
+    mirror_direction,
+    mirror_position,
+)
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
 
 @ti.func
-def unmirrored():
+def identity_mirror():
     """The mirror that shows everything as it is."""
     mirror = ti.Matrix.zero(float, 5, 3)
     for k in ti.static(range(3)):
-        mirror[SIGN, k] = mirror[TURN, k] = 1.0
+        mirror[POSITION_SIGN, k] = mirror[VELOCITY_SIGN, k] = 1.0
     return mirror
 
 
 @ti.func
-def in_turn(first, then):
-    """The mirror that shows what `then` shows of what `first` shows."""
+def compose_mirrors(first, then):
+    """Composition of two mirrors: the mirror `then` of the image in the mirror `first`."""
     mirror = first
     for k in ti.static(range(3)):
-        mirror[SIGN, k] = then[SIGN, k] * first[SIGN, k]
-        mirror[OFFSET, k] = then[SIGN, k] * first[OFFSET, k] + then[OFFSET, k]
-        mirror[TURN, k] = then[TURN, k] * first[TURN, k]
-        mirror[PUSH, k] = then[TURN, k] * first[PUSH, k] + then[PUSH, k]
-        mirror[PULL, k] = first[PULL, k] + then[PULL, k]
+        mirror[POSITION_SIGN, k] = then[POSITION_SIGN, k] * first[POSITION_SIGN, k]
+        mirror[POSITION_OFFSET, k] = then[POSITION_SIGN, k] * first[POSITION_OFFSET, k] + then[POSITION_OFFSET, k]
+        mirror[VELOCITY_SIGN, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_SIGN, k]
+        mirror[VELOCITY_OFFSET, k] = then[VELOCITY_SIGN, k] * first[VELOCITY_OFFSET, k] + then[VELOCITY_OFFSET, k]
+        mirror[SIDE_ACCELERATION, k] = first[SIDE_ACCELERATION, k] + then[SIDE_ACCELERATION, k]
     return mirror
 
 
 class PointLaw(Protocol):
-    """What is summed over all water around a point."""
+    """Interface of a sum over all water around a point."""
 
     sums: int
-    """How many numbers a particle adds."""
+    """Numbers that a particle adds."""
 
     def term(self, own: Any, j: Any, d: Any, mirror: Any) -> Any:
-        """ti.func: what particle j adds that a mirror shows at d [m] from the point; `own` is what was handed to the
-        sum."""
+        """ti.func: term of particle j, seen in a mirror at d [m] from the point; `own` is handed through by the sum."""
         ...
 
 
 @in_kernels
-class Around:
+class PointSum:
     """Sums of a PointLaw over all water within one support of a point."""
 
     def __init__(self, position: Iterable[ti.Field], grid: Grid, start: ti.Field | None = None) -> None:
@@ -61,70 +69,70 @@ class Around:
 
     @ti.func
     def total(self, x, law: Template, own):
-        """Of the law's terms around x."""
-        return self.total_from(0, x, law, own)
+        """Sum of the law's terms around x, images included."""
+        return self.subset_total(0, x, law, own)
 
     @ti.func
-    def of_images(self, x, law: Template, own):
-        """The same of the images in sides alone."""
-        return self.total_from(1, x, law, own)
+    def image_total(self, x, law: Template, own):
+        """Sum over the images in sides alone."""
+        return self.subset_total(1, x, law, own)
 
     @ti.func
-    def of_water(self, x, law: Template, own):
-        """The same without images."""
-        return self.seen(self.grid.wrapped(x), unmirrored(), law, own)
+    def water_total(self, x, law: Template, own):
+        """Sum over the water without its images."""
+        return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
-    def total_from(self, first, x, law: Template, own):
-        """The same in the sets of sides from the `first` on, a bit for each side; 0 is the empty one."""
-        here = self.grid.wrapped(x)
-        reach = self.reach(here)
+    def subset_total(self, first, x, law: Template, own):
+        """Sum over the sets of sides from the `first` on, a bit for each side; 0 is the empty set."""
+        here = self.grid.wrap_position(x)
+        reach = self.sides_in_reach(here)
         total = ti.Vector.zero(float, law.sums)
         for subset in range(first, reach + 1):
             if subset & reach == subset:
-                total += self.seen(here, self.mirror(subset), law, own)
+                total += self.mirror_total(here, self.mirror(subset), law, own)
         return total
 
     @ti.func
     def mirror(self, subset):
-        """What a set of sides is as one mirror."""
-        mirror = unmirrored()
+        """Mirror of a set of sides."""
+        mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
                 if subset >> side & 1:
-                    mirror = in_turn(mirror, self.images.mirror(side))
+                    mirror = compose_mirrors(mirror, self.images.mirror(side))
         return mirror
 
     @ti.func
-    def reach(self, x):
+    def sides_in_reach(self, x):
         """The sides within a support of x, a bit each."""
         reach = 0
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
-                away = x[int(self.images.side[side, SIDE.axis])] - self.images.side[side, SIDE.position]
+                away = x[int(self.images.side[side, SIDE_COLUMNS.axis])] - self.images.side[side, SIDE_COLUMNS.position]
                 reach |= int(ti.abs(away) < self.grid.support) << side
         return reach
 
     @ti.func
-    def seen(self, x, mirror, law: Template, own):
-        """What the particles add that are seen from x in one mirror."""
+    def mirror_total(self, x, mirror, law: Template, own):
+        """Sum over the particles seen from x in one mirror."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
-        y = mirrored(mirror, x)  # flat mirrors at right angles are their own inverse
+        y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse
         home = grid.indices_at(y)
         total = ti.Vector.zero(float, law.sums)
         for row in range(9):
             for part in range(ti.static(3 if self.across else 1)):
                 first = tm.ivec3(part - 1, row % 3 - 1, row // 3 - 1)
-                there, shift = self.home(home + first)
+                there, shift = self.periodic_home(home + first)
                 c, middle = grid.cell_at(there), grid.lower + (there - 0.5) / grid.per_width
                 for j in range(self.start[c], self.start[c + ti.static(1 if self.across else 3)]):
-                    e = self.nearest(tm.vec3(px[j], py[j], pz[j]), middle) + shift - y
-                    total += law.term(own, j, flipped(mirror, e), mirror)
+                    e = self.nearest_repeat(tm.vec3(px[j], py[j], pz[j]), middle) + shift - y
+                    total += law.term(own, j, mirror_direction(mirror, e), mirror)
         return total
 
     @ti.func
-    def nearest(self, x, middle):
+    def nearest_repeat(self, x, middle):
         """The repeat of x nearest to the middle of its cell [m]: a scheme that sorts in the middle of its step may have
         moved a particle on through a periodic side."""
         for k, period in ti.static(enumerate(self.periods)):
@@ -133,7 +141,7 @@ class Around:
         return x
 
     @ti.func
-    def home(self, indices):
+    def periodic_home(self, indices):
         """Indices of the cell that a cell beyond a periodic side repeats, and how far its water is shifted [m]."""
         shift = tm.vec3(0.0)
         for k, period in ti.static(enumerate(self.periods)):

@@ -1,18 +1,18 @@
-"""How a kernel makes tasks of its particles, or of what else it goes over.
+"""Division of a kernel's particles, or other items, into tasks.
 
-On a processor threads share few tasks, each long. Taichi hands out a parallel loop in tasks of no fewer than TASK
-iterations, so a plain loop over 16 or 64 of them would be one, and run on one thread. Therefore a loop runs over TASK
-times the tasks and every TASK-th iteration does the work of one:
+On a processor threads share few tasks, each long. Taichi divides a parallel loop into tasks of at least TASK_ITERATIONS
+iterations, so a plain loop over 16 or 64 items would run on one thread. Therefore a loop runs over TASK_ITERATIONS
+times the tasks, and one iteration in TASK_ITERATIONS does the work of a task:
 
-    for g in range(tasks * TASK):
-        if g % TASK == 0:
-            work(g // TASK)
+    for g in range(tasks * TASK_ITERATIONS):
+        if g % TASK_ITERATIONS == 0:
+            work(g // TASK_ITERATIONS)
 
 On a graphics card each iteration is a thread of its own, and each particle a task.
 
-One thread alone writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
-their order. The sums of different tasks lie LINE numbers apart: threads that write to the same line of a processor's
-cache wait for each other.
+Only one thread writes to the scratch and the sums of a task, so results depend neither on the number of threads nor on
+their order. The sums of different tasks lie ROW_PADDING numbers apart, since threads that write to the same line of a
+processor's cache wait for each other.
 """
 
 from math import isqrt
@@ -21,9 +21,9 @@ from ocean_sim.fluid.sph.particles import Count
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import Template, in_kernels
 
-TASK = 512
-LINE = 32  # two lines of a cache
-SUMMED = 64  # rows that are summed one after the other; more are first summed in blocks
+TASK_ITERATIONS = 512
+ROW_PADDING = 32  # two lines of a cache
+MAX_SEQUENTIAL_ROWS = 64  # rows that are summed one after the other; more are first summed in blocks
 
 
 @in_kernels
@@ -38,7 +38,7 @@ class Tasks:
         self.single = groups == particles.most
 
     @ti.func
-    def first(self, group):
+    def first_particle(self, group):
         """Number of the first particle of a group, or of the last and one more."""
         n = self.particles.there()
         first = ti.min(group, n)
@@ -53,15 +53,15 @@ class Rows:
 
     def __init__(self, count: int, columns: int) -> None:
         self.columns = columns
-        self.rows = ti.field(float, shape=(count, columns + (LINE if count <= SUMMED else 0)))
-        self.block = isqrt(count) if count > SUMMED else 1
+        self.rows = ti.field(float, shape=(count, columns + (ROW_PADDING if count <= MAX_SEQUENTIAL_ROWS else 0)))
+        self.block = isqrt(count) if count > MAX_SEQUENTIAL_ROWS else 1
         self.last = self.rows
         if self.block > 1:
             self.last = ti.field(float, shape=(-(-count // self.block), columns))
 
     @ti.func
     def add(self, row, column: Template, number):
-        """To what a task reports."""
+        """Accumulate into a column of this task's row."""
         self.rows[row, column] = self.rows[row, column] + number
 
     @ti.func

@@ -8,7 +8,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.fluid.bodies.walls import zones
-from ocean_sim.fluid.sph.initial_state import StandingWave, of_patch
+from ocean_sim.fluid.sph.initial_state import StandingWave, patch_waves
 from ocean_sim.fluid.sph.lattice import Lattice
 
 
@@ -85,7 +85,7 @@ def wave_trains(lattice: Lattice) -> Iterator[Train]:
     basin, initial = lattice.basin, lattice.config.initial
     if any(waves.basin_faults(basin)):
         return
-    sea = of_patch(basin, lattice.spacing)
+    sea = patch_waves(basin, lattice.spacing)
     if sea is not None:
         yield Train(sea, False)
     elif basin.piston is not None:

@@ -21,7 +21,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import whole_sides
 from ocean_sim.basin.open_sea import Nonlinear, width_over_length
-from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED, of_patch
+from ocean_sim.fluid.sph.initial_state import MIN_WAVE_SPACINGS, NOTABLE_LOST_VARIANCE, patch_waves
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.waves.absorption import DAMPING_POWER
 
@@ -146,8 +146,8 @@ class RelaxationBand:
             return None
         left, asked = self.sea.significant_height, self.requested.significant_height
         return (
-            f"{share:.2g} of the variance of the sea is in waves of fewer than {CARRIED:g} particles, which are left "
-            f"out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
+            f"{share:.2g} of the variance of the sea is in waves of fewer than {MIN_WAVE_SPACINGS:g} particles, which "
+            f"are left out: its significant height is {left:.4g} m on the patch (asked for: {asked:.4g} m)"
         )
 
     def statements(self) -> list[str]:
@@ -167,7 +167,7 @@ class RelaxationBand:
                 f"which sets in over the first {self.nonlinear.onset:.3g} s"
             )
         short = self.resolution_note()
-        found += [short] if short is not None and self.unresolved_share <= UNCARRIED else []
+        found += [short] if short is not None and self.unresolved_share <= NOTABLE_LOST_VARIANCE else []
         if self.sea.ramp > 0.0:
             found.append(f"the sea grows from calm water over the first {self.sea.ramp:.3g} s")
         at_rest, following = self.height_at_ship(0.0), self.height_at_ship(1.0)
@@ -186,7 +186,11 @@ class RelaxationBand:
         changed = self.fit_change()
         found += [changed] if changed is not None else []
         short = self.resolution_note()
-        found += [f"{short}; take a smaller spacing"] if short is not None and self.unresolved_share > UNCARRIED else []
+        found += (
+            [f"{short}; take a smaller spacing"]
+            if short is not None and self.unresolved_share > NOTABLE_LOST_VARIANCE
+            else []
+        )
         if self.sea is not None and self.width < MIN_RIM_WAVES * self.sea.wavelength and self.rate > 0.0:
             found.append(
                 f"the rim of the patch is {self.width:.3g} m wide, less than {MIN_RIM_WAVES:g} of the wavelength of "
@@ -228,7 +232,7 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
     basin = lattice.basin
     if basin.sea is None:
         return None
-    rim, sea = basin.sea.rim, of_patch(basin, lattice.spacing)
+    rim, sea = basin.sea.rim, patch_waves(basin, lattice.spacing)
     least = MAX_RIM_SHARE * min(period for period in basin.periods if period)
     width = rim.width or (least if sea is None else min(RIM_WIDTH_WAVES * sea.wavelength, least))
     if sea is None:

@@ -1,4 +1,11 @@
-"""What pulls on all water alike: gravity, a body force, and in the axes of a moving tank what its motion adds."""
+"""Accelerations of water by its surroundings: gravity, a body force, the motion of a tank, and friction of a bed.
+
+Bed friction lies between free slip and no slip: a shear stress on the layer next to the bed, as thick as a row of the
+lattice. A particle in this layer bears the stress on a share of the bed: its volume over that thickness, less where the
+layer gives way to the next. On a lattice, even a quarter of a row too high or too low, the first row bears all and the
+second nothing; in any water the shares sum to the bed in the mean. Velocity and height are the particle's own, so
+nothing depends on the order of particles.
+"""
 
 import numpy as np
 
@@ -7,8 +14,11 @@ from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
-PUSH, RATE, TURN, PIVOT = range(4)
-ALL, NONE = 0.75, 1.25  # [rows] heights up to which a particle bears its whole share, and from which it bears none
+FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
+FULL_SHARE_ROWS, NO_SHARE_ROWS = (
+    0.75,
+    1.25,
+)  # [rows] heights up to which a particle bears its share, and from which none
 
 
 @in_kernels
@@ -27,30 +37,30 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """(3,) [m/s2] on water that has just left an emitter: all but what a turning tank adds."""
-        return np.array(self.frame[PUSH]) if self.moving else self.gravity + self.body_force
+        """(3,) [m/s2] acceleration of water that has just left an emitter, without the terms of a turning tank."""
+        return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
         """Take the motion of the tank at a time [s]."""
         if self.moving:
             frame = self.motion.at(time)
-            self.frame[PUSH] = frame.push(self.gravity) + self.body_force
-            self.frame[RATE], self.frame[TURN] = frame.rate, frame.angular_acceleration
-            self.frame[PIVOT] = frame.pivot
+            self.frame[FRAME_PUSH] = frame.push(self.gravity) + self.body_force
+            self.frame[FRAME_RATE], self.frame[FRAME_TURN] = frame.rate, frame.angular_acceleration
+            self.frame[FRAME_PIVOT] = frame.pivot
 
     @ti.func
     def at(self, x, v):
-        """At a position, with a velocity in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
+        """Acceleration at x in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
         a = self.constant
         if ti.static(self.moving):
-            r, omega = x - self.frame[PIVOT], self.frame[RATE]
-            a = self.frame[PUSH] - tm.cross(self.frame[TURN], r)
+            r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]
+            a = self.frame[FRAME_PUSH] - tm.cross(self.frame[FRAME_TURN], r)
             a -= tm.cross(omega, tm.cross(omega, r)) + 2.0 * tm.cross(omega, v)
         return a
 
     @ti.func
     def at_rest(self, x):
-        """What pressure holds in water at rest: along a periodic axis it can hold nothing."""
+        """Acceleration [m/s2] that pressure balances in water at rest; none along a periodic axis."""
         return self.held * self.at(x, tm.vec3(0.0))
 
 
@@ -78,6 +88,6 @@ class Bed:
         Of du/dt = -k |u| u, k = drag share / row, the solution u / (1 + k |u| dt): no step turns the water round.
         """
         z, along = x.y - self.level, tm.vec3(v.x, 0.0, v.z)
-        share = tm.clamp((NONE - z / self.row) / (NONE - ALL), 0.0, 1.0)
+        share = tm.clamp((NO_SHARE_ROWS - z / self.row) / (NO_SHARE_ROWS - FULL_SHARE_ROWS), 0.0, 1.0)
         rate = self.drag(z) * share / self.row * along.norm()
         return -rate / (1.0 + rate * dt) * along

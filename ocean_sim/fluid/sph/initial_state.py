@@ -23,23 +23,25 @@ from ocean_sim.random_numbers import numpy_uniform3
 
 State = tuple[np.ndarray, np.ndarray, np.ndarray]  # positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa]
 ONE_COLUMN = Rule("a column is known by its name before the first _, and there is one of each")
-ONCE = Rule("each particle is there once: no two rows have the same place and velocity")
-CHECKS = (Checked("Particles, `fluid.initial.file.path`: a table, or an npz file of arrays", (ONE_COLUMN, ONCE)),)
+UNIQUE_ROWS = Rule("each particle is there once: no two rows have the same place and velocity")
+CHECKS = (
+    Checked("Particles, `fluid.initial.file.path`: a table, or an npz file of arrays", (ONE_COLUMN, UNIQUE_ROWS)),
+)
 Problems = Iterator[tuple[tuple[str, ...], str]]  # path below `fluid.initial`, sentence
 
-DISORDER = 0x4_0000  # stream of random numbers
-LEAPS = 4  # Runge-Kutta steps along a displacement
-FITTING = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
-CARRIED = 10.0  # spacings that a wave of a random sea must be long: fed, shorter ones become up to 3 times too high
-UNCARRIED = 0.02  # share of the variance in waves that are shorter: worth a warning
-STEEPEST_STANDING = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
+DISORDER_STREAM = 0x4_0000  # stream of random numbers
+FLOW_STEPS = 4  # Runge-Kutta steps along a displacement
+MAX_FIT_CHANGE = 0.01  # part of its wavenumber by which a wave may be changed to fit a periodic basin
+MIN_WAVE_SPACINGS = 10.0  # [spacings] shortest wave of a random sea: shorter ones, fed, become up to 3 times too high
+NOTABLE_LOST_VARIANCE = 0.02  # share of the variance in waves that are shorter: worth a warning
+MAX_STANDING_STEEPNESS = 0.218  # height over wavelength, over tanh(kh), of a standing wave that breaks (Wiegel 1964)
 
 
 class Start(Model):
     """The keys of every initial state."""
 
     def sea(self, basin: Basin) -> waves.Components | None:
-        """The waves that it is made of; None where there are none."""
+        """Waves of this state; None without waves."""
         return None
 
 
@@ -81,7 +83,7 @@ class StandingWave(Start):
             yield ("kind",), sentence
             return
         length = 2.0 * basin.config.length / self.mode
-        most = STEEPEST_STANDING * length * float(np.tanh(2.0 * pi * basin.depth / length))
+        most = MAX_STANDING_STEEPNESS * length * float(np.tanh(2.0 * pi * basin.depth / length))
         if 4.0 * self.sea(basin).amplitude[0] > most:
             key = "height" if self.amplitude is None else "amplitude"
             yield (key,), f"a standing wave of {length:.3g} m would break: at most it is {most:.3g} m high"
@@ -89,7 +91,7 @@ class StandingWave(Start):
             yield ("mode",), f"x is periodic: the mode must be even, got {self.mode}"
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        return carried(self.sea(basin), positions, basin, density)
+        return displaced_state(self.sea(basin), positions, basin, density)
 
 
 class RegularWave(Start):
@@ -101,7 +103,7 @@ class RegularWave(Start):
     period: float = quantity("s", gt=0.0)
     """Period of the wave; its wavelength must fit the basin."""
     heading_deg: float | None = quantity("deg", None)
-    """Where it goes to: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
+    """Direction of travel: 0 along +z, 90 along +x; by default 0, in 2-D 90."""
 
     def sea(self, basin: Basin) -> waves.Components:
         """The wave before it is fitted to the basin."""
@@ -115,10 +117,10 @@ class RegularWave(Start):
         if found:
             return
         sea = self.sea(basin)
-        yield from ((("heading_deg",), sentence) for sentence in walled(sea.wavevector[0], basin))
-        wanted = fitted(sea, basin)
+        yield from ((("heading_deg",), sentence) for sentence in wall_problems(sea.wavevector[0], basin))
+        wanted = fitted_waves(sea, basin)
         off = float(np.linalg.norm(wanted.wavevector[0] - sea.wavevector[0]) / sea.wavenumber[0])
-        if off > FITTING:
+        if off > MAX_FIT_CHANGE:
             (length, fits), period = 2.0 * pi / np.append(sea.wavenumber, wanted.wavenumber), 2.0 * pi / wanted.omega[0]
             yield (
                 ("period",),
@@ -127,7 +129,7 @@ class RegularWave(Start):
             )
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        return carried(fitted(self.sea(basin), basin), positions, basin, density)
+        return displaced_state(fitted_waves(self.sea(basin), basin), positions, basin, density)
 
 
 class RandomWaves(Start):
@@ -149,11 +151,11 @@ class RandomWaves(Start):
         found += [(heading, sentence) for sentence in waves.heading_faults(self.spectrum.heading_deg, basin)]
         yield from found
         if not found:
-            yield from ((heading, sentence) for sentence in walled(self.sea(basin).wavevector[0], basin))
+            yield from ((heading, sentence) for sentence in wall_problems(self.sea(basin).wavevector[0], basin))
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
-        kept = borne(self.sea(basin), self.spectrum.significant_wave_height, apart(positions, basin))
-        return carried(fitted(kept, basin), positions, basin, density)
+        kept = bearable_waves(self.sea(basin), self.spectrum.significant_wave_height, mean_spacing(positions, basin))
+        return displaced_state(fitted_waves(kept, basin), positions, basin, density)
 
 
 class TaylorGreen(Start):
@@ -175,8 +177,8 @@ class TaylorGreen(Start):
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
         a, b = 2.0 * pi / basin.config.length, 2.0 * pi / basin.depth
-        kick = numpy_uniform3(self.seed, DISORDER, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
-        placed = wrapped(positions + self.disorder * apart(positions, basin) * kick, basin)
+        kick = numpy_uniform3(self.seed, DISORDER_STREAM, np.arange(len(positions)), 0) * (1.0, 1.0, 0.0)
+        placed = wrap_positions(positions + self.disorder * mean_spacing(positions, basin) * kick, basin)
         x, y = a * (placed[:, 0] - basin.lower[0]), b * (placed[:, 1] - basin.lower[1])
         u, v = -np.cos(x) * np.sin(y), a / b * np.sin(x) * np.cos(y)
         pressure = -0.25 * density * self.speed**2 * (np.cos(2.0 * x) + (a / b) ** 2 * np.cos(2.0 * y))
@@ -221,12 +223,12 @@ class FromFile(Start):
             yield ("path",), f"{csv_file.NUMBERS.broken(self.path, found)}"
         else:
             positions = self.positions(basin)
-            rows = np.hstack([positions, vectors(columns, "uvw", basin)])
+            rows = np.hstack([positions, column_vectors(columns, "uvw", basin)])
             _, first, count = np.unique(rows, axis=0, return_index=True, return_counts=True)
             if len(first) < len(rows):
                 row = int(first[count > 1].min())
                 found = f"{len(rows) - len(first)} rows repeat others, the first row {row + 1}"
-                yield ("path",), f"{ONCE.broken(self.path, found)}"
+                yield ("path",), f"{UNIQUE_ROWS.broken(self.path, found)}"
             low, up = np.array(basin.lower), np.array(basin.upper)
             outside = np.flatnonzero(((positions < low - 1e-9) | (positions > up + 1e-9)).any(axis=1))
             if len(outside):
@@ -235,18 +237,22 @@ class FromFile(Start):
 
     def positions(self, basin: Basin) -> np.ndarray:
         """(n, 3) [m]; z is 0 in 2-D."""
-        return vectors(self.columns(), "xyz", basin)
+        return column_vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
         columns = self.columns()
-        placed = vectors(columns, "xyz", basin)
-        return placed, vectors(columns, "uvw", basin), columns.get("p", still_pressure(placed, basin, density, 0.0))
+        placed = column_vectors(columns, "xyz", basin)
+        return (
+            placed,
+            column_vectors(columns, "uvw", basin),
+            columns.get("p", still_pressure(placed, basin, density, 0.0)),
+        )
 
 
 Initial = Annotated[StandingWave | RegularWave | RandomWaves | TaylorGreen | FromFile, Field(discriminator="kind")]
 
 
-def started(
+def start_state(
     initial: Initial | None,
     positions: np.ndarray,
     basin: Basin,
@@ -257,14 +263,14 @@ def started(
     a particle, where the water does not fill the basin."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
-    sea = of_patch(basin, apart(positions, basin)) if basin.sea is not None else None
+    sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
     if sea is not None and not sea.ramp:
-        return carried(sea, positions, basin, rest_density)
+        return displaced_state(sea, positions, basin, rest_density)
     return positions, np.zeros_like(positions), still_pressure(positions, basin, rest_density, surface)
 
 
 def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...], str]]:
-    """What is wrong with an initial state in this basin: (path below `fluid.initial`, sentence)."""
+    """Faults of an initial state in this basin: (path below `fluid.initial`, sentence)."""
     return [] if initial is None else list(initial.problems(basin))
 
 
@@ -279,10 +285,10 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
     return density * pull * np.maximum(surface - positions[:, 1], 0.0)
 
 
-def carried(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """Water that rests at (n, 3), in these waves at time 0."""
-    placed, leap = positions.astype(float), 1.0 / LEAPS
-    for _ in range(LEAPS):
+def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
+    """State of water that rests at (n, 3), in these waves at time 0."""
+    placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
+    for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
         b = waves.displacement(sea, placed + 0.5 * leap * a)
         c = waves.displacement(sea, placed + 0.5 * leap * b)
@@ -290,20 +296,20 @@ def carried(sea: waves.Components, positions: np.ndarray, basin: Basin, density:
         placed = placed + leap / 6.0 * (a + 2.0 * b + 2.0 * c + d)
     rise = waves.displacement(sea, positions)[:, 1]
     head = waves.pressure_head(sea, positions) - rise - positions[:, 1]
-    return wrapped(placed, basin), waves.linear_velocity(sea, placed), density * sea.gravity * head
+    return wrap_positions(placed, basin), waves.linear_velocity(sea, placed), density * sea.gravity * head
 
 
-def borne(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """What water bears of random waves of a significant height [m], none as short as `shortest` [m]: those beyond k =
-    2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
-    rest carry their variance."""
+def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
+    """Random waves of a significant height [m] that water bears, none as short as `shortest` [m]. Waves beyond k = 2 /
+    Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest
+    carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
     return replace(found, amplitude=share * found.amplitude)
 
 
-def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
+def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
     """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin; waves that fall on
     the same one become one, with the variance of all and the phase of the greatest."""
     wavevector = sea.wavevector.copy()
@@ -317,23 +323,23 @@ def fitted(sea: waves.Components, basin: Basin) -> waves.Components:
     return waves.merge_waves(sea, wavevector)
 
 
-def of_patch(basin: Basin, spacing: float) -> waves.Components | None:
-    """The sea as a patch of particles so far apart [m] carries it: of random waves those that are long enough, without
-    the variance of the others; None in calm water."""
+def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
+    """Sea on a patch of particles `spacing` [m] apart: of random waves only the long enough ones, without the variance
+    of the others; None in calm water."""
     sea = basin.sea.plane_waves(basin) if basin.sea is not None else None
     if sea is None or basin.sea is None:
         return None
-    there = fitted(borne(sea, basin.sea.significant_height) if sea.random else sea, basin)
+    there = fitted_waves(bearable_waves(sea, basin.sea.significant_height) if sea.random else sea, basin)
     if sea.random:
-        there = there.select((1.0 - 1e-9) * CARRIED * spacing * there.wavenumber <= 2.0 * pi)
+        there = there.select((1.0 - 1e-9) * MIN_WAVE_SPACINGS * spacing * there.wavenumber <= 2.0 * pi)
     ramp = basin.sea.ramp
     if ramp is None:
         ramp = waves.RAMP_PERIODS * there.period if basin.afloat else 0.0
     return replace(there, ramp=ramp)
 
 
-def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
-    """Why a wave cannot travel this way: its water would start inside a wall."""
+def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
+    """Reason why a wave cannot travel this way: its water would start inside a wall."""
     for axis, k in zip((0, 2), wavevector):
         walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
         if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:
@@ -341,7 +347,7 @@ def walled(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
             yield f"waves that travel along {name} need periodic sides there (basin.walls: {{{name}: periodic}})"
 
 
-def wrapped(positions: np.ndarray, basin: Basin) -> np.ndarray:
+def wrap_positions(positions: np.ndarray, basin: Basin) -> np.ndarray:
     """Positions brought back into the basin along its periodic axes."""
     placed = positions.copy()
     for axis, period in enumerate(basin.periods):
@@ -351,12 +357,12 @@ def wrapped(positions: np.ndarray, basin: Basin) -> np.ndarray:
     return placed
 
 
-def apart(positions: np.ndarray, basin: Basin) -> float:
+def mean_spacing(positions: np.ndarray, basin: Basin) -> float:
     """Distance of neighbours [m] where so many particles fill the basin."""
     return (basin.volume / len(positions)) ** (1.0 / basin.dimension)
 
 
-def vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
+def column_vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
     """(n, 3) of three columns; in 2-D the third is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

@@ -13,11 +13,11 @@ from ocean_sim.fluid.bodies.emitter import Emitter, Jet
 from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.waves import Components
 
-BEYOND = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
+MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that makes room for it is pressed from
 
 
 class Filling(Protocol):
-    """What is read of the keys of a kind of water where its particles are made."""
+    """Keys of the water that its lattice reads."""
 
     spacing: float | None  # [m]
     particles: int | None
@@ -63,11 +63,11 @@ class Lattice:
             return self.config.spacing
         assert self.config.particles is not None
         spacing = (self.volume / self.config.particles) ** (1.0 / self.basin.dimension)
-        while total(self.counted(spacing)) > max(self.config.particles, len(self.boxes)):
+        while total_count(self.box_counts(spacing)) > max(self.config.particles, len(self.boxes)):
             spacing *= 1.001
         return spacing
 
-    def counted(self, spacing: float) -> list[np.ndarray]:
+    def box_counts(self, spacing: float) -> list[np.ndarray]:
         """Particles along x, y and z in each box, about `spacing` [m] apart."""
         counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
         return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
@@ -75,27 +75,27 @@ class Lattice:
     @cached_property
     def counts(self) -> list[np.ndarray]:
         """Particles along x, y and z in each box."""
-        return self.counted(self.spacing)
+        return self.box_counts(self.spacing)
 
     @cached_property
     def n(self) -> int:
         """Number of particles; where there is an emitter, the most there will be."""
-        return self.config.emitter.cap if self.config.emitter is not None else self.started
+        return self.config.emitter.cap if self.config.emitter is not None else self.start_count
 
     @cached_property
-    def started(self) -> int:
-        """How many of them are there without an emitter."""
+    def start_count(self) -> int:
+        """Number of particles before an emitter adds any."""
         if self.given is None and not (self.basin.obstacles or self.basin.afloat):
-            return total(self.counts)
+            return total_count(self.counts)
         return len(self.positions())
 
     @cached_property
     def jet(self) -> Jet | None:
-        """What leaves the emitter."""
+        """Jet of the emitter, or None."""
         if self.config.emitter is None:
             return None
         volume = self.mass / self.config.rest_density
-        return Jet(self.config.emitter, self.basin.dimension, self.spacing, volume, self.started)
+        return Jet(self.config.emitter, self.basin.dimension, self.spacing, volume, self.start_count)
 
     @cached_property
     def given(self) -> np.ndarray | None:
@@ -107,7 +107,11 @@ class Lattice:
         """Mass of a particle [kg], in 2-D [kg/m]: rest density times volume of the water over n."""
         if not self.boxes and self.given is None:
             return self.config.rest_density * self.spacing**self.basin.dimension
-        return self.config.rest_density * self.volume / (total(self.counts) if self.given is None else len(self.given))
+        return (
+            self.config.rest_density
+            * self.volume
+            / (total_count(self.counts) if self.given is None else len(self.given))
+        )
 
     @property
     def row(self) -> float:
@@ -127,7 +131,7 @@ class Lattice:
         return max((float((up - low)[1]) for low, up in self.boxes), default=self.basin.depth)
 
     @property
-    def stacked(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def stacked_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """The boxes that end at the height where another begins, from below."""
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2).round(9)
         begins, ends = heights.T
@@ -137,19 +141,22 @@ class Lattice:
     @cached_property
     def deepest(self) -> float:
         """Height of its tallest column of water [m]; 0 without water."""
-        bed, surface = self.ends()
+        bed, surface = self.column_ends()
         return float(np.max(surface - bed, initial=0.0))
 
-    def ends(self) -> np.ndarray:
+    def column_ends(self) -> np.ndarray:
         """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]: of its
         box, and of those that stand on one another there."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
-        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[self.wet].T
-        x, y, z = self.full[self.wet].T
+        ends = np.repeat(heights, np.array([np.prod(count) for count in self.counts], dtype=int), axis=0)[
+            self.wet_mask
+        ].T
+        x, y, z = self.full_positions[self.wet_mask].T
         stacked = [
-            (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2])) for low, up in self.stacked
+            (low[1], up[1], (x >= low[0]) & (x <= up[0]) & (z >= low[2]) & (z <= up[2]))
+            for low, up in self.stacked_boxes
         ]
         for foot, head, along in stacked:
             ends[1, along & np.isclose(ends[1], foot)] = head
@@ -161,7 +168,7 @@ class Lattice:
         return ends
 
     @cached_property
-    def full(self) -> np.ndarray:
+    def full_positions(self) -> np.ndarray:
         """(m, 3) positions [m] of a lattice that fills the boxes, x running fastest."""
         parts = [np.empty((0, 3))]
         for (low, up), count in zip(self.boxes, self.counts, strict=True):
@@ -171,30 +178,32 @@ class Lattice:
         return np.concatenate(parts)
 
     @cached_property
-    def room(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) which of them are in no obstacle and in nothing that floats, and (m, 3) where what floats lets them be:
-        out of the reach of what is not felt through the water's own laws."""
-        wet, positions = ~inside(self.full, self.basin), self.full
+    def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
+        """(m,) mask of the particles in no obstacle and no floating body, and (m, 3) their places, moved out of the
+        reach of bodies that the water's laws do not feel."""
+        wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
-            beyond = self.beyond(solid) if solid.felt else np.empty((0, 3))
+            beyond = self.points_beyond(solid) if solid.felt else np.empty((0, 3))
             volume = self.mass / self.config.rest_density
-            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated, self.spacing, volume)
+            gone, moved = solid.make_room(positions + nearest, beyond, self.repeated_boxes, self.spacing, volume)
             wet &= ~gone
-            positions = initial_module.wrapped(moved - nearest, self.basin)
+            positions = initial_module.wrap_positions(moved - nearest, self.basin)
         return wet, positions
 
     @property
-    def repeated(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def repeated_boxes(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """The boxes, and their repeats next to them beyond periodic sides."""
         ways = product(*((-period, 0.0, period) if period else (0.0,) for period in self.basin.periods[::2]))
         return [(low + [x, 0.0, z], up + [x, 0.0, z]) for x, z in ways for low, up in self.boxes]
 
-    def beyond(self, solid: Solid) -> np.ndarray:
+    def points_beyond(self, solid: Solid) -> np.ndarray:
         """(m, 3) points around a solid at which the lattice of the first box near it goes on outside all boxes [m]."""
         d, found = self.basin.dimension, np.empty((0, 3))
-        low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * BEYOND * self.spacing
-        for (low, up), count in zip(self.repeated, self.counts * (len(self.repeated) // len(self.counts)), strict=True):
+        low_end, high_end = solid.extent + np.array([[-1.0], [1.0]]) * MARGIN_SPACINGS * self.spacing
+        for (low, up), count in zip(
+            self.repeated_boxes, self.counts * (len(self.repeated_boxes) // len(self.counts)), strict=True
+        ):
             if len(found) or (low[:d] > high_end[:d]).any() or (up[:d] < low_end[:d]).any():
                 continue
             step = (up - low)[:d] / count[:d]
@@ -202,22 +211,22 @@ class Lattice:
             index = np.stack(np.meshgrid(*map(np.arange, first, last), indexing="ij"), axis=-1).reshape(-1, d)
             found = np.zeros((len(index), 3))
             found[:, :d] = low[:d] + (index + 0.5) * step
-        for low, up in self.repeated:
+        for low, up in self.repeated_boxes:
             found = found[~((found >= low)[:, :d] & (found <= up)[:, :d]).all(axis=1)]
         return found
 
     @property
-    def wet(self) -> np.ndarray:
-        """(m,) which of them are water."""
-        return self.room[0]
+    def wet_mask(self) -> np.ndarray:
+        """(m,) mask of the particles that are water."""
+        return self.room_for_bodies[0]
 
     def positions(self) -> np.ndarray:
         """(n, 3) positions of the particles [m], x running fastest."""
-        return self.room[1][self.wet] if self.given is None else self.given
+        return self.room_for_bodies[1][self.wet_mask] if self.given is None else self.given
 
 
-def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
-    """(n,) which of (n, 3) positions [m] are in an obstacle."""
+def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
+    """(n,) mask of the positions (n, 3) [m] in an obstacle."""
     found = np.zeros(len(positions), dtype=bool)
     if basin.obstacles:
         order = positions[:, 0].argsort(kind="stable")
@@ -228,6 +237,6 @@ def inside(positions: np.ndarray, basin: Basin) -> np.ndarray:
     return found
 
 
-def total(counts: list[np.ndarray]) -> int:
+def total_count(counts: list[np.ndarray]) -> int:
     """Particles in all boxes."""
     return sum(int(np.prod(count)) for count in counts)

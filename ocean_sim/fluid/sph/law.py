@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ocean_sim.columns import Columns
-from ocean_sim.fluid.neighbours.images import mirrored
+from ocean_sim.fluid.neighbours.images import mirror_position
 from ocean_sim.kernel_library import ti
 from ocean_sim.runtime import in_kernels
 
@@ -21,7 +21,7 @@ NO_COLUMN = -1
 
 @dataclass(frozen=True)
 class WalkOptions:
-    """How the walk over neighbours sums a law."""
+    """Options of the walk over neighbours for a law."""
 
     apart: bool = False
     """True if the sum over images in the sides is kept by itself, as `beyond`."""
@@ -55,7 +55,7 @@ class Law(ABC):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the whole sum: constants of the kernel, masses, what is the particle's own."""
+        """Factor of the whole sum: constants of the kernel, masses, and the particle's own fields."""
         return 1.0
 
     @ti.func  # noqa: B027
@@ -65,7 +65,7 @@ class Law(ABC):
     @ti.func
     def image(self, other, mirror):
         """Row of a neighbour as a side shows it."""
-        return mirrored(mirror, other)
+        return mirror_position(mirror, other)
 
     @ti.func
     def sample(self, own, s, d, mirror):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ocean_sim.columns import Columns, vec3
 from ocean_sim.fluid.budget.momentum_budget import BED, GRAVITY, PRESSURE, SEA, SHIP, VISCOSITY, WALLS, WIND
-from ocean_sim.fluid.neighbours.images import displaced, halfway, hydrostatic_offset, reflected
+from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_row, row_at
 from ocean_sim.fluid.sph.law import Law, WalkOptions
 from ocean_sim.fluid.sph.sph import Sph
 from ocean_sim.kernel_library import ti, tm
@@ -26,7 +26,7 @@ class Force(Law):
     reaction: "Reaction"
 
     def __init__(self, fluid: Sph) -> None:
-        """To be called once `reads` and `terms` are known."""
+        """Call this once `reads` and `terms` are known."""
         self.fluid = fluid
         self.options = WalkOptions(apart=fluid.accounts.impulses, padded=True)
         self.told = (*self.reads, *fluid.last_acceleration)  # what solid bodies read of a particle
@@ -61,15 +61,15 @@ class Force(Law):
     @ti.func
     def image(self, other, mirror):
         """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
-        x, image = vec3(other, self.row.position), reflected(mirror, other)
-        pull = self.fluid.pull.at_rest(halfway(mirror, x))
+        x, image = vec3(other, self.row.position), mirror_row(mirror, other)
+        pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
         return image
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
         """A sample of a solid body with the velocity by which it rubs; all else is the particle's own."""
-        return displaced(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
+        return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
     def react(self, dt):
@@ -83,7 +83,7 @@ class MomentumLaw(Force):
     """Momentum of a particle (2.25): neighbours, walls, wind, gravity, a hull, a bed, a sea.
 
     A scheme adds the row that is read (position, velocity, a pressure in a form of its own), the terms of a pair
-    (`pair`, by way of `added`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
+    (`pair`, by way of `row_of_terms`), the prefactor of their sum, and how a pressure continues (`pressure_rise`).
     """
 
     drifted: ClassVar[float] = 0.0
@@ -96,7 +96,7 @@ class MomentumLaw(Force):
         super().__init__(fluid)
 
     @ti.func
-    def added(self, weight, push, rub, shear):
+    def row_of_terms(self, weight, push, rub, shear):
         """Row of `terms` for a pair that presses with `push` and rubs with `rub`, of which `shear` is friction."""
         total = ti.Vector.zero(float, self.terms.size)
         for k in ti.static(range(3)):
@@ -109,7 +109,7 @@ class MomentumLaw(Force):
         return total
 
     @ti.func
-    def continued(self, own, s, d, mirror):
+    def continued_sample(self, own, s, d, mirror):
         """A sample of a solid body under the particle's own pressure, continued to the place of the sample."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
@@ -119,7 +119,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        return self.continued(own, s, d, mirror)
+        return self.continued_sample(own, s, d, mirror)
 
     @ti.func
     def acceleration(self, own, total):
@@ -137,19 +137,19 @@ class MomentumLaw(Force):
             beyond += self.solid.total(x, ti.Vector([field[i] for field in ti.static(self.told)]))
         a, parts = self.kick(i, own, total, beyond, dt)
         if ti.static(fluid.bodies):
-            self.remember(i, own, total, beyond, parts)
+            self.remember_acceleration(i, own, total, beyond, parts)
         x_free, x_new, v_new, fast = self.constrain(i, x, v + dt * a, dt)
-        fluid.leave(i, x_new, v_new)
+        fluid.stage_particle(i, x_new, v_new)
         fluid.accounts.count_motion(group, v_new, a, fast)
         if ti.static(fluid.accounts.impulses):
-            self.book(group, own, total, beyond, a, parts, x_free, x_new, v_new, dt)
+            self.book_step(group, own, total, beyond, a, parts, x_free, x_new, v_new, dt)
 
     @ti.func
     def kick(self, i, own, total, beyond, dt):
         """Acceleration [m/s2] of particle i (2.25), and its parts: by water, walls, wind, gravity, hulls, bed, sea."""
         fluid, x, v = self.fluid, vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls = self.acceleration(own, total), self.acceleration(own, beyond)
-        a_wind = fluid.blown(i, x, v)
+        a_wind = fluid.wind_acceleration(i, x, v)
         a_pull = fluid.pull.at(x, v)
         a_hull = fluid.hull_push(x, self.drifted * dt)
         a = a_water + a_walls + a_wind + a_pull + a_hull
@@ -164,16 +164,16 @@ class MomentumLaw(Force):
 
     @ti.func
     def constrain(self, i, x, v, dt):
-        """Where particle i goes from x [m] at v [m/s]: without walls and with them [m]; its velocity there [m/s]; and
-        1 if the motion limit held it back."""
+        """Places of particle i after a step from x [m] at v [m/s], without walls and with them [m]; its velocity there
+        [m/s]; and 1 if the motion limit held it back."""
         fluid, walls = self.fluid, self.fluid.walls
         pushed, fast = walls.limit_motion(walls.relax(x, v, dt), dt)
-        x_free = x + fluid.grid.gone(i, ti.static(1.0 - self.drifted) * dt * pushed)
+        x_free = x + fluid.grid.whole_quanta(i, ti.static(1.0 - self.drifted) * dt * pushed)
         x_new, v_new = walls.bounce(x_free, pushed)
         return x_free, x_new, v_new, fast
 
     @ti.func
-    def remember(self, i, own, total, beyond, parts: Template):
+    def remember_acceleration(self, i, own, total, beyond, parts: Template):
         """Keep the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
         wind do not."""
         a_water, a_walls = parts[:2]
@@ -184,12 +184,13 @@ class MomentumLaw(Force):
             component[i] = a[k]
 
     @ti.func
-    def book(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
+    def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
         """Put impulse and work of each term to the budget."""
         accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
         a_pressure, mean = self.prefactor(own) * vec3(total, self.terms.push), 0.5 * (v + v_new)
+        # Walls take what the other forces do not explain.
         by_walls = v_new - (v + dt * a) + dt * a_walls
         if ti.static(self.drifted == 0.0):
             if (x_new != x_free).any():  # forces work as far as the walls let it go; what else it loses, they took

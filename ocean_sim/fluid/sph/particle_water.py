@@ -1,5 +1,5 @@
-"""What all water made of particles has, whatever moves them: a grid, walls, a surface, an emitter, accounts, and the
-frame of a step."""
+"""Common base of water made of particles, whatever moves them: grid, walls, surface, emitter, accounts, and the frame
+of a step."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -12,10 +12,10 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.bodies.walls import Walls
 from ocean_sim.fluid.budget.field import Field, FreeSurface
-from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY, WIND, Accounts, Summing, absent
+from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY_SIZE, WIND, Accounts, Summing, absent_terms
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize
-from ocean_sim.fluid.neighbours.point_sum import Around
+from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band
 from ocean_sim.fluid.sph.body_force import Bed, Pull
@@ -33,11 +33,11 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Particles between steps: sorted by cell, with all that is known of them current. A kind adds how they move
-    (`step`) and how all is made current (`arrive`)."""
+    """Particles between steps, sorted by cell, with all fields current. A kind adds its motion (`step`) and the update
+    of its fields (`arrive`)."""
 
     particles: Particles
-    around: Around
+    around: PointSum
     grid: Grid
     accounts: Accounts
     tasks: Tasks
@@ -56,7 +56,7 @@ class ParticleWater(ParticleFluid):
         self.carried = tuple(staggered_field(float, self.particles.n) for _ in range(size.carried))
         self.grid = size.plan.grid(self.particles, size, self.carried)
         self.rubs, self.joined = basin.rough_bed is not None, basin.sea is not None
-        self.accounts = size.plan.accounts(size.groups, accounts, absent(basin))
+        self.accounts = size.plan.accounts(size.groups, accounts, absent_terms(basin))
         self.accounts.idle += (SHIP,) if wind.blows else (SHIP, WIND)
         self.tasks = size.plan.tasks(self.particles.count, size.groups)
         self.surface = FreeSurface(self.particles, self.grid, self.smoothing)
@@ -76,7 +76,7 @@ class ParticleWater(ParticleFluid):
         self.time = 0.0  # [s]
         self.emitted_impulse, self.emitted_work = np.zeros(3), 0.0  # [N s], [J]
         self.contacts = []
-        self.summary: np.ndarray = np.zeros(SUMMARY, dtype=self.particles.position.precision)
+        self.summary: np.ndarray = np.zeros(SUMMARY_SIZE, dtype=self.particles.position.precision)
 
     @property
     def of_particles(self) -> ParticleFluid:
@@ -98,7 +98,7 @@ class ParticleWater(ParticleFluid):
         return self.rim.contains(points, self.time) if self.joined else super().in_rim(points)
 
     def add_contact(self, contact: Contact) -> None:
-        """From the first step on feel the push of one more hull."""
+        """Add a hull that pushes the water from the first step on."""
         self.contacts.append(contact)
         self.accounts.idle = tuple(term for term in self.accounts.idle if term != SHIP)
 
@@ -108,44 +108,43 @@ class ParticleWater(ParticleFluid):
         return super().add_ships(ships)
 
     @ti.func
-    def area(self, i):
+    def exposed_area(self, i):
         """Exposed area of particle i times its outward normal [m2]; zero where none has one."""
         return tm.vec3(0.0)
 
     @ti.func
-    def bend(self, i):
-        """How much the slope of the surface changes near particle i (exposure.Exposure.bend_of); zero where none is
-        asked for."""
+    def surface_bend(self, i):
+        """Change of the slope of the surface near particle i (exposure.Exposure.bend_of); zero if no wind reads it."""
         return tm.vec3(0.0)
 
     @ti.func
-    def blown(self, i, x, v):
+    def wind_acceleration(self, i, x, v):
         """Acceleration [m/s2] of particle i by the wind."""
         m = ti.static(self.particles.mass)
-        return self.wind.force(self.particles.id[i], x, v, self.area(i), self.bend(i), m) / m
+        return self.wind.force(self.particles.id[i], x, v, self.exposed_area(i), self.surface_bend(i), m) / m
 
     @ti.func
     def hull_push(self, x, ahead):
-        """Acceleration [m/s2] by all hulls of what is at x [m], `ahead` [s] of the beginning of the step."""
+        """Acceleration [m/s2] by all hulls at x [m], `ahead` [s] after the beginning of the step."""
         a = tm.vec3(0.0)
         for contact in ti.static(self.contacts):
             a += contact.hull.push(x, ahead)
         return a
 
     @ti.func
-    def leave(self, i, x, v):
+    def stage_particle(self, i, x, v):
         """Keep the next position and velocity of particle i until the sort."""
-        self.grid.leave(i, x, v)
+        self.grid.stage_state(i, x, v)
 
     def begin(self) -> None:
         """Start from the particles as they are now."""
-        self.lift()
+        self.stage_all()
         self.arrive()
         self.status = self.accounts.status(self.summary, self.grid)
 
     def advance(self, dt: float) -> None:
         """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
-        self.drive(dt)
+        self.advance_boundaries(dt)
         self.step(dt)
         self.status = self.accounts.status(self.summary, self.grid)
         self.emit()
@@ -156,11 +155,10 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def step(self, dt: float) -> None:
-        """The same after they have moved for dt [s]."""
+        """Move the particles for dt [s], then do as `arrive`."""
 
-    def drive(self, dt: float) -> None:
-        """Put tank and wavemaker where they are in the middle of a step of dt [s], gates and what zones and sea relax
-        the water towards where they are at its end."""
+    def advance_boundaries(self, dt: float) -> None:
+        """Put tank and wavemaker in the middle of a step of dt [s]; gates, zones and sea at its end."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
@@ -169,7 +167,7 @@ class ParticleWater(ParticleFluid):
             self.rim.advance(self.time)
 
     def emit(self) -> None:
-        """Add what has left the emitter by now, at the end of a step."""
+        """Add the particles that have left the emitter by the end of a step."""
         if self.jet is None:
             return
         first, last = self.particles.count.now, self.jet.particle_count(self.time)
@@ -177,7 +175,7 @@ class ParticleWater(ParticleFluid):
             return
         x, v = self.jet.emitted_state(first, last, self.time, self.pull.at_mouth())
         precision = self.particles.position.precision
-        self.join(first, x.astype(precision), v.astype(precision))
+        self.append_particles(first, x.astype(precision), v.astype(precision))
         self.particles.count.set(last)
         self.emitted_impulse += self.particles.mass * v.sum(axis=0)
         energy = 0.5 * (v * v).sum() - (x @ self.pull.gravity).sum()
@@ -191,7 +189,7 @@ class ParticleWater(ParticleFluid):
         )
 
     @ti.kernel
-    def join(self, first: int, x: Array2, v: Array2):
+    def append_particles(self, first: int, x: Array2, v: Array2):
         """Put new particles after the first ones."""
         ti.loop_config(serialize=True)
         for k in range(x.shape[0]):
@@ -204,19 +202,19 @@ class ParticleWater(ParticleFluid):
                 carried[i] = 0.0
 
     @ti.kernel
-    def lift(self):
+    def stage_all(self):
         """Leave all particles where they are, for the sort."""
         ti.loop_config(serialize=ti.static(alone()))
         for i in range(self.particles.count.there()):
             p, v = self.particles.position, self.particles.velocity
             for left in ti.static(self.grid.left):
                 left[i] = 0.0
-            self.grid.leave(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
+            self.grid.stage_state(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
         """Impulse of each term since the start [N s], (3,) each; empty unless the fluid keeps accounts."""
-        total = self.accounts.total()
+        total = self.accounts.total_impulse()
         if total and self.jet is not None:
             total["emitter"] = self.emitted_impulse.copy()
         if total and self.contacts:
@@ -246,10 +244,10 @@ class ParticleWater(ParticleFluid):
         return self.surface.elevations(points)
 
     def totals(self) -> Totals:
-        return self.summing.now()
+        return self.summing.totals()
 
     def positions(self) -> np.ndarray:
-        """(n, 3) where the particles are [m], in float64: with what is left of their ways, which `position` rounds."""
+        """(n, 3) positions [m] in float64, with the rests of ways that `position` rounds off."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):
             x[:, k] += left.to_numpy()[: len(x)]

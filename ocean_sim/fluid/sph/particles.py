@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ocean_sim.fluid.sph.initial_state import started
+from ocean_sim.fluid.sph.initial_state import start_state
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
 from ocean_sim.runtime import Array, Array2, Integers, alone, in_kernels
@@ -40,8 +40,7 @@ class Snapshot(NamedTuple):
 
 @in_kernels
 class Count:
-    """How many particles there are now; where an emitter adds to them, their arrays have room for the most there will
-    be."""
+    """Number of particles now. Where an emitter adds to them, arrays have room for the final number."""
 
     def __init__(self, now: int, most: int) -> None:
         self.now, self.most, self.grows = now, most, most > now
@@ -55,7 +54,7 @@ class Count:
 
     @ti.func
     def there(self):
-        """How many there are, in a kernel."""
+        """Number of particles, in a kernel."""
         n = ti.cast(self.most, int)
         if ti.static(self.grows):
             n = self.field[None]
@@ -63,7 +62,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """A number per particle, with room for those to come; from Python only those are seen that are there."""
+    """A number per particle, with room for those to come. Python sees only those that exist."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -126,7 +125,7 @@ class Components:
 @in_kernels
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """What a step reads and a snapshot saves."""
+    """Fields of the particles that a step reads and a snapshot saves."""
 
     n: int  # the most there will be; `count` says how many there are
     count: Count
@@ -152,7 +151,7 @@ class Particles:
             self.density[i] = density
 
     def snapshot(self) -> Snapshot:
-        """All of them now, by one launch."""
+        """Copy position, velocity, id and pressure of all particles in one kernel launch."""
         n, real = self.count.now, self.position.precision
         position: np.ndarray = np.empty((n, 3), dtype=real)
         velocity: np.ndarray = np.empty((n, 3), dtype=real)
@@ -171,8 +170,8 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """(m, 4) of every so many, by identity: where it is from the middle [m] times `scale` [1/m], a whole number
-        within -`most` and `most` along each axis, and its speed [m/s]."""
+        """(m, 4) rows of every so many particles, by id: place from `middle` [m] times `scale` [1/m], a whole number
+        within -`most` and `most` along each axis, and speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows
@@ -207,8 +206,8 @@ def seeded(lattice: Lattice) -> Particles:
         pressure=numbers(float, count),
     )
     config, basin = lattice.config, lattice.basin
-    position, velocity, pressure = started(
-        config.initial, lattice.positions(), basin, config.rest_density, lattice.ends()[1]
+    position, velocity, pressure = start_state(
+        config.initial, lattice.positions(), basin, config.rest_density, lattice.column_ends()[1]
     )
     if jet is not None:
         x, v = jet.emitted_state(jet.first, count.now, 0.0, np.zeros(3))

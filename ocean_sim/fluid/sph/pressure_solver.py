@@ -8,7 +8,7 @@ wanted), r <= 0, and r = 0 where p > 0.
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ocean_sim.columns import Columns, vec3
-from ocean_sim.fluid.neighbours.images import displaced
+from ocean_sim.fluid.neighbours.images import row_at
 from ocean_sim.fluid.neighbours.kept_pairs import KeptLaw, KeptPairs
 from ocean_sim.fluid.neighbours.thread_tasks import Rows
 from ocean_sim.fluid.sph.particles import Components, Particles, staggered_field
@@ -19,10 +19,10 @@ from ocean_sim.runtime import in_kernels
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.bodies.boundary import Boundary
 
-REPORT = 3  # numbers that an iteration reports: sums over all particles
-TOO_DENSE, TOO_THIN, UPHILL = range(REPORT)
+REPORT_SIZE = 3  # numbers that an iteration reports: sums over all particles
+TOO_DENSE, TOO_THIN, UPHILL_SLOPE = range(REPORT_SIZE)
 # Of the error that a step begins with: in calm water iterations go on until it is less, so that it comes to rest.
-SHARE = 0.5
+ERROR_REDUCTION = 0.5
 
 
 class IncompressibleWater(Protocol):
@@ -44,15 +44,15 @@ class IncompressibleWater(Protocol):
     rate: ti.Field  # of a surface's water: what the velocities that are left compress, a sum over pairs
     rows: Rows  # what a group of particles reports, REPORT columns
 
-    def surplus(self, i: Any) -> Any:
-        """ti.func: what particle i may gain in density in this step [kg/m3]."""
+    def density_allowance(self, i: Any) -> Any:
+        """ti.func: density that particle i may gain in this step [kg/m3]."""
         ...
 
-    def held(self, pressure: Any) -> Any:
+    def admissible_pressure(self, pressure: Any) -> Any:
         """ti.func: a pressure as the water can have it."""
         ...
 
-    def pressed(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
+    def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
         """ti.func: change of velocity of particle i by the pressures of the water and of the walls, kept for the
         accounts."""
         ...
@@ -68,7 +68,7 @@ class Compression(KeptLaw):
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         self.fluid, self.solver, self.pairs, self.reads = fluid, solver, fluid.pairs, solver.velocity
         self.rate = -fluid.particles.mass * fluid.stencil.slope
-        self.relaxation = 1.0 / fluid.stencil.stiffest  # in disorder or piled up particles are up to 1.31 as stiff
+        self.relaxation = 1.0 / fluid.stencil.stiffest_mode  # in disorder or piled up particles are up to 1.31 as stiff
         self.add_bodies(fluid.boundary)
 
     @ti.func
@@ -77,7 +77,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def kept_image(self, other, name, away):
-        return self.pairs.velocity(other, name, away)
+        return self.pairs.image_velocity(other, name, away)
 
     @ti.func
     def kept_pair(self, own, other, gradient):
@@ -86,7 +86,7 @@ class Compression(KeptLaw):
     @ti.func
     def sample(self, own, s, d, mirror):
         """A sample of a solid body."""
-        return displaced(own, d, self.boundary.mirrored_velocity(s, mirror))
+        return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
@@ -103,34 +103,34 @@ class Compression(KeptLaw):
             rate += self.solid.total(x, ti.Vector([x.x, x.y, x.z, own.x, own.y, own.z]))[self.terms.rate]
         if ti.static(not self.solver.restores and not fluid.closed):
             fluid.rate[i] = rate
-        self.judge(i, rate, group)
+        self.judge_particle(i, rate, group)
 
     @ti.func
-    def judge(self, i, rate, group):
+    def judge_particle(self, i, rate, group):
         """Find the residual of particle i and its next pressure, by its sum over pairs."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
             r += fluid.particles.density[i] - fluid.level[None]
         else:
-            r -= fluid.surplus(i)
-        start = solver.started(i)
+            r -= fluid.density_allowance(i)
+        start = solver.start_pressure(i)
         p, scale = start + solver.gain[i], dt * dt * fluid.diagonal[i]
-        best, last = fluid.held(p + self.relaxation * r / scale), solver.best[i]
-        ahead = fluid.held(best + fluid.momentum[None] * (best - last))
+        best, last = fluid.admissible_pressure(p + self.relaxation * r / scale), solver.best[i]
+        ahead = fluid.admissible_pressure(best + fluid.momentum[None] * (best - last))
         solver.next[i], solver.best[i] = ahead - start, best
         thin = tm.max(-r, 0.0)
         if ti.static(not fluid.closed):
             thin = tm.min(thin, p * scale)  # what less pressure would undo
         fluid.rows.add(group, TOO_DENSE, tm.max(r, 0.0))
         fluid.rows.add(group, TOO_THIN, thin)
-        fluid.rows.add(group, UPHILL, (p - best) * scale * (best - last))
+        fluid.rows.add(group, UPHILL_SLOPE, (p - best) * scale * (best - last))
 
 
 @in_kernels
 class Push(KeptLaw):
-    """The velocity with what the pressures have gained; the adjoint of Compression. It is found anew from all of it, so
-    that rounding does not add up over iterations."""
+    """The velocity with the gain of the pressures; the adjoint of Compression. It is computed from all gains each time,
+    so that rounding does not add up over iterations."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -160,8 +160,8 @@ class Push(KeptLaw):
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
     @ti.func
-    def solids(self, i, own):
-        """What all samples add."""
+    def body_total(self, i, own):
+        """Sum over all samples of solid bodies."""
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
@@ -172,7 +172,7 @@ class Push(KeptLaw):
     def finish(self, i, own, total, beyond, group):
         fluid, solver = self.fluid, self.solver
         scale = fluid.dt[None] * fluid.pressing
-        push = total + beyond + self.solids(i, own)
+        push = total + beyond + self.body_total(i, own)
         for k in ti.static(range(3)):
             solver.velocity[k][i] = fluid.base[k][i] + scale * push[k]
         solver.gain[i] = own[0]
@@ -188,12 +188,12 @@ class Account(Push):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        self.fluid.pressed(i, self.fluid.dt[None], total, beyond + self.solids(i, own))
+        self.fluid.apply_pressures(i, self.fluid.dt[None], total, beyond + self.body_total(i, own))
 
 
 @in_kernels
 class Solver:
-    """One of the two: its pressures [Pa], the velocity [m/s] that they change, and how it fared."""
+    """One of the two solvers: its pressures [Pa], the velocity [m/s] that they change, and its record of iterations."""
 
     def __init__(
         self,
@@ -205,10 +205,10 @@ class Solver:
         start: ti.Field | None = None,
         brief: float = 0.0,
     ) -> None:
-        """`least`: the error [tolerances] below which nothing is left to be done; `start`: pressures to start from, of
-        a solver that undoes only what the velocity adds; one without them undoes compression that is there already.
-        In steps shorter than `brief` [s] the least error is less, by the square: so is what a force compresses in a
-        step, which would never be undone else."""
+        """`least`: the error [tolerances] that needs no iteration. `start`: initial pressures of a solver that undoes
+        only the compression by the velocity; a solver without them undoes present compression. In steps shorter than
+        `brief` [s] the least error falls with their square, as the compression by a force in one step does, which
+        nothing else would undo."""
         self.velocity, self.restores = tuple(velocity), start is None
         self.start = start if start is not None else ti.field(float, shape=())
         self.forces = not (self.restores and fluid.closed)  # whether its pressures are forces
@@ -219,21 +219,21 @@ class Solver:
         self.last_iterations, self.last_error = 0, 0.0  # of the last step; the error is over the rest density
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
-    def enough(self, first: float, dt: float, calm: bool) -> float:
-        """The error to stop at, of a step of dt [s] that begins with the error `first`. Water that is not calm stops
-        at the tolerance, but for brief steps: to press out at once what it would let by gives speed."""
+    def error_goal(self, first: float, dt: float, calm: bool) -> float:
+        """Error to stop at, in a step of dt [s] that begins with the error `first`. Water that is not calm stops at the
+        tolerance, except in brief steps: pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
-        return min(self.tolerance, max(least, SHARE * first)) if calm or brief else self.tolerance
+        return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance
 
-    def ended(self, iterations: int, error: float) -> None:
+    def record_step(self, iterations: int, error: float) -> None:
         """Put a step to its account."""
         self.last_iterations, self.last_error = iterations, error
         self.iterations, self.error = self.iterations + iterations, max(self.error, error)
         self.unsolved += not error <= self.tolerance
 
     @ti.func
-    def started(self, i):
+    def start_pressure(self, i):
         """The pressure of particle i before the step [Pa]."""
         p = 0.0
         if ti.static(not self.restores):
@@ -244,4 +244,4 @@ class Solver:
     def begin(self, i):
         """Nothing gained yet."""
         self.gain[i] = self.next[i] = 0.0
-        self.best[i] = self.started(i)
+        self.best[i] = self.start_pressure(i)

@@ -15,7 +15,7 @@ import numpy as np
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import Template, in_kernels
 
-NOTABLE = 0.01  # share of a wave's period that is worth saying
+NOTABLE_RIGIDITY = 0.01  # share of a wave's period that is worth saying
 
 
 @ti.func
@@ -25,8 +25,8 @@ def positive(x):
 
 
 @ti.func
-def smaller(a, b):
-    """Of two numbers: one instruction, where `ti.min` also asks whether either is not a number."""
+def lesser(a, b):
+    """Lesser of two numbers in one instruction; `ti.min` also tests whether either is not a number."""
     return ti.select(a < b, a, b)
 
 
@@ -57,8 +57,8 @@ class Kernel:
 
     @property
     def value_terms(self) -> tuple[float, ...]:
-        """Of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of (1 - t) times
-        `gradient` from the end of the support inwards."""
+        """Coefficients of W = slope support^2 t^(power + 1) (value_terms[0] + value_terms[1] t + ...): the integral of
+        (1 - t) times `gradient` from the end of the support inwards."""
         inwards = np.polynomial.Polynomial(self.terms) * np.polynomial.Polynomial([1.0, -1.0])
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
@@ -66,14 +66,14 @@ class Kernel:
         """W over slope support^2."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
-    def bent(self, t: np.ndarray) -> np.ndarray:
+    def curvature(self, t: np.ndarray) -> np.ndarray:
         """W'' over slope: with r = h (1 - t), W' is -r `gradient`."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
 
     def slope(self, dimension: int, support: float) -> float:
-        """That with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
+        """Slope with which W integrates to 1 [m^-5], in 2-D [m^-4]: the integral of -r W' is the dimension."""
         d = dimension
         moments = (
             term * factorial(self.power + k) * factorial(d + 1) / factorial(self.power + k + d + 2)
@@ -84,10 +84,10 @@ class Kernel:
 
 WENDLAND = Kernel(3, (1.0,))
 """W = constant (1 - r/support)^4 (1 + 4 r/h), Wendland's C2."""
-NEUTRAL = Kernel(5, (1.0, 11.0, -11.0), length=0.4)
+NEUTRAL_KERNEL = Kernel(5, (1.0, 11.0, -11.0), length=0.4)
 """grad W = -slope (1 - q)^5 (1 + 11 q (1 - q)) x, under which a lattice of particles is as water is: at supports of 3.8
 to 4.2 spacings it bears no shear, along its axes or their diagonals, and hardly a pattern of particles lies lower, in
-2-D and in 3-D. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest)
+2-D and in 3-D. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest_mode)
 while waves of two spacings are smoothed to 2 %: the less they are, the more room water takes that has lost its
 lattice."""
 NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in 2-D, 250 in 3-D
@@ -128,14 +128,14 @@ class Smoothing:
         return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
-    def between(self, own, other, first: Template):
+    def difference(self, own, other, first: Template):
         """own - other of the three components from `first` on; in 2-D nothing is spent on the third, which is 0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )
 
     @ti.func
-    def share(self, r):
+    def support_share(self, r):
         """1 - r/support within the support, else 0."""
         return positive(1.0 - r / self.support)
 
@@ -143,12 +143,12 @@ class Smoothing:
     def shape_gradient(self, r):
         """grad W over -slope x_ij, of the distance: no division by r, so two particles in one position are no
         trouble."""
-        return polynomial(self.share(r), self.kernel.power, self.kernel.terms)
+        return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
         """W over slope support^2."""
-        return polynomial(self.share(r), self.kernel.power + 1, self.kernel.value_terms)
+        return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
@@ -168,7 +168,8 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Stencil:
-    """What a kernel makes of a lattice of particles; its constant is such that their density is at rest."""
+    """Moments of a kernel on a lattice of particles. The constant of the kernel is such that the lattice has the rest
+    density."""
 
     smoothing: Smoothing
     spacing: float  # [m]
@@ -196,7 +197,7 @@ class Stencil:
 
     @property
     def volume(self) -> float:
-        """Of a particle [m3], in 2-D [m2]."""
+        """Volume of a particle [m3], in 2-D [m2]."""
         return self.spacing**self.smoothing.dimension
 
     @property
@@ -205,25 +206,26 @@ class Stencil:
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
-    def filled(self) -> float:
-        """What the lattice makes of a gradient of one where W integrates to 1: about 1, and less next to a surface."""
+    def filled_gain(self) -> float:
+        """Gradient on the lattice of a unit gradient if W integrates to 1: about 1, and less next to a surface."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """What the lattice makes of a gradient of one; forces are divided by it."""
+        """Gradient on the lattice of a unit gradient; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
-    def lacking(self) -> float:
-        """What the top row of a lattice lacks of its density, over the gradient of the share of water there [m]."""
+    def top_deficit(self) -> float:
+        """Missing density of the top row of a lattice, over the gradient of the share of water there [m]."""
         above = self.offsets[:, 1] > 0.5 * self.spacing
         lack = self.smoothing.support**2 * float(self.value[above].sum())
         return lack / float(self.gradient[above] @ self.offsets[above, 1])
 
     @property
-    def skin(self) -> float:
-        """Mean depth of what a half-space of the lattice exposes [m]: row m of it lacks what is m rows further up."""
+    def skin_depth(self) -> float:
+        """Mean depth of the area that a half-space of the lattice exposes [m]: row m lacks the rows more than m further
+        up."""
         up = np.maximum(self.offsets[:, 1], 0.0)
         exposed = self.gradient * up  # by the row that is seen from `up` below: each counts for all rows less deep
         rows = np.rint(up / self.spacing)
@@ -231,28 +233,28 @@ class Stencil:
 
     @property
     def neighbours(self) -> int:
-        """How many there are."""
+        """Number of neighbours."""
         return int((self.t > 0.0).sum()) - 1
 
     @property
-    def squares(self) -> float:
+    def gradient_squares(self) -> float:
         """Sum of the squared gradients [m^-8], in 2-D [m^-6]."""
         return self.slope**2 * float(self.gradient**2 @ (self.offsets**2).sum(axis=1))
 
     @property
-    def stiffest(self) -> float:
+    def stiffest_mode(self) -> float:
         """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets
-            largest = max(largest, float(gradients @ gradients) / self.squares)
+            largest = max(largest, float(gradients @ gradients) / self.gradient_squares)
         return largest
 
     @property
-    def bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def lattice_bonds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places of the neighbours over the spacing, and W'' and W' / r there, in the kernel's own unit."""
         there = (self.t > 0.0) & (self.t < 1.0)
-        return self.offsets[there] / self.spacing, self.smoothing.kernel.bent(self.t[there]), -self.gradient[there]
+        return self.offsets[there] / self.spacing, self.smoothing.kernel.curvature(self.t[there]), -self.gradient[there]
 
     @property
     def rigidity(self) -> float:
@@ -263,14 +265,14 @@ class Stencil:
         (a . x)^2 (b . x)^2 / r^2 + W' / r (b . x)^2 over the neighbours is the modulus of shear along a on planes
         across b, where the sum of -W' / r (b . x)^2 is the pressure.
         """
-        x, along, across = self.bonds
+        x, along, across = self.lattice_bonds
         r2 = (x**2).sum(axis=1)
         pairs = (x[:, 0] ** 2, x[:, 1] ** 2), (0.5 * (x[:, 0] + x[:, 1]) ** 2, 0.5 * (x[:, 0] - x[:, 1]) ** 2)
         moduli = [((along - across) * a * b / r2 + across * b).sum() for a, b in pairs]
         return float(np.mean(moduli) / -(across * x[:, 0] ** 2).sum())
 
     @property
-    def softest(self) -> float:
+    def softest_mode(self) -> float:
         """Smallest eigenvalue of the lattice's elasticity under one pressure everywhere, over the typical largest.
         Where it is negative, still water does not stay on its lattice: rounding errors grow until it is none.
 
@@ -278,7 +280,7 @@ class Stencil:
         of the dynamical matrix of such a crystal (Born & Huang 1954, Dynamical Theory of Crystal Lattices) over those
         of a wave's 2 sum(1 - cos k), which leaves sound out.
         """
-        x, along, across = self.bonds
+        x, along, across = self.lattice_bonds
         d = self.smoothing.dimension
         stiffness = ((along - across) / (x**2).sum(axis=1))[:, None, None] * x[:, :, None] * x[:, None, :]
         stiffness += across[:, None, None] * np.eye(d)
@@ -288,10 +290,10 @@ class Stencil:
         return float(scaled.min() / np.median(scaled[:, -1]))
 
 
-def of_rigidity(smoothing: Smoothing, spacing: float) -> list[str]:
-    """What to know of waves in water that starts on a lattice of this spacing [m]."""
+def rigidity_notes(smoothing: Smoothing, spacing: float) -> list[str]:
+    """Sentences on the speed of waves in water that starts on a lattice of this spacing [m]."""
     share, ratio = Stencil(smoothing, spacing).rigidity, smoothing.support / spacing
-    if abs(share) < NOTABLE:
+    if abs(share) < NOTABLE_RIGIDITY:
         return []
     way = "fast: the lattice that the water starts from bears shear" if share > 0.0 else "slow: the lattice is unstable"
     return [f"small waves run about {abs(share):.1%} {way} at a support of {ratio:g} spacings, however fine the water"]

@@ -1,4 +1,4 @@
-"""What the schemes share whose particles press and rub on each other: keys, sizes, limits, and what they have."""
+"""Common base of schemes whose particles press and rub on each other: keys, sizes, limits, and fields."""
 
 from collections.abc import Iterator
 from math import inf, pi, sqrt
@@ -18,7 +18,7 @@ from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
-from ocean_sim.fluid.sph.initial_state import CARRIED, UNCARRIED
+from ocean_sim.fluid.sph.initial_state import MIN_WAVE_SPACINGS, NOTABLE_LOST_VARIANCE
 from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.fluid.sph.water_keys import Lattice, WaterConfig, free_fall_speed
@@ -31,14 +31,14 @@ from ocean_sim.wind import Wind
 if TYPE_CHECKING:  # it is imported only where there are bodies
     from ocean_sim.fluid.bodies.boundary import Boundary
 
-NOTABLE = 0.1  # of the viscosity that was asked for: what a scheme adds is worth saying from there on
-COUNTED = 2**31 - 1  # the highest number that kernels count up to
-STIFF = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
-SQUEEZED = 0.05  # compression at the bed that is worth saying
-MOMENTS = 400  # at which the motion of the tank is looked at
-CROWDED = 0.8  # share of a kernel that solid bodies fill, from which on what a particle remembers is taken back
-COARSE = 19.5  # spacings to a wavelength: what is said of waves was measured from 20 on
-STEEP, STEEP_SEA = 0.25, 0.15  # k a of regular waves, and of half the significant height: beyond, they break
+NOTABLE_VISCOSITY = 0.1  # of the viscosity asked for: from there on the addition of a scheme is stated
+MAX_COUNT = 2**31 - 1  # highest number that kernels count up to
+NOTABLE_STIFFNESS = 10.0  # times the stiffness of 1 % compression: from there on it costs more than it gives
+NOTABLE_COMPRESSION = 0.05  # compression at the bed from which a warning is due
+MOTION_SAMPLES = 400  # times at which the motion of the tank is sampled
+CROWDED_SHARE = 0.8  # share of a kernel filled by solid bodies, from which a particle's remembered push is damped
+MIN_WAVE_PARTICLES = 19.5  # spacings to a wavelength: measurements of waves begin at 20
+MAX_STEEPNESS, MAX_SEA_STEEPNESS = 0.25, 0.15  # k a of regular waves, and of half the significant height: more breaks
 
 
 class SphConfig(WaterConfig):
@@ -50,7 +50,7 @@ class SphConfig(WaterConfig):
     attenuation: ClassVar[Attenuation | None] = None
     """Viscosity that the scheme adds to waves; None where it has not been measured."""
     delay: ClassVar[Delay] = Delay(0.0)
-    """By how much the scheme lengthens the period of waves."""
+    """Lengthening of the period of waves by the scheme."""
     joins_a_sea: ClassVar[bool] = True
     told_to_bodies: ClassVar[int] = 3
     """Numbers that are carried along for solid bodies: its acceleration, where a pressure is continued into them."""
@@ -83,8 +83,8 @@ class SphConfig(WaterConfig):
         """The kernels of a support."""
         return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
 
-    def enclosed(self, basin: Basin) -> bool:
-        """Whether the water has no free surface."""
+    def is_enclosed(self, basin: Basin) -> bool:
+        """True if the water has no free surface."""
         return basin.closed and self.fill is None
 
     @property
@@ -113,7 +113,7 @@ class SphConfig(WaterConfig):
                     )
                 )
         if not found:
-            found += [((self.sized_by,), sentence) for sentence in self.uncountable(preflight)]
+            found += [((self.sized_by,), sentence) for sentence in self.count_problems(preflight)]
         if basin.rough_bed is not None:
             found += [(("spacing",), s) for s in basin.rough_bed.problems(self.lattice(basin).row)]
         return found
@@ -121,27 +121,27 @@ class SphConfig(WaterConfig):
     def most_particles(self, preflight: Preflight) -> int:
         sizes = self.untouched_sizes(preflight)
         counted = sizes.grid.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
-        return min(MOST_PARTICLES, sizes.grid.lattice.n * COUNTED // max(counted, 1))
+        return min(MOST_PARTICLES, sizes.grid.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> ListSize:
-        """How large grid and lists would be without anything afloat."""
+        """Sizes of grid and lists without anything afloat."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
-        return self.sized(lattice, preflight.arch, 1)
+        return self.list_size(lattice, preflight.arch, 1)
 
     def neighbours_kept(self, basin: Basin) -> int:
         """Neighbours on the lattice of a particle whose pairs are kept; 0 where none are."""
         return 0
 
-    def uncountable(self, preflight: Preflight) -> Iterator[str]:
-        """Whether there are more neighbours, or cells, than 32 bits can count."""
+    def count_problems(self, preflight: Preflight) -> Iterator[str]:
+        """Report more neighbours, or cells, than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
                 f"neighbours of about {most} at most can be counted in 32 bits"
             )
-        if grid.counts > COUNTED:
+        if grid.count_numbers > MAX_COUNT:
             yield (
                 f"makes a grid of {grid.cell_count} cells, too many to be counted in 32 bits with their parts: the "
                 "basin is too large for so small a spacing"
@@ -152,17 +152,17 @@ class SphConfig(WaterConfig):
         if basin.rough_bed is not None:
             found += basin.rough_bed.warnings(self.lattice(basin).row)
         if "compression" not in self.unheeded:
-            found += self.of_stiffness(basin) or self.of_weight(basin, preflight.duration)
-        lattice = self.began(preflight)
+            found += self.stiffness_warnings(basin) or self.weight_warnings(basin, preflight.duration)
+        lattice = self.start_lattice(preflight)
         around = relaxation_band(lattice)
         if around is not None:
             outlines = {name: ship.outline(preflight) for name, ship in preflight.ships.items()}
             ships = {name: outline.plan.mean(axis=0) for name, outline in outlines.items() if outline is not None}
             found += [*around.warnings(preflight.duration), *around.ships_in_rim(ships)]
-        return [*found, *of_zones(zones(lattice)), *self.of_scales(lattice, preflight.support)]
+        return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
-    def of_scales(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Whether there are too few particles for the depth or for the waves of a scene, and whether these break."""
+    def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
+        """Warn of too few particles for the depth or for the waves of a scene, and of waves that break."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -172,68 +172,68 @@ class SphConfig(WaterConfig):
         for train in wave_trains(lattice):
             length, height = train.sea.wavelength, train.height
             waves_of = f"waves {length:.3g} m long and {height:.3g} m high"
-            if length < COARSE * spacing:
+            if length < MIN_WAVE_PARTICLES * spacing:
                 yield (
                     f"{waves_of} have {length / spacing:.3g} particles to a wavelength: too few, by which period and "
                     f"height are off; 20 need a spacing of {length / 20.0:.3g} m"
                 )
-            short = train.variance_below(CARRIED * spacing)
-            if short > UNCARRIED:
+            short = train.variance_below(MIN_WAVE_SPACINGS * spacing)
+            if short > NOTABLE_LOST_VARIANCE:
                 yield (
-                    f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {CARRIED:g} particles, which "
-                    "water hardly carries; take a smaller spacing or a lower cut_off"
+                    f"{waves_of}: {short:.2g} of their variance is in waves of fewer than {MIN_WAVE_SPACINGS:g} "
+                    "particles, which water hardly carries; take a smaller spacing or a lower cut_off"
                 )
-            steepness, most = pi * height / length, STEEP_SEA if train.sea.random else STEEP
+            steepness, most = pi * height / length, MAX_SEA_STEEPNESS if train.sea.random else MAX_STEEPNESS
             if steepness > most:
                 yield (
                     f"{waves_of} are steep (k a = {steepness:.2g}): beyond {most:g} they break on particles, lose "
                     "height, and their energy does not add up"
                 )
 
-    def of_stiffness(self, basin: Basin) -> list[str]:
-        """Whether the water is much stiffer, or much softer, than 1 % of compression asks for."""
+    def stiffness_warnings(self, basin: Basin) -> list[str]:
+        """Warn of water much stiffer, or much softer, than 1 % of compression asks for."""
         stiffness, speed = self.sound_speed(basin) ** 2, self.speed(basin)
         times, compression = 0.01 * stiffness / speed**2, speed**2 / stiffness
-        if times >= STIFF * (1.0 - 1e-9):
+        if times >= NOTABLE_STIFFNESS * (1.0 - 1e-9):
             more = f"{times:.3g} times that of 1 % compression"
             cost = f"the time step is {sqrt(times):.2g} times shorter, and a lattice that breaks up is less stable"
             return [f"a stiffness of {stiffness:.4g} m2/s2 is {more}: {cost}; 1 % needs {100.0 * speed**2:.4g} m2/s2"]
-        if compression > SQUEEZED:
+        if compression > NOTABLE_COMPRESSION:
             squeezed = f"water that falls at {speed:.4g} m/s is compressed by {compression:.2g} of its density"
             return [
-                f"{squeezed}, more than {SQUEEZED:g}: levels and pressures are off by as much; take compression 0.01"
+                f"{squeezed}, more than {NOTABLE_COMPRESSION:g}: levels and pressures are off by as much; "
+                "take compression 0.01"
             ]
         return []
 
-    def of_weight(self, basin: Basin, duration: float) -> list[str]:
-        """Whether what pulls on the water beside gravity along the depth compresses it: a body force, gravity along
-        the basin, the motion of the tank to and fro. Along an axis without walls nothing builds up."""
+    def weight_warnings(self, basin: Basin, duration: float) -> list[str]:
+        """Warn if accelerations beside gravity along the depth compress the water: a body force, gravity along the
+        basin, the motion of the tank. Along an axis without walls nothing builds up."""
         still = np.add(basin.gravity, self.body_force)
         motion = basin.config.motion.build() if basin.config.motion is not None else None
-        times = np.linspace(0.0, duration, MOMENTS)
+        times = np.linspace(0.0, duration, MOTION_SAMPLES)
         pulls = np.array([still if motion is None else still - motion.at(float(t)).acceleration for t in times])
         lengths = basin.config.length, basin.depth, basin.config.width or 0.0
         walled = {side.axis for side in basin.sides}
         sizes = [length if axis in walled else 0.0 for axis, length in enumerate(lengths)]
         most = float((np.abs(pulls) @ sizes).max())  # the highest pressure at rest over the density [m2/s2]
         compression = most / self.sound_speed(basin) ** 2
-        if compression <= SQUEEZED:
+        if compression <= NOTABLE_COMPRESSION:
             return []
         pulled = f"gravity, body force and the motion of the tank press with up to {most:.4g} m2/s2 times the density"
-        squeezed = f"compress it by {compression:.2g} of it, more than {SQUEEZED:g}"
+        squeezed = f"compress it by {compression:.2g} of it, more than {NOTABLE_COMPRESSION:g}"
         wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
-    def sized(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
-        """How large grid and lists are for laws that read so many fields and carry so many numbers along, on a
-        backend."""
+    def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
+        """Sizes of grid and lists for laws that read `reads` fields and carry `carried` numbers along, on a backend."""
         support = self.ratio(lattice.basin) * lattice.spacing
-        carried += self.told_to_bodies if with_bodies(lattice.basin) else 0
+        carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
         return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
 
     def still_limits(self, preflight: Preflight) -> Limits:
         smoothing = self.smoothing(preflight.tank)
-        return limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
+        return step_limits(smoothing, self.sound_speed(preflight.tank), self.kinematic_viscosity, 0.0, 0.0)
 
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
@@ -241,9 +241,11 @@ class SphConfig(WaterConfig):
         tank, spacing = preflight.tank, preflight.spacing
         if self.attenuation is None or spacing is None:
             return 0.0
-        return self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing) * self.scale(tank)
+        return self.attenuation.share(2.0 * pi / length, tank.depth, height, spacing, standing) * self.viscosity_scale(
+            tank
+        )
 
-    def scale(self, basin: Basin) -> float:
+    def viscosity_scale(self, basin: Basin) -> float:
         """h c [m2/s], over which the scheme's own viscosity is stated."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
@@ -257,7 +259,7 @@ class SphConfig(WaterConfig):
             return None
         k, height = sea.wavenumber, Train(sea, False).height
         share = np.array([attenuation.share(one, sea.depth, height, lattice.spacing, False) for one in k.tolist()])
-        decay = 2.0 * (self.viscosity(basin) + share * self.scale(basin)) * k**2
+        decay = 2.0 * (self.viscosity(basin) + share * self.viscosity_scale(basin)) * k**2
         return decay - 1j * sea.omega * self.delay.share(k, height, lattice.spacing)
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -272,24 +274,24 @@ class SphConfig(WaterConfig):
             found.append(f"pressures below {least} Pa are set to {least} (minimum_pressure)")
         if basin.rough_bed is not None:
             found += basin.rough_bed.statements(self.lattice(basin).row)
-        around = relaxation_band(self.began(preflight))
+        around = relaxation_band(self.start_lattice(preflight))
         found += around.statements() if around is not None else []
-        found += [zone.statement for zone in zones(self.began(preflight))]
-        return [*found, *self.of_waves(preflight), *super().statements(preflight)]
+        found += [zone.statement for zone in zones(self.start_lattice(preflight))]
+        return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
 
-    def of_waves(self, preflight: Preflight) -> Iterator[str]:
-        """What the scheme takes of the waves of a scene."""
+    def wave_statements(self, preflight: Preflight) -> Iterator[str]:
+        """State the height that waves of a scene lose by the scheme."""
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
-        for train in wave_trains(self.began(preflight)):
+        for train in wave_trains(self.start_lattice(preflight)):
             if ratio != usual:
                 at = f"was measured at a support of {usual:g} spacings, and is not known at {ratio:g}"
                 yield f"what {self.kind} adds to the viscosity of waves {at}"
                 return
             own, length = self.viscosity_asked, train.sea.wavelength
             added = self.viscosity_added(preflight, length, train.height, train.standing)
-            if added > NOTABLE * own:
+            if added > NOTABLE_VISCOSITY * own:
                 a_period, a_wavelength = train.height_loss(own + added)
                 way = "" if train.standing else f", {a_wavelength:.2g} over a wavelength travelled"
                 yield (
@@ -299,7 +301,7 @@ class SphConfig(WaterConfig):
                 )
 
 
-def rows(
+def scheme_ledger(
     preflight: Preflight,
     sizes: ListSize,
     numbers: int,
@@ -321,7 +323,7 @@ def rows(
 
 
 def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
-    """The ledger of what walks over neighbours."""
+    """Ledger of the walk over neighbours."""
     lists = sizes.grid.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
     return [*found, *account_ledger(sizes.grid, word, impulses)]
@@ -366,7 +368,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
     numbers that each particle carries along for them; `accounts`: whether the work of moving bodies is summed."""
     lattice, basin = grid.lattice, grid.lattice.basin
     rows: list[LedgerRow] = []
-    if not with_bodies(basin):
+    if not has_bodies(basin):
         return []
     from ocean_sim.fluid.bodies.boundary import any_moves, floating_bodies, memory, obstacle_bodies
 
@@ -384,12 +386,14 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
     return rows
 
 
-def with_bodies(basin: Basin) -> bool:
-    """Whether the laws of the water meet solid bodies."""
+def has_bodies(basin: Basin) -> bool:
+    """True if the laws of the water meet solid bodies."""
     return bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
 
 
-def limits(smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float) -> Limits:
+def step_limits(
+    smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
+) -> Limits:
     """See Limits; h is the smoothing length."""
     h = smoothing.length
     return Limits(
@@ -412,7 +416,7 @@ class Sph(ParticleWater):
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
-        self.bodies = with_bodies(basin)
+        self.bodies = has_bodies(basin)
         if self.bodies:
             from ocean_sim.fluid.bodies.boundary import Boundary, floating_bodies, obstacle_bodies
 
@@ -436,21 +440,21 @@ class Sph(ParticleWater):
         """Positions of the particles [m], x, y and z as the lists of candidates know them."""
         return tuple(self.particles.position)
 
-    def drive(self, dt: float) -> None:
+    def advance_boundaries(self, dt: float) -> None:
         if self.exposed:
             self.exposure.renew_if_due(dt, self.status.max_speed + self.reference_speed)
-        super().drive(dt)
+        super().advance_boundaries(dt)
         if self.boundary is not None:
             self.boundary.advance(self.time)
             self.boundary.sort()
 
     def limits(self) -> Limits:
         nu, acceleration = self.kinematic_viscosity, self.status.max_acceleration
-        return limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
+        return step_limits(self.smoothing, self.sound_speed, nu, self.max_speed, acceleration)
 
     @property
     def max_speed(self) -> float:
-        """Of the water and of the gates in it, in the last step [m/s]."""
+        """Highest speed of the water and of its gates in the last step [m/s]."""
         return self.status.max_speed if self.boundary is None else max(self.status.max_speed, self.boundary.speed)
 
     @property
@@ -474,14 +478,13 @@ class Sph(ParticleWater):
         return total
 
     @ti.func
-    def steady(self, i, share):
-        """Keep what particle i is pushed with, because it was before, from adding up where solid bodies fill most of
-        its kernel: `share` is how much."""
+    def damp_crowded(self, i, share):
+        """Limit the remembered push of particle i, which would add up where solid bodies fill `share` of its kernel."""
         for component in ti.static(self.last_acceleration):
-            component[i] *= tm.min(1.0, CROWDED / tm.max(share, CROWDED))
+            component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 
     @ti.func
-    def area(self, i):
+    def exposed_area(self, i):
         """Exposed area of particle i times its outward normal [m2]; zero inside the water. Seen from above the areas
         sum to the plan area of the water."""
         area = tm.vec3(0.0)
@@ -490,8 +493,8 @@ class Sph(ParticleWater):
         return area
 
     @ti.func
-    def bend(self, i):
-        """How much the slope of the surface changes near particle i, see Exposure.bend_of."""
+    def surface_bend(self, i):
+        """Change of the slope of the surface near particle i, see Exposure.bend_of."""
         bend = tm.vec3(0.0)
         if ti.static(self.exposed):
             bend = self.exposure.bend_of(i)

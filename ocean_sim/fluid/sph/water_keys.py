@@ -1,4 +1,4 @@
-"""What a user may say about water that is made of particles, whatever the scheme."""
+"""Keys of water made of particles, for every scheme."""
 
 from collections.abc import Iterator
 from math import sqrt
@@ -13,14 +13,14 @@ from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
 from ocean_sim.fluid.sph import initial_state as initial_module
 from ocean_sim.fluid.sph.initial_state import Initial
-from ocean_sim.fluid.sph.lattice import Lattice, inside
+from ocean_sim.fluid.sph.lattice import Lattice, in_obstacles
 from ocean_sim.fluid.sph.smoothing import WENDLAND, Kernel
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import FluidConfig, Preflight, Problems
 from ocean_sim.waves import Components, cut_short
 
-COARSE = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
-TIGHT = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
+MAX_ROUNDING_SPACINGS = 1e-3  # [spacings] between two numbers: about a hundredth of the way of a particle in a step
+MIN_GATE_SPACINGS = 2.0  # [spacings] thickness of a gate that holds still water back as a wall does
 
 
 class WaterConfig(FluidConfig):
@@ -30,7 +30,7 @@ class WaterConfig(FluidConfig):
     counts_in_doubles: ClassVar[bool] = False
     example: ClassVar[dict[str, Any]] = {"spacing": 2.5}
     kernel: ClassVar[Kernel] = WENDLAND
-    """Of the gradient of pressure, and of exposed areas."""
+    """Kernel of the gradient of pressure, and of exposed areas."""
 
     spacing: float | None = quantity("m", None, gt=0.0)
     """Distance between particles at rest."""
@@ -43,7 +43,7 @@ class WaterConfig(FluidConfig):
     fill: Annotated[tuple[Box, ...], Field(strict=False, min_length=1)] | None = None
     """Boxes of water instead of the whole basin."""
     initial: Initial | None = None
-    """What the water starts from; null: at rest."""
+    """State that the water starts from; null: at rest."""
     emitter: Emitter | None = None
     """An inflow: water flows from a mouth into a basin that is empty but for `fill`."""
     motion_limit: float | None = quantity("spacings", None, gt=0.0)
@@ -52,7 +52,7 @@ class WaterConfig(FluidConfig):
     """Sum impulse and work of each term, which `accuracy` reads. Without the sums a step takes about 0.85
     of the time, and rounds otherwise."""
     collision_distance: float = quantity("spacings", 0.5, gt=0.0, le=1.0)
-    """How near to a wall or the floor a particle's centre may come."""
+    """Least distance of a particle's centre from a wall or the floor."""
 
     @field_validator("spacing", "particles", mode="before")
     @classmethod
@@ -86,17 +86,17 @@ class WaterConfig(FluidConfig):
 
     def warnings(self, preflight: Preflight) -> list[str]:
         found, tank, spacing = super().warnings(preflight), preflight.tank, preflight.spacing
-        found += [*odd_gravity(tank.gravity), *fallen(tank), *coarse_numbers(preflight)]
+        found += [*odd_gravity(tank.gravity), *falling_warnings(tank), *rounding_warnings(preflight)]
         if tank.piston is not None:
             found += cut_short(preflight.duration, tank.piston.ramp)
         if tank.config.motion is not None:
             found += tank.config.motion.warnings(preflight.duration)
         for k, box in enumerate(tank.config.obstacles):
             thin = min(up - low for low, up in zip(box.min, box.max))
-            if spacing is not None and thin < TIGHT * spacing - BOX_ROUNDING:
+            if spacing is not None and thin < MIN_GATE_SPACINGS * spacing - BOX_ROUNDING:
                 found.append(
                     f"obstacles.{k} is {thin / spacing:.2g} spacings thin: water on either side feels the other; "
-                    f"take {TIGHT:g} spacings, or a smaller fluid.spacing"
+                    f"take {MIN_GATE_SPACINGS:g} spacings, or a smaller fluid.spacing"
                 )
         for k, gate in tank.gates:
             found += gate.warnings(preflight.duration)
@@ -109,8 +109,8 @@ class WaterConfig(FluidConfig):
         return found
 
     def losses(self, lattice: Lattice, sea: Components) -> np.ndarray | None:
-        """(n,) complex: by how much the scheme lowers the height of each wave of a sea, less i times by how much it
-        lowers its frequency [1/s]; None where it has not been measured."""
+        """(n,) complex decay rate of each wave of a sea by the scheme, less i times the fall of its frequency [1/s];
+        None if it has not been measured."""
         return None
 
     @property
@@ -121,7 +121,7 @@ class WaterConfig(FluidConfig):
     def driven(self) -> bool:
         return self.emitter is not None
 
-    def began(self, preflight: Preflight) -> Lattice:
+    def start_lattice(self, preflight: Preflight) -> Lattice:
         """The lattice that this water starts on in a scene."""
         lattice = preflight.lattice
         assert isinstance(lattice, Lattice)
@@ -136,7 +136,7 @@ class WaterConfig(FluidConfig):
         return MOST_PARTICLES
 
     def lattice(self, basin: Basin) -> Lattice:
-        """Where the particles are at first, counted but not yet made."""
+        """Lattice of the first places of the particles, counted but not yet made."""
         return Lattice(self, basin)
 
     def problems(self, preflight: Preflight) -> Problems:
@@ -178,30 +178,30 @@ class WaterConfig(FluidConfig):
                     found.append((("fill", k), "the box overlaps an earlier one: two particles would share a position"))
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
-            if inside(lattice.jet.sites, basin).any():
+            if in_obstacles(lattice.jet.sites, basin).any():
                 found.append((("emitter", "position"), "the mouth is inside an obstacle"))
         if basin.obstacles and not found:
             if lattice.n == 0:
                 found.append((("fill",), "the obstacles of the basin leave no room for water"))
-            elif inside(lattice.positions(), basin).any():
+            elif in_obstacles(lattice.positions(), basin).any():
                 found.append((("initial", "path"), "some of these particles are inside an obstacle"))
         return found
 
 
-def fallen(basin: Basin) -> Iterator[str]:
-    """Where water that nothing holds goes."""
+def falling_warnings(basin: Basin) -> Iterator[str]:
+    """Warn of water that falls out of its basin."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
     elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
         yield "the basin has no floor: the water falls out of it"
 
 
-def coarse_numbers(preflight: Preflight) -> Iterator[str]:
+def rounding_warnings(preflight: Preflight) -> Iterator[str]:
     """Positions far from the origin have few digits left in single precision."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)
-    if spacing is not None and preflight.word == 4 and step > COARSE * spacing:
+    if spacing is not None and preflight.word == 4 and step > MAX_ROUNDING_SPACINGS * spacing:
         yield (
             f"single precision places particles {far:g} m from the origin to {step:.2g} m, "
             f"{step / spacing:.2g} spacings; take runtime.precision: f64, or a basin around its water"

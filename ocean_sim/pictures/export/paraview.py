@@ -17,7 +17,7 @@ from ocean_sim.pictures.frame_files import frame_files
 
 
 class NothingToExport(Failed):
-    """The run did not keep what was asked for; the message names what to switch on."""
+    """The run kept nothing of this kind; the message names the observer or option to switch on."""
 
 
 def export_run(

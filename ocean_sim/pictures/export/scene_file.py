@@ -42,7 +42,7 @@ class UsdMissing(Lacking):
 
 
 class ExportShot(NamedTuple):
-    """What is exported of a frame."""
+    """Exported contents of a frame."""
 
     time: float  # [s]
     points: np.ndarray  # (n, 3) of the surface of the water [m]
@@ -54,8 +54,8 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """What a frame kept: of a scene with a surface that surface, else the heights of the water, at sea with wakes and
-    waves of ships and the white along their hulls as pictures show them."""
+    """Read the contents of a frame: the surface of a scene that has one, else the heights of the water; at sea with
+    wakes, waves of ships and the white along their hulls as pictures show them."""
     data = arrays(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:

@@ -1,5 +1,5 @@
-"""What pictures make of the water around ships, for files of it: their wakes, the waves of their own, and the white
-along their hulls."""
+"""Water around ships as pictures show it, for files: wakes, waves of the ships' own, and the white along their
+hulls."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 
 class RunWakes:
-    """Of all ships of a run at sea, at the points of its frames."""
+    """Wakes of all ships of a run at sea, at the points of its frames."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         """`files`: all frames of the run."""
@@ -47,7 +47,7 @@ class RunWakes:
         return height, white
 
     def sides(self, k: int) -> tuple[float, float]:
-        """Where the basin begins and ends along x or z [m]."""
+        """First and last place of the basin along x or z [m]."""
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
@@ -70,8 +70,8 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """(nx, nz) by how much pictures show the water higher than the run has it [m], but for waves at bows, at points
-        x, z (nx nz, 2) [m]; `answer`: what it answers to its ships [m]."""
+        """Additional height (nx, nz) [m] of the water in pictures over that of the run, but for waves at bows, at
+        points x, z (nx nz, 2) [m]; `answer`: response of the water to its ships [m]."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -87,7 +87,7 @@ class RunWakes:
 
 
 def shows_sea(files: list[Path], depth: float) -> bool:
-    """Whether pictures of a run show a sea, not a tank."""
+    """True if pictures of a run show a sea, not a tank."""
     first = Frame(files[0])
     return not first.folds and is_open_sea(run_scene(files[0].parent.parent), first, depth)
 

@@ -28,7 +28,8 @@ class DrawnShip:
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
+        """Move the ship to a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye
+        [m]."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display_colours(
             painted_light(self.normals @ turn.T, self.paint, self.gloss)
@@ -59,7 +60,8 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """At a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye [m]."""
+        """Move the ship to a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye
+        [m]."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)

@@ -84,7 +84,7 @@ def shadow_program(k: int) -> str:
 
 
 class ShadowMap:
-    """What of a ship the sun does not see: depths along it, from points spread over her surface."""
+    """Map of a ship's own shadow: depths along the sun's direction, from points spread over her surface."""
 
     def __init__(self, corners: np.ndarray, length: float) -> None:
         """Triangles (m, 3, 3) in her axes [m]."""
@@ -92,8 +92,8 @@ class ShadowMap:
         self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(PIXELS, PIXELS, 3) depth [m] along the sun of what it sees around her position, and the directions of the
-        map's columns and rows; `turn`: from her axes to the world's."""
+        """Depth (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] along the sun of the lit surface around her position, and the
+        directions of the map's columns and rows; `turn`: from her axes to the world's."""
         from scipy.ndimage import maximum_filter
 
         right = np.cross([0.0, 1.0, 0.0], sun)
@@ -130,8 +130,8 @@ def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
 
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the shadow of a map of depths (PIXELS, PIXELS) [m] of a ship of a length [m] lies: its lowest and highest
-    column and row, over the map's, and the farthest towards the sun [m] that anything lies in it."""
+    """Bounds of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m] of a ship of a length [m]: lowest and
+    highest column and row, over the map's, and the farthest place towards the sun [m] that anything lies in it."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low, high = (
         np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,

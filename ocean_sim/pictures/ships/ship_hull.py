@@ -108,7 +108,7 @@ class Sheer:
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2
         x = np.maximum(round_half - inwards, 0.0)
-        return np.stack([x, self.deck_height(z) + share * rise, z + self.rake * s**6 - 0.7 * inwards * s**6], axis=1)
+        return np.stack([x, self.deck_height(z) + share * rise, z + (share * self.rake - 0.7 * inwards) * s**6], axis=1)
 
     def bulwark(self, colour: Triple, inside: Triple, cap: Triple, thick: float) -> Mesh:
         """Its skins and its cap on both sides, and across ends that are not sharp."""

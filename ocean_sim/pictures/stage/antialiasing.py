@@ -1,5 +1,5 @@
-"""Edges of a finished picture made smooth, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its
-ends, and a pixel takes of its neighbour across it what the edge would cover. Only pixels at edges cost time."""
+"""Smooth edges of a finished picture, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its ends, and
+a pixel takes of its neighbour across it the share that the edge would cover. Only pixels at edges cost time."""
 
 import numpy as np
 
@@ -36,10 +36,10 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of ROWS rows of a picture from a first one on, the numbers (n,) of the pixels at edges in its brightness, padded
-    by a pixel; by how much the number across the edge differs, and the share (n,) that a pixel takes from there.
+    """Find the pixels at edges in BATCH_ROWS rows of a picture's brightness, padded by a pixel.
 
-    `flat`: the same brightness, pixel after pixel.
+    Returns their numbers (n,), the difference of the number across the edge, and the share (n,) that a pixel takes from
+    there. `first`: the first row; `flat`: the same brightness, pixel after pixel.
     """
     rows, last = bright.shape[1], min(first + BATCH_ROWS, len(bright) - 2)
     north, south = bright[first:last, 1:-1], bright[first + 2 : last + 2, 1:-1]
@@ -73,7 +73,7 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far along an edge its end lies (n,) [pixels], and by how much the brightness there is off the edge's."""
+    """Distance (n,) [pixels] along an edge to its end, and the difference of the brightness there from the edge's."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
         here = at[of] + int(reach) * along[of]

@@ -46,12 +46,12 @@ class Camera(NamedTuple):
 
     @property
     def from_above(self) -> bool:
-        """Whether it looks straight down, or nearly: what it shows is a map."""
+        """True if it looks straight down, or nearly: its picture is a map."""
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """How far to either side of its heading a picture `aspect` times as wide as high sees, and how far below the
-        horizon [rad]."""
+        """Angles [rad] to either side of its heading and below the horizon that are in a picture `aspect` times as wide
+        as high."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -68,7 +68,7 @@ class Camera(NamedTuple):
 
 @dataclass
 class Track:
-    """Where the ship was in every frame so far: it grows while the run goes on."""
+    """Poses of the ship in every frame so far: they grow while the run goes on."""
 
     time: np.ndarray  # (n,) [s]
     position: np.ndarray  # (n, 3) [m]
@@ -182,7 +182,7 @@ class Operator:
 
 
 def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
-    """From one point to another, the horizon level."""
+    """Camera from one point to another, the horizon level."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
     right /= np.linalg.norm(right)
@@ -190,14 +190,14 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
 
 
 def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """The same camera, raised so far that the top of a mast [m] is in its picture."""
+    """Camera raised so far that the top of a mast [m] is in its picture."""
     away = top - camera.eye
     over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
     return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
-    """As `camera_looking`, from near a ship."""
+    """Camera as `camera_looking`, from near a ship."""
     return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
 
 

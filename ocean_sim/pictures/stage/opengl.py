@@ -25,7 +25,7 @@ plotter.close()
 
 
 class OpenGLMissing(Lacking):
-    """This machine cannot draw off screen; the message names what to install."""
+    """This machine cannot draw off screen; the message names the packages to install."""
 
     def __init__(self) -> None:
         missing = f"this machine has no OpenGL to draw pictures with; install it with `{INSTALL_COMMAND}`"
@@ -33,7 +33,7 @@ class OpenGLMissing(Lacking):
 
 
 def drawing_environment(window: str) -> dict[str, str]:
-    """For a process that draws: the window class to use, and no display."""
+    """Environment of a process that draws: the window class to use, and no display."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
 
@@ -57,7 +57,7 @@ def window() -> str | None:
 
 
 def probe() -> str | None:
-    """None where pictures can be drawn, else a sentence that names what to install."""
+    """None if pictures can be drawn, else a sentence that names the packages to install."""
     return None if window() else str(OpenGLMissing())
 
 
@@ -70,7 +70,7 @@ def forget() -> None:
 
 
 def draws(name: str) -> bool:
-    """Whether a child process survives drawing with this window; VTK may use another, so its name is checked."""
+    """True if a child process survives drawing with this window; VTK may use another, so its name is checked."""
     command = [sys.executable, "-c", PROBE_PROGRAM]
     try:
         child = subprocess.run(command, env=drawing_environment(name), capture_output=True, text=True, timeout=120)

@@ -1,4 +1,4 @@
-"""What is written over a picture: the time, bars of lengths and of heights in metres, and where the basin ends."""
+"""Marks over a picture: the time, bars of lengths and of heights in metres, and the sides of the basin."""
 
 from math import floor, log10
 from typing import Any
@@ -27,7 +27,7 @@ def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
 
 
 def metre_pixels(stage: Stage, target: np.ndarray) -> float:
-    """How long a metre across the picture is at the distance of a target [m]: pixels."""
+    """Length of a metre across the picture at the distance of a target [m]: pixels."""
     camera, half = stage.camera, stage.camera.parallel_height
     if half is None:
         half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
@@ -43,7 +43,7 @@ class ScaleBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray) -> None:
-        """At the distance of a target [m]."""
+        """Set the bar's length for the distance of a target [m]."""
         width, each = self.stage.size[0], metre_pixels(self.stage, target)
         metres = round_down(MAX_BAR * width / each)
         self.length = int(round(metres * each))
@@ -62,7 +62,7 @@ class ScaleBar:
 
 
 class ArrowBar:
-    """An arrow of the wind as long as it is at the camera's target, and what it stands for, over the bar of metres."""
+    """An arrow of the wind as long as it is at the camera's target, and its meaning, over the bar of metres."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -71,7 +71,7 @@ class ArrowBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
-        """For an arrow of a length at the distance of a target [m]; 0: none, only the text."""
+        """Set an arrow of a length at the distance of a target [m]; 0: none, only the text."""
         self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24

@@ -31,7 +31,7 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """Whether pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
+    """True if pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
     of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
@@ -204,7 +204,8 @@ class Picture:
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """What is left to do of it needs the plotter no more: the next may be drawn meanwhile."""
+        """Draw a frame; the rest of the work on the picture needs the plotter no more, and the next may be drawn
+        meanwhile."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)

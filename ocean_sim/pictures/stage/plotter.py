@@ -1,4 +1,4 @@
-"""What a picture is drawn on: the plotter, and the camera that looks at it now."""
+"""Stage of a picture: the plotter, and the camera that looks at it now."""
 
 from types import ModuleType
 from typing import Any
@@ -38,11 +38,11 @@ class Stage:
 
 
 class Content:
-    """What a picture is of."""
+    """Main subject of a picture: a sea, a tank, particles."""
 
     def show(self, frame: Frame) -> None:
         """Draw it as it is in a frame."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """Give back what is its own."""
+        """Release its own resources."""

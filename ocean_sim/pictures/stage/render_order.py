@@ -1,4 +1,4 @@
-"""What to draw of a run, and the exception where that fails."""
+"""Order for pictures of a run, and the exception for a failed one."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +15,7 @@ class RenderFailed(Failed):
 
 @dataclass(frozen=True)
 class Order:
-    """What to draw and where to put it."""
+    """Pictures to draw of a run, and the folder for them."""
 
     folder: str
     out: str

@@ -78,12 +78,11 @@ def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> 
 
 
 class Sky:
-    """An image of radiance from above (side, side, 3) with its smaller copies: each direction lies where the line from
-    the nadir to it crosses the level plane, so that nothing but a division is needed to find it, and angles stay what
-    they are.
+    """An image of radiance from above (side, side, 3) with its smaller copies. Each direction lies where the line from
+    the nadir to it crosses the level plane: a division finds it, and angles are preserved.
 
-    Columns go along x, rows along z, the zenith is in the middle, and the horizon the circle that touches the sides;
-    beyond it the image goes on as it is there. The side is a power of two, as the texture's smaller copies need.
+    Columns go along x, rows along z, the zenith is in the middle, and the horizon is the circle that touches the sides;
+    beyond it the image repeats the horizon. The side is a power of two, as the texture's smaller copies need.
     """
 
     def __init__(

@@ -1,5 +1,5 @@
-"""A wind in a picture: tinted volumes in which it blows, on a map their outlines; arrows along what it does, crosses
-where it is but noise."""
+"""A wind in a picture: tinted volumes of its air, on a map their outlines; arrows along it, crosses where it is but
+noise."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class WindMarks:
     """Drawn anew in every picture."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
-        """In a basin from `lower` to `upper` [m]."""
+        """Marks in a basin from `lower` to `upper` [m]."""
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
         self.arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
         arms = [stage.pyvista.Cylinder(direction=axis, radius=0.05, height=1.0) for axis in np.eye(3)]
@@ -107,8 +107,8 @@ class WindMarks:
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
-    """The length [m] of an arrow that stands for a round number, 0 where none does, and what to write at it; in a basin
-    of a length [m]."""
+    """Length [m] of an arrow that stands for a round number, 0 if none does, and the text at it; in a basin of a length
+    [m]."""
     if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
@@ -126,7 +126,7 @@ def vector_basis(vector: np.ndarray) -> np.ndarray:
 
 
 def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
-    """Lines (n, 2, 3) by what hangs together at common ends."""
+    """Lines (n, 2, 3) in groups that are connected at common ends."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -96,8 +96,8 @@ def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
 
 
 def shortest_lengths(sea: Components) -> list[float]:
-    """Of the waves that are drawn to each of REACHES, the length of the shortest [m], rounded down to a step of a
-    fifth: seas that are alike have the same."""
+    """Length [m] of the shortest wave that is drawn to each of WAVE_REACHES, rounded down to a step of a fifth: seas
+    that are alike have the same."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
@@ -121,9 +121,9 @@ def ring_distances(lengths: list[float], first: float) -> np.ndarray:
 
 
 class Fan:
-    """The far sea as an eye sees it: nodes on rays around it and on rings that are close enough for its waves. Heights
-    are whole as far as the rings hold them; slopes fade where a wave is narrower than a few pixels, and what fades
-    widens the glint."""
+    """The far sea around an eye: nodes on rays around it and on rings that are close enough for its waves. Heights are
+    whole as far as the rings resolve them; slopes fade if a wave is narrower than a few pixels, and the faded ones
+    widen the glint."""
 
     def __init__(self, sea: Components) -> None:
         """`sea`: its amplitudes may change with time."""

@@ -58,7 +58,7 @@ def crest_cover(drawn_together: np.ndarray) -> float:
 
 
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """How white each point is, 0 to 1, so that the mean is the wanted cover: 1 on the strongest convergence.
+    """Whiteness (n,) of points, 0 to 1, with the wanted cover as their mean: 1 on the strongest convergence.
 
     `among` (n,): values in order among which the ranks are counted, by default the points themselves.
     """
@@ -91,18 +91,16 @@ def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
 
 
 def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
-    """The share of the sea that is white where none is asked for: what a wind [m/s] calls for; without one, 0, what its
-    crests do."""
+    """White share of the sea by default: by a wind [m/s]; without one, 0, by its crests."""
     return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
 
 
 class FoamField:
-    """White water that lasts: it is born where crests converge, is carried with the water and fades.
+    """White water that lasts: it is born on converging crests, is carried with the water and fades.
 
-    Its mean is kept at what crests or the wind call for, in the mean over the time that foam lasts: as much is born as
-    has faded, by patches, of which each has the width of a white cap: what faded meanwhile is owed. It is made of
-    flecks, each born on one of FLECKS_PER_CELL cells along each of the waves':
-    shares on a grid would blur as they are carried.
+    Its mean over the life of foam is kept at the cover that crests or the wind call for: faded foam is replaced by new
+    patches, each as wide as a white cap. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of
+    the waves': shares on a grid would blur as they are carried.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
@@ -119,7 +117,7 @@ class FoamField:
         self.started = False
 
     def due(self, time: float) -> bool:
-        """Whether the clock ticks by a time [s], so that crests are looked for."""
+        """True if the clock ticks by a time [s], so that breaking crests are looked for."""
         return not self.started or bool(
             np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
         )
@@ -127,7 +125,7 @@ class FoamField:
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
-        """To a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
+        """Advance to a time [s] with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
         `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`, None between ticks;
         or, without `wanted`, the share that is white of itself.
@@ -151,15 +149,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Take into the mean a cover that is called for; `fades`: share that is left of what was before."""
+        """Take a wanted cover into the mean; `fades`: remaining share of the mean before."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """(nx, nz) how readily crests break at a time [s], here and there: a long one would else break all along in a
-        line too thin to last. The law is ours."""
+        """Readiness (nx, nz) of crests to break at a time [s], here and there: a long one would else break all along in
+        a line too thin to last. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -168,12 +166,12 @@ class FoamField:
         return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """How thick the foam is that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
-        the mean comes to the cover called for; 0 where they make none.
+        """Thickness of the foam that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
+        the mean comes to the wanted cover; 0 where they make none.
 
-        Crests are told from what is shorter than a patch by a mean over its width. Water that is white counts as less
-        steep than it is: where the same waves stand in the same water, as behind a ship, foam would else be made anew
-        where it is, and never age.
+        A mean over the width of a patch tells crests from anything shorter. White water counts as less steep than it
+        is: otherwise foam would be made anew and never age where the same waves stand in the same water, as behind a
+        ship.
         """
         white, least = self.shown(self.flecks[2:].max(axis=0)), PATCH_CELLS**2 / self.white.size
         lacks = self.cover - white.mean()
@@ -198,7 +196,7 @@ class FoamField:
         self.white = self.shown(self.flecks[2])
 
     def fade(self, step: float) -> None:
-        """For a time [s] flecks fade, or rise to what they do; what is too thin to be seen is left out."""
+        """Let flecks rise or fade for a time [s]; flecks too thin to be seen are left out."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         thick = np.where(
@@ -223,7 +221,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """On by a way (nx, nz, 2) [m]; the grain of what comes in from beyond is as it is at the edge."""
+        """Move flecks and grain by a displacement (nx, nz, 2) [m]; grain that comes in repeats that at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -235,7 +233,7 @@ class FoamField:
         self.leave()
 
     def shift(self, cells: np.ndarray) -> None:
-        """The grid moves by whole cells along x and z; what it comes upon bears no foam yet."""
+        """Move the grid by whole cells along x and z; its new cells bear no foam yet."""
         self.origin += cells
         self.flecks[:2] -= cells[:, None]
         self.leave()
@@ -246,19 +244,19 @@ class FoamField:
             )
 
     def leave(self) -> None:
-        """What is beyond the sides of the grid is given up."""
+        """Remove the flecks beyond the sides of the grid."""
         x, z = self.flecks[:2]
         nx, nz = self.carried.shape[:2]
         self.flecks = self.flecks[:, (x >= -0.5) & (x < nx - 0.5) & (z >= -0.5) & (z < nz - 0.5)]
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """How readily white water gathers at places, about 1 apart; 1 in the mean."""
+    """Readiness of white water to gather at places, about 1 apart; 1 in the mean."""
     return 0.5 + value_noise(x, z)[0]
 
 
 def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Values of a grid that moves by n cells along an axis; what it comes upon is 0."""
+    """Values of a grid that moves by n cells along an axis; new cells are 0."""
     if n == 0:
         return values
     shifted = np.roll(values, -n, axis)
@@ -291,8 +289,7 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) that have gone by (2, nx, nz) cells, by a cubic spline; what comes in from beyond is as it is at
-    the edge."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values that come in repeat the edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
@@ -319,7 +316,7 @@ def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
-    """How thick new foam is where convergence is strongest, so much that the mean with the old is the wanted cover."""
+    """Thickness of new foam on the strongest convergence, so much that the mean with the old is the wanted cover."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
     rank = np.empty_like(white)
@@ -356,8 +353,8 @@ def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz), those inside (nx, nz) of something as the mean of what lies around it, with a Gaussian's weight
-    as wide as so many cells along x and z."""
+    """Heights (nx, nz) whose points inside (nx, nz) of something take the mean of those around it, with a Gaussian's
+    weight as wide as so many cells along x and z."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

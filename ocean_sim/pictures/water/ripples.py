@@ -1,6 +1,6 @@
 """Waves finer than the drawn mesh: octaves of noise that tilt normals, run with the wind, and fade with distance.
 
-What fades is not lost: the variance of its slopes widens the sun's glint. `water_glsl.py` draws them.
+Faded ripples are not lost: the variance of their slopes widens the sun's glint. `water_glsl.py` draws them.
 """
 
 from typing import NamedTuple

@@ -96,7 +96,7 @@ class Sea(Content):
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for what is told of them."""
+        """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for their traits."""
         points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
         for name in NODE_TRAITS:
@@ -123,12 +123,12 @@ class Sea(Content):
         return self.ships[-1]
 
     def appear(self) -> None:
-        """Draws water and sky after the ships from now on, the nearer first: what is hidden is then never shaded."""
+        """Draw water and sky after the ships from now on, the nearer first: hidden pixels are then never shaded."""
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
 
     def reflect(self) -> None:
-        """Mirrors its ships from now on."""
+        """Mirror its ships from now on."""
         self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
@@ -266,8 +266,8 @@ class Sea(Content):
         return at
 
     def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Where ship k meets the water: foam along its waterline, no water inside it, and the place of its mirror
-        image; returns the height of the water around it [m]."""
+        """Set the water around ship k: foam along its waterline, no water inside it, and the place of its mirror image;
+        returns the height of the water around it [m]."""
         hull, ship = self.hulls[key], self.met(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

@@ -41,7 +41,7 @@ class SeaState:
     """The sea of one run."""
 
     def __init__(self, scene: dict[str, Any], grid: Any, log: FrameLog) -> None:
-        """Of a resolved scene; `grid`: what frames keep once."""
+        """Sea of a resolved scene; `grid`: arrays that frames keep once."""
         self.scene, self.log = scene, log
         self.exact = exact_waves(grid)  # the waves themselves, where water is a closed form
         self.resolved = float(grid["spacing"])  # [m] between particles, or half the shortest wave
@@ -60,7 +60,7 @@ class SeaState:
         self.seen: dict[int, tuple[float, np.ndarray]] = {}  # level and variances of frames, by their numbers
 
     def at(self, time: float) -> SeaNow:
-        """At the time [s] of a frame."""
+        """Sea at the time [s] of a frame."""
         sea = self.exact
         if sea is not None:
             height, raising = sea.significant_height, self.stated or far_sea.wind_speed_from_sea(sea, time)
@@ -78,7 +78,7 @@ class SeaState:
         return float(elevation.mean()), self.modes.variances(elevation)
 
     def wind(self, height: float) -> Wind:
-        """That the ripples follow in a sea of this height [m]."""
+        """Wind that the ripples follow in a sea of this height [m]."""
         return Wind(ripple_wind_speed(self.scene, height), self.angle)
 
 
@@ -106,7 +106,7 @@ def exact_waves(grid: Any) -> Components | None:
 
 
 def is_open_sea(scene: dict[str, Any], first: Frame, depth: float) -> bool:
-    """Whether a basin is a piece of sea: covered by water when the run begins, and no tank with fittings."""
+    """True if a basin is a piece of sea: covered by water when the run begins, and no tank with fittings."""
     fitted = any((scene.get("basin") or {}).get(key) for key in TANK_FITTINGS)
     return bool(first.elevation.min() > -DRY_DEPTH_SHARE * depth) and not fitted
 

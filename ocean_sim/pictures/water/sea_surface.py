@@ -45,7 +45,7 @@ class SeaSurface:
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Where heights are kept along x and z [m], around an origin x, z [m]."""
+        """Places x and z [m] of the kept heights, around an origin x, z [m]."""
         cells = [own.shape[1] for own in self.own]
         step = (self.upper - self.lower) / cells
         x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
@@ -54,7 +54,7 @@ class SeaSurface:
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
         """Heights, convergence and lost slopes at all nodes (nx, nz).
 
-        `answer`: what ships, winds and steepness add to the exact waves, at the points of the basin [m].
+        `answer`: additions of ships, winds and steepness to the exact waves, at the points of the basin [m].
         """
         far = self.far.at(far_sea.complex_amplitudes(now.waves, frame.time, frame.origin))
         (x, z), mine = self.own, self.share
@@ -93,7 +93,7 @@ class SeaSurface:
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """(nx, nz) share of white water: its mean over the basin is the cover; None: what crests call for."""
+        """Share (nx, nz) of white water: its mean over the basin is the cover; None: as crests call for."""
         self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
         return foam.white_shares(drawn_together * self.grain, self.wanted)
 
@@ -117,12 +117,13 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """(nx, nz) share of white water: what frames keep (see `laced`), and where that ends what has just turned white
-        on the far sea's crests (nx, nz); as white in the mean as either."""
+        """Share (nx, nz) of white water: the one in frames (see `laced`), and at its end the fresh white on the far
+        sea's crests (nx, nz); as white in the mean as either."""
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """(nx, nz) what frames keep at the points of the basin, at the nodes; it ends with the basin's own waves."""
+        """Values that frames keep at the points of the basin, at the nodes (nx, nz); they end with the basin's own
+        waves."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
@@ -146,5 +147,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """How readily white water gathers at positions [m]."""
+    """Readiness of white water to gather at positions [m]."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

@@ -83,8 +83,8 @@ def level_rim(x: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 
 def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
-    """Ways (n, 3) [m] of which those that are not held (n, 3) become the means of their neighbours', some edges deep:
-    what lies within a side goes with its rim, so that no triangle folds over."""
+    """Ways (n, 3) [m] in which free vertices take the means of their neighbours, some edges deep: the inside of a side
+    goes with its rim, so that no triangle folds over."""
     degree = np.maximum(np.asarray(adjacent.sum(axis=1)), 1.0)[:, None]
     for _ in range(SPREAD_STEPS):
         way = np.where(held, way, adjacent @ way / degree)

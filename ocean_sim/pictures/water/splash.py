@@ -1,5 +1,6 @@
-"""Where the water of a tank splashes: how much air it holds, how its skin is wrinkled and torn, and the drops that fly
-from it, at the vertices of its surface. Drawn: particles are wider than all of that."""
+"""Splashes: air in the water of a tank, its wrinkled and torn skin and the drops that fly from it, at the vertices of
+its surface; and spray over a sea, drops around particles that have left the water. Drawn only: particles are wider than
+all of that."""
 
 from typing import NamedTuple
 
@@ -63,7 +64,7 @@ def bell_numbers(uniform: np.ndarray) -> np.ndarray:
 
 
 class Splash(NamedTuple):
-    """Of the particles of a picture."""
+    """State of the particles of a picture."""
 
     air: np.ndarray  # (n,) share, 0 to 1, of air in their water
     torn: np.ndarray  # (n,) 0 to 1, how far their water has come apart
@@ -145,8 +146,8 @@ def travel_share(
 def particle_splash(
     position: np.ndarray, velocity: np.ndarray, up: np.ndarray, sides: np.ndarray, spacing: float, depth: float
 ) -> Splash:
-    """Of particles (n, 3) [m] with velocities (n, 3) [m/s]: water comes apart where it is fast, or `up` in the air (n,)
-    0 to 1, and few are near; beside so many `sides` of the tank (n,), behind which there are none."""
+    """Splash of particles (n, 3) [m] with velocities (n, 3) [m/s]: water comes apart if it is fast, or `up` in the air
+    (n,) 0 to 1, and has few neighbours; beside so many `sides` of the tank (n,), behind which there are none."""
     from scipy.spatial import cKDTree
 
     rough = np.maximum(clipped_ramp((velocity**2).sum(axis=1) / (GRAVITY * depth), STIRRING_SPEEDS), up)

@@ -1,9 +1,9 @@
-"""Water that folds, in a tank of glass: clear, with the splashes that its particles are too wide for.
+"""Water that folds, in a tank of glass: clear, with splashes of its own.
 
-Things behind clear water are seen bent and dimmed by the way of light through it.
-Pictures come before: of everything but the water, and of how far away its back faces are. The shader takes the
-difference of both faces as the thickness, absorbs and scatters along it (Beer and Lambert), and mirrors the sky. What
-water hides of other water, as a jet of the pool below it, is drawn first, behind the back faces of the nearer one.
+Things behind clear water are seen bent and dimmed by the way of light through it. Two pictures come first: one of
+everything but the water, one of the distances of its back faces. The shader takes the difference of both faces as the
+thickness, absorbs and scatters along it (Beer and Lambert), and mirrors the sky. Water hidden by other water, as a pool
+below a jet, is drawn first, behind the back faces of the nearer one.
 """
 
 from typing import Any
@@ -131,7 +131,8 @@ class Shell(Content):
     """A closed surface with drops and folds, smoothed, and as clear as water."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, first: Frame, white: bool) -> None:
-        """In the tank that frames keep, drawn up to `upper` [m]; `first`: frame of the run; `white`: with splashes."""
+        """Shell of the tank that frames keep, drawn up to `upper` [m]; `first`: frame of the run; `white`: with
+        splashes."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.first, self.white = stage, first, white
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
@@ -245,7 +246,7 @@ class Shell(Content):
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 
     def see(self) -> None:
-        """What is drawn now is what water drawn from now on is seen before."""
+        """Take the present picture as the background of water drawn from now on."""
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()

@@ -1,5 +1,5 @@
-"""The wake of a ship where the water of the run knows of none: white along the track of its stern, and Kelvin's waves.
-Drawn, without effect on the run."""
+"""Wake of a ship in water that does not resolve it: white along the track of its stern, and Kelvin's waves. Drawn,
+without effect on the run."""
 
 from functools import lru_cache
 
@@ -149,7 +149,7 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """(nx, nz) [m] what a water answers to a ship, at nodes x, z [m], no higher or deeper around her than a flow of her
+    """Response of a water to a ship (nx, nz) [m], at nodes x, z [m], no higher or deeper around her than a flow of her
     speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())

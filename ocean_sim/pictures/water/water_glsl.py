@@ -1,9 +1,9 @@
-"""The formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
+"""Formulas of `water_shading`, `ripples` and `foam` for a graphics processor, as replacements in VTK's shaders.
 
 Numbers come from those files, so that each law is written once; the tests compare the colours. Traps of VTK: it
 declares uniforms and samplers itself; a mistake in a shader only logs and draws nothing (see `refusal`). Mesa's
-processor in software computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: what
-few pixels need is a loop of one turn or none.
+processor in software computes both sides of every `if`, but leaves a loop as soon as no pixel of a group goes on: code
+for few pixels is a loop of one turn or none.
 """
 
 from collections.abc import Iterable, Sequence
@@ -365,7 +365,7 @@ class Shaded:
 
 
 def collect_messages() -> Any:
-    """Keeps what VTK has to say from now on, for `refusal`."""
+    """Collect the messages of VTK from now on, for `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     said = vtkStringOutputWindow()
@@ -374,7 +374,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Why OpenGL has refused a program since then, None where it has not: VTK leaves out what that shades."""
+    """Reason why OpenGL has refused a program since then, or None: VTK leaves its actor out of the picture."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))

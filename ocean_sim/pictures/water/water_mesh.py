@@ -17,8 +17,8 @@ def spline_matrix(cells: int, factor: int) -> np.ndarray:
 
 
 def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """(m, 3) corners of the triangles between nodes numbered row by row, both of a cell together: what is drawn of them
-    in this order finds its pixels in the processor's cache."""
+    """Corners (m, 3) of the triangles between nodes numbered row by row, both of a cell together: in this order they
+    find their pixels in the processor's cache."""
     k = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]
     return np.stack([a, d, b, b, d, c], axis=-1).reshape(-1, 3)

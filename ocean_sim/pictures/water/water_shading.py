@@ -70,7 +70,7 @@ def slope_variance(wind_speed: float) -> float:
 
 @dataclass(frozen=True)
 class ShadingTerms:
-    """Which terms the colour is made of; without Fresnel's the sky takes a constant share, as before it was there."""
+    """Terms of the colour; without Fresnel's the sky takes a constant share."""
 
     fresnel: bool = True
     reflection: bool = True

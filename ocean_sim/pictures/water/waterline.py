@@ -1,4 +1,5 @@
-"""Where hulls meet the water of pictures and of files: the waves at their bows, and the white along them."""
+"""Hulls in the water of pictures and of files: the waves at their bows, and the white along them. Drawn where the water
+of the run is too coarse for it, without effect on the run."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -28,7 +29,13 @@ FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a th
 
 
 class Bow(NamedTuple):
-    """Of a ship that goes at a speed."""
+    """Wave at the bow of a ship that goes at a speed, and the white water that it breaks into.
+
+    Height and place of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
+    Mech. 600); its course aside, and the white, are ours. The height is that by which waves at a bow stand at V^2 / 2 g
+    where V / sqrt(g D) = 4.4 tan / cos - 1 (Delhommeau, Guilbaud, David, Yang & Noblesse 2009, J. Fluid Mech. 620,
+    abstract); the number of the place was not checked against the paper.
+    """
 
     length: float  # [m]
     breadth: float  # [m]
@@ -53,8 +60,8 @@ class Bow(NamedTuple):
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far places lie outside the line of the crest [its own widths], and the share of its height that it has
-        left there: places `abaft` the stem and a `gap` off the hull [m]."""
+        """Distance of places outside the line of the crest [its own widths], and the remaining share of its height
+        there: places `abaft` the stem and a `gap` off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
@@ -63,8 +70,8 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """[m] of the wave at places abaft the stem and off the hull [m]: a steep face outside, and inside it the water
-        falls to what it was."""
+        """Height [m] of the wave at places abaft the stem and off the hull [m]: a steep face outside, and inside it the
+        water falls back."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
@@ -90,7 +97,7 @@ class WettedHull(NamedTuple):
 
     @property
     def wet(self) -> bool:
-        """Whether it meets the water at all."""
+        """True if it meets the water at all."""
         return len(self.line) > 2
 
     def around(self) -> tuple[np.ndarray, np.ndarray]:
@@ -124,17 +131,17 @@ class WettedHull(NamedTuple):
 
 
 class Hull:
-    """Of a ship that meets the water."""
+    """Hull of a ship that meets the water."""
 
     def __init__(self, grid: Any, key: str) -> None:
-        """Of the ship that frames keep under a key."""
+        """Hull of the ship that frames keep under a key."""
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
     def met(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Where she is, at a speed [m/s]; `heights_at`: of the water [m] at places x, z (n, 2)."""
+        """Hull in the water at a speed [m/s]; `heights_at`: of the water [m] at places x, z (n, 2)."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -144,7 +151,7 @@ class Hull:
 def ship_coordinates(
     x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far places x, z lie ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    """Distances of places x, z ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
     ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
     to_x, to_z = x - position[0], z - position[2]
     return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
@@ -173,7 +180,7 @@ def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
 
 
 def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """The same of a few points."""
+    """Distances as `distance_to_line`, of a few points."""
     (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
     to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
     share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)

@@ -52,7 +52,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """One run: errors by quantity, what it was made of, and its cost."""
+    """One run: errors by quantity, its particles and settings, and its cost."""
     with Clocked(scene) as simulation:
         try:
             found, reason = problem.measure(simulation).numbers, ""

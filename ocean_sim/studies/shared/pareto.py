@@ -78,7 +78,7 @@ def text_height(row: dict[str, Any]) -> float:
 
 
 def axis_limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
-    """Room for all points, for peers, and for what failed."""
+    """Limits that hold all points, peers and failed runs."""
     wide = [row[key] for row in there] + [peer.particles for peer in trial.peers if key == "particles"]
     high = [*map(text_height, done), *(peer.error for peer in trial.peers)]
     high += [trial.scatter] if trial.scatter is not None else []

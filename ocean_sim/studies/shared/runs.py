@@ -145,7 +145,7 @@ def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 
 
 def _death_reason(code: int, errors: str) -> str:
-    """Why a process left no answer."""
+    """Reason why a process left no answer."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
         return f"its process was ended by {signal.Signals(-code).name}{hint}"

@@ -58,7 +58,7 @@ class Bar:
 
 
 class Drawing:
-    """Shows how many pictures of a film are drawn, of how many; and once, what the film will take."""
+    """Progress of the pictures of a film, and once an estimate of its time."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
         """`cure`: how to do without it, printed with the estimate."""

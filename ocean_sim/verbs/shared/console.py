@@ -82,13 +82,13 @@ def say(text: str = "") -> None:
 
 
 def complain(text: str) -> None:
-    """A line about what went wrong."""
+    """Print a line about an error."""
     with suppress(OSError):  # there may be nobody to tell
         print(cut(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
 def escape_controls(text: str) -> str:
-    """A text in which what a terminal would obey, or not show, is escaped."""
+    """Escape the characters that a terminal would obey, or not show."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 

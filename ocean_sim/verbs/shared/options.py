@@ -1,4 +1,4 @@
-"""Options and arguments that several verbs take, with what a shell completes them to."""
+"""Options and arguments that several verbs take, with their completion in a shell."""
 
 from pathlib import Path
 from typing import Annotated

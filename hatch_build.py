@@ -14,7 +14,7 @@ MADE = """
 import sys
 from unittest.mock import MagicMock
 
-sys.modules["ocean_sim.kernel_library"] = MagicMock(NAME="taichi")
+sys.modules["ocean_sim.kernel_library"] = MagicMock(LIBRARY_NAME="taichi")
 from ocean_sim.reading.schema import text
 
 sys.stdout.buffer.write(text().encode())

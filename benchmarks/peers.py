@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks import another_python, pysph_dam, splishsplash
 from benchmarks.another_python import Peer
 from ocean_sim.conventions import Failed, Refused
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.verbs.shared import console
 
 SURFACE_REPEATS, DAM_TURNS = 5, 3
@@ -107,7 +107,7 @@ def peers(pythons: list[Path], threads: int | None) -> Iterator[dict[str, Any]]:
     yield row("pysplashsurf", "surface of 6144 particles", surface)
     yield row("capytaine", "response of a barge", response)
     for others in OTHERS:
-        yield from dam_breaks(others, pythons, threads or cores())
+        yield from dam_breaks(others, pythons, threads or available_cores())
 
 
 def must_have_one(pythons: list[Path]) -> None:

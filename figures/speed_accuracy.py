@@ -10,7 +10,7 @@ from typing import Any
 from _options import options, progress
 from _paper import keep, paper
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.pareto import COST_LABELS, draw_panel
 from ocean_sim.studies.shared.study import Study, read_table, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, study_points
@@ -24,7 +24,7 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
     plan = [
         point for point in study_points(quick=True) if not fast or (point.trial.case in FAST and not point.settings)
     ]
-    study = Study(plan, folder, cores())
+    study = Study(plan, folder, available_cores())
     for done in study.run():
         progress(done / len(plan), f"{done} of {len(plan)} runs")
     return study.rows

@@ -10,7 +10,7 @@ from typing import Any
 from _options import options, progress
 from _paper import keep
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.study import Study, read_table, write_table
 from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, grid_points
@@ -25,7 +25,7 @@ def found(fast: bool, folder: Path) -> list[dict[str, Any]]:
         for spot in grid_points(quick=True)
         if not fast or ((spot.axis.name, spot.value) == FAST and spot.factor in STEPS)
     ]
-    study = Study(plan, folder, cores(), limit=MAX_RUN_SECONDS[True])
+    study = Study(plan, folder, available_cores(), limit=MAX_RUN_SECONDS[True])
     for done in study.run():
         progress(done / len(plan), f"{done} of {len(plan)} runs")
     return study.rows

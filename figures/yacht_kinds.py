@@ -15,7 +15,7 @@ import numpy as np
 from _options import options, progress
 from _paper import BLUE, GREEN, INK, ORANGE, PALE, RED, keep, paper, table
 
-from ocean_sim.files.yaml_file import read
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.observers.render import variants
 from ocean_sim.parts import library
 from ocean_sim.reading.scene import load, observer_names
@@ -33,7 +33,7 @@ LABEL = 26  # pixels
 
 def yacht() -> dict[str, Any]:
     """The ready-made hull, made smaller."""
-    hull = read(library("configs") / "hull" / "yacht.yaml").plain()
+    hull = read_mapping(library("configs") / "hull" / "yacht.yaml").plain()
     points = [[SCALE * x for x in point] for point in hull["shape"]["points"]]
     return {
         "shape": {"kind": "outline", "points": points},

@@ -13,8 +13,8 @@ try:
     from typer.core import TyperCommand, TyperGroup
 
     from ocean_sim.conventions import Failed, Refused, in_words
-    from ocean_sim.files.input_file import shown
-    from ocean_sim.machine import extra_missing, extra_of, stoppable
+    from ocean_sim.files.input_file import display_path
+    from ocean_sim.machine import extra_with, missing_extra, stoppable
     from ocean_sim.verbs.shared import console
 except KeyboardInterrupt:  # these take as long as it takes to press Ctrl-C
     sys.exit("stopped")
@@ -101,9 +101,9 @@ WrongUsage: Any = typer.BadParameter.__mro__[2]
 
 def show_version(asked: bool) -> None:
     if asked:
-        from ocean_sim.machine import installed
+        from ocean_sim.machine import installed_version
 
-        console.say(f"ocean-sim {installed('ocean-sim')}")
+        console.say(f"ocean-sim {installed_version('ocean-sim')}")
         raise typer.Exit
 
 
@@ -177,10 +177,10 @@ def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):
         return 3, "Taichi needs the system library libX11: as root, apt-get install libx11-6", []
-    if isinstance(error, ModuleNotFoundError) and (extra := extra_of((error.name or "").partition(".")[0])):
-        return 3, extra_missing(extra) or str(error), []
+    if isinstance(error, ModuleNotFoundError) and (extra := extra_with((error.name or "").partition(".")[0])):
+        return 3, missing_extra(extra) or str(error), []
     if isinstance(error, OSError) and error.errno == ENAMETOOLONG:
-        return Refused.exit_code, f"{shown(error.filename)}: this name is too long", []
+        return Refused.exit_code, f"{display_path(error.filename)}: this name is too long", []
     if isinstance(error, WrongUsage):
         return error.exit_code, error.message, []
     if isinstance(error, KeyboardInterrupt | typer.Abort):

@@ -16,17 +16,23 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-EXTRAS = {"pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"), "cluster": ("distributed",)}
-ENDS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
-ENDING = [getattr(signal, name) for name in ENDS if name in signal.Signals.__members__]
-asked = threading.Event()  # to end
-DYING = 1.0  # [s] that a process may take to end that has been killed
-CONTAINER = "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"  # [bytes], of versions 2 and 1
-MEMORY = "/proc/meminfo", "/proc/self/status"
-SOURCES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
+EXTRA_PACKAGES = {
+    "pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"),
+    "cluster": ("distributed",),
+}
+STOP_SIGNAL_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
+STOP_SIGNALS = [getattr(signal, name) for name in STOP_SIGNAL_NAMES if name in signal.Signals.__members__]
+stop_requested = threading.Event()  # to end
+KILL_TIMEOUT = 1.0  # [s] that a process may take to end that has been killed
+CGROUP_LIMIT_FILES = (
+    "/sys/fs/cgroup/memory.max",
+    "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+)  # [bytes], of versions 2 and 1
+MEMORY_FILES = "/proc/meminfo", "/proc/self/status"
+SOURCE_SUFFIXES = (".py", ".csv")  # suffixes of the program's files that its numbers depend on
 
 
-def cores() -> int:
+def available_cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -36,23 +42,23 @@ def cache_directory() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
 
 
-def memory() -> int:
+def memory_limit() -> int:
     """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]
-    for file in CONTAINER:
+    for file in CGROUP_LIMIT_FILES:
         with suppress(OSError, ValueError):  # there is no such bound
             limits.append(int(Path(file).read_text()))
     return min(limits)
 
 
-def memory_left() -> int:
-    """Memory [bytes] that this process can have, with what it has and with swap; `memory` where Linux does not tell."""
+def available_memory() -> int:
+    """Memory [bytes] that this process has or can still get, swap included; `memory_limit` on other systems."""
     try:
-        lines = [line.split() for file in MEMORY for line in Path(file).read_text().splitlines()]
+        lines = [line.split() for file in MEMORY_FILES for line in Path(file).read_text().splitlines()]
     except OSError:
-        return memory()
+        return memory_limit()
     told = {words[0]: int(words[1]) for words in lines if len(words) == 3 and words[2] == "kB"}
-    return min(memory(), 1024 * (told["MemAvailable:"] + told["SwapFree:"] + told["VmRSS:"]))
+    return min(memory_limit(), 1024 * (told["MemAvailable:"] + told["SwapFree:"] + told["VmRSS:"]))
 
 
 def resource_limit(name: str) -> int:
@@ -66,7 +72,7 @@ def resource_limit(name: str) -> int:
 
 
 @cache
-def processor() -> dict[str, str]:
+def processor_facts() -> dict[str, str]:
     """What Linux tells of the first processor, by the names in /proc/cpuinfo; elsewhere nothing."""
     try:
         first = Path("/proc/cpuinfo").read_text(encoding="utf-8").partition("\n\n")[0]
@@ -75,13 +81,13 @@ def processor() -> dict[str, str]:
     return {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in first.splitlines())}
 
 
-def vector_room() -> int | None:
+def max_vector_width() -> int | None:
     """How many numbers in single precision the processor works on at once, at most; None where it does not tell."""
-    flags = processor().get("flags", "").split()
+    flags = processor_facts().get("flags", "").split()
     return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
 
 
-def installed(package: str) -> str | None:
+def installed_version(package: str) -> str | None:
     """The version of a package, None where it is missing."""
     try:
         return version(package)
@@ -89,9 +95,9 @@ def installed(package: str) -> str | None:
         return None
 
 
-def extra_missing(extra: str) -> str | None:
+def missing_extra(extra: str) -> str | None:
     """What to install where a package of an extra is missing, in a sentence; None where all are there."""
-    missing = [package for package in EXTRAS[extra] if installed(package) is None]
+    missing = [package for package in EXTRA_PACKAGES[extra] if installed_version(package) is None]
     if not missing:
         return None
     *first, last = missing
@@ -99,35 +105,35 @@ def extra_missing(extra: str) -> str | None:
     return f"{lacks}; `pip install '.[{extra}]'` in the checkout brings what is missing"
 
 
-def extra_of(module: str) -> str | None:
+def extra_with(module: str) -> str | None:
     """The extra that brings a module."""
     package = {"vtkmodules": "vtk", "imageio_ffmpeg": "imageio-ffmpeg", "dask": "distributed"}.get(module, module)
-    return next((extra for extra, packages in EXTRAS.items() if package in packages), None)
+    return next((extra for extra, packages in EXTRA_PACKAGES.items() if package in packages), None)
 
 
 @cache
-def sources() -> dict[str, str]:
+def source_hashes() -> dict[str, str]:
     """The hash of each file of this program that its numbers depend on, by its name in the package."""
     package = Path(__file__).parent
-    files = sorted(path for path in package.rglob("*") if path.suffix in SOURCES and path.is_file())
+    files = sorted(path for path in package.rglob("*") if path.suffix in SOURCE_SUFFIXES and path.is_file())
     return {path.relative_to(package).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in files}
 
 
-def program() -> str:
+def program_hash() -> str:
     """The hash of all of them."""
-    return hashlib.sha256("".join(f"{name} {each}\n" for name, each in sources().items()).encode()).hexdigest()
+    return hashlib.sha256("".join(f"{name} {each}\n" for name, each in source_hashes().items()).encode()).hexdigest()
 
 
-def stop(*_: object) -> None:
+def request_stop(*_: object) -> None:
     """What a signal does in a `stoppable` process."""
-    asked.set()
+    stop_requested.set()
     raise KeyboardInterrupt
 
 
 def stop_if_asked() -> None:
     """Raises KeyboardInterrupt where one has been lost in a `stoppable` process, as in Taichi, which takes whatever is
     raised while it looks at a kernel for an answer."""
-    if asked.is_set():
+    if stop_requested.is_set():
         raise KeyboardInterrupt
 
 
@@ -140,10 +146,10 @@ def stoppable() -> Iterator[None]:
         yield
         return
 
-    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, stop) for number in heard}
-    if stop not in before.values():  # this is the outermost
-        asked.clear()
+    heard = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, request_stop) for number in heard}
+    if request_stop not in before.values():  # this is the outermost
+        stop_requested.clear()
     try:
         yield
     finally:
@@ -152,8 +158,8 @@ def stoppable() -> Iterator[None]:
 
 
 @contextmanager
-def leash() -> Iterator[int]:
-    """The standard input for a child that is to `outlive_no_parent`: nothing is ever written to it, and it breaks when
+def parent_pipe() -> Iterator[int]:
+    """The standard input for a child that is to `exit_with_parent`: nothing is ever written to it, and it breaks when
     this process ends, however that comes."""
     theirs, ours = os.pipe()
     try:
@@ -163,14 +169,14 @@ def leash() -> Iterator[int]:
         os.close(ours)
 
 
-def end_led(child: subprocess.Popen[str]) -> None:
+def kill_session(child: subprocess.Popen[str]) -> None:
     """End a child that leads a session of its own, and every process that it has started, and wait for them: one that
     is ended may still be in the middle of making a file."""
     if not hasattr(os, "killpg"):
         child.kill()
         child.wait()
         return
-    patience = time.monotonic() + DYING
+    patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
         child.wait()
@@ -190,20 +196,20 @@ def yield_to_others(by: int) -> None:
             Path("/proc/self/autogroup").write_text(str(by))
 
 
-def outlive_no_parent() -> threading.Event:
-    """From now on, end this process as soon as its standard input breaks, a `leash` or a pipe that its parent holds,
-    and with it the processes that it leads. The event is set when the parent writes something."""
+def exit_with_parent() -> threading.Event:
+    """End this process and those that it leads as soon as its standard input breaks: a `parent_pipe`, or another pipe
+    that its parent holds. The event returned is set when the parent writes something."""
     spoken = threading.Event()
 
     def listen() -> None:
         while os.read(sys.stdin.fileno(), 1):
             spoken.set()
 
-    end_after(listen)
+    exit_after(listen)
     return spoken
 
 
-def end_after(wait: Callable[[], object]) -> None:
+def exit_after(wait: Callable[[], object]) -> None:
     """From now on, end this process, and the processes that it leads, as soon as `wait` returns."""
 
     def end() -> None:

@@ -69,7 +69,7 @@ def preset(slot: str, name: str) -> dict[str, Any]:
 
     if name not in named(slot):
         raise ValueError(f"there is no {slot} {name!r}; there are {', '.join(named(slot))}")
-    return yaml_file.read(library("configs") / slot / f"{name}.yaml").plain()
+    return yaml_file.read_mapping(library("configs") / slot / f"{name}.yaml").plain()
 
 
 def key_of(ship: str) -> str:

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from ocean_sim.kernel_library import ti, tm
 
-UNIT = 2.0**-24  # step of the numbers in [0, 1)
+UNIT_STEP = 2.0**-24  # step of the numbers in [0, 1)
 
 
-def mixed(a, b, c, d):
+def pcg4d(a, b, c, d):
     """pcg4d of four unsigned 32-bit words, or of four arrays of them; without annotations, which Taichi would read."""
     a = a * 1664525 + 1013904223
     b = b * 1664525 + 1013904223
@@ -34,47 +34,47 @@ def mixed(a, b, c, d):
     return a, b, c, d
 
 
-taichi_mixed = ti.func(mixed)
+taichi_pcg4d = ti.func(pcg4d)
 
 
 @ti.func
-def unit(word):
+def to_unit_interval(word):
     """Number in [0, 1) of a word."""
-    return ti.cast(ti.cast(word >> 8, ti.i32), float) * UNIT
+    return ti.cast(ti.cast(word >> 8, ti.i32), float) * UNIT_STEP
 
 
 @ti.func
-def symmetric(word):
+def to_symmetric_interval(word):
     """Number in (-1, 1) of a word, as often above zero as below."""
-    return ti.cast(ti.cast((word >> 8) | 1, ti.i32), float) * (2.0 * UNIT) - 1.0
+    return ti.cast(ti.cast((word >> 8) | 1, ti.i32), float) * (2.0 * UNIT_STEP) - 1.0
 
 
 @ti.func
 def uniform(seed, stream, particle, step):
     """One number in [0, 1)."""
-    a, _b, _c, _d = taichi_mixed(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
-    return unit(a)
+    a, _b, _c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
+    return to_unit_interval(a)
 
 
 @ti.func
 def uniform3(seed, stream, particle, step):
     """Three independent numbers in (-1, 1)."""
-    a, b, c, _d = taichi_mixed(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
-    return tm.vec3(symmetric(a), symmetric(b), symmetric(c))
+    a, b, c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
+    return tm.vec3(to_symmetric_interval(a), to_symmetric_interval(b), to_symmetric_interval(c))
 
 
 def numpy_words(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> tuple[np.ndarray, ...]:
     """The four words of arrays (or numbers) of keys, at least one-dimensional."""
     keys = np.broadcast_arrays(*(np.atleast_1d(np.asarray(k, dtype=np.uint32)) for k in (seed, stream, particle, step)))
-    return mixed(*keys)
+    return pcg4d(*keys)
 
 
 def numpy_uniform(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
     """The numbers of `uniform`, bit for bit."""
-    return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT
+    return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT_STEP
 
 
 def numpy_uniform3(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
     """The numbers of `uniform3`, bit for bit: (..., 3)."""
     words = numpy_words(seed, stream, particle, step)[:3]
-    return np.stack([((w >> 8) | 1) * (2.0 * UNIT) - 1.0 for w in words], axis=-1)
+    return np.stack([((w >> 8) | 1) * (2.0 * UNIT_STEP) - 1.0 for w in words], axis=-1)

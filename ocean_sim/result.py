@@ -13,15 +13,15 @@ import numpy as np
 
 from ocean_sim.conventions import Refused, Unsuited, figures
 from ocean_sim.files import csv_file, input_file, run_files
-from ocean_sim.files.run_files import MANIFEST, Claim, claimed
-from ocean_sim.files.whole_file import set_aside
+from ocean_sim.files.atomic_file import reserve_disk_space
+from ocean_sim.files.run_files import MANIFEST_FILE, Claim, claim_folder
 from ocean_sim.machine import stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.simulation import Observer, Simulation
 from ocean_sim.waves.exchange import WaveField
 
-FIRST = "events.jsonl"  # of the files of a run: one that fails early leaves it alone
-TENTHS = 10  # parts of a run, and of its pictures, after which a line is printed
+FIRST_FILE = "events.jsonl"  # of the files of a run: one that fails early leaves it alone
+PROGRESS_PARTS = 10  # parts of a run, and of its pictures, after which a line is printed
 
 
 class Result:
@@ -36,18 +36,18 @@ class Result:
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """What was run: the resolved scene, versions, backend, seed, hashes."""
-        return input_file.document(self.folder / "manifest.json")
+        return input_file.read_json(self.folder / "manifest.json")
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """What happened on the way, one entry an event; without a last line that a killed run did not finish."""
         path = self.folder / "events.jsonl"
-        text = input_file.text(path) if path.exists() else ""
+        text = input_file.read_text(path) if path.exists() else ""
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
     def table(self, name: str) -> dict[str, np.ndarray]:
         """The columns of `<name>.csv`, each an array of its rows."""
-        return csv_file.columns(self.folder / f"{name}.csv")
+        return csv_file.read_columns(self.folder / f"{name}.csv")
 
     @cached_property
     def gauges(self) -> dict[str, np.ndarray]:
@@ -72,13 +72,13 @@ class Result:
         return self.table("timings")
 
 
-class Lines(Observer):
+class ProgressLines(Observer):
     """Prints simulated time, speed and time left after each tenth of a run, for who waits for it, and then how many of
     its pictures are drawn."""
 
     def __init__(self, duration: float) -> None:
         """`duration` of the run [s]."""
-        self.duration, self.every = duration, duration / TENTHS
+        self.duration, self.every = duration, duration / PROGRESS_PARTS
         self.first: tuple[float, float] | None = None  # simulated and wall time [s] when steps cost what they cost
         self.passed = self.drawn = 0  # tenths of the run, and of its pictures
 
@@ -87,7 +87,7 @@ class Lines(Observer):
         if simulation.steps == 0:
             for observer in simulation.observers:
                 observer.show_progress(self.draw)
-        tenth = int(TENTHS * time / self.duration + 1e-9)
+        tenth = int(PROGRESS_PARTS * time / self.duration + 1e-9)
         if tenth <= self.passed:
             return
         self.passed, now, speed = tenth, perf_counter(), ""
@@ -100,8 +100,8 @@ class Lines(Observer):
 
     def draw(self, done: int, total: int) -> None:
         """So many pictures are drawn; of 0, while the run goes on and nobody knows of how many."""
-        if total and TENTHS * done // total > self.drawn:
-            self.drawn = TENTHS * done // total
+        if total and PROGRESS_PARTS * done // total > self.drawn:
+            self.drawn = PROGRESS_PARTS * done // total
             self.say(f"picture {done} of {total}")
 
     def say(self, line: str) -> None:
@@ -125,35 +125,35 @@ def run(
     if not isinstance(out, str | PathLike):
         raise Unsuited(f"run: out is the name of a folder, not {out!r:.60}")
     config = scene if isinstance(scene, SceneConfig) else load(scene)
-    shown = (Lines(config.duration),) if progress else ()
-    with claimed_for(config.files(), Path(out), overwrite) as folder:
-        return simulated(config, folder, (*observers, *shown))
+    shown = (ProgressLines(config.duration),) if progress else ()
+    with claim_run_folder(config.files(), Path(out), overwrite) as folder:
+        return simulate(config, folder, (*observers, *shown))
 
 
-def claimed_for(
+def claim_run_folder(
     coming: Iterable[str], out: Path, overwrite: bool, named: str = "", cure: str = "give overwrite=True"
 ) -> Claim:
     """A claim on the folder of a run that leaves files `coming`, cleared where it holds one that is to be overwritten;
     raises Refused where it holds another one, or other things. `named`: what messages call it; `cure`: how they say to
     overwrite."""
-    claim = claimed(out, FIRST, named=named)
+    claim = claim_folder(out, FIRST_FILE, named=named)
     try:
-        if (out / MANIFEST).exists():
+        if (out / MANIFEST_FILE).exists():
             if not overwrite:
                 raise Refused(f"{named or out}: there is a run here already; name another folder, or {cure}")
-            run_files.clear(out, coming)
+            run_files.delete_run(out, coming)
     except BaseException:
         claim.close()
         raise
     return claim
 
 
-def simulated(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
+def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
     """The same into a folder that the caller has claimed."""
     with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
         stop_if_asked()
-        with set_aside(folder):
+        with reserve_disk_space(folder):
             simulation.run(config.duration)
     return Result(folder)
 

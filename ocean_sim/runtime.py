@@ -19,20 +19,28 @@ import numpy as np
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
 from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_numpy_type
-from ocean_sim.machine import cache_directory, cores
+from ocean_sim.machine import available_cores, cache_directory
 from ocean_sim.model import Model, quantity
 
-BACKENDS = {"cpu": ti.cpu, "cuda": ti.cuda, "vulkan": ti.vulkan, "metal": ti.metal, "gpu": ti.gpu, "auto": ti.gpu}
-BASE_MEMORY, COPIES = 160_000_000, 100  # [bytes], [bytes a particle]
-TREES, ROOM = 512, 128  # sets of fields that Taichi 1.7 holds, beyond which it crashes, and the most of a simulation
+TAICHI_BACKENDS = {
+    "cpu": ti.cpu,
+    "cuda": ti.cuda,
+    "vulkan": ti.vulkan,
+    "metal": ti.metal,
+    "gpu": ti.gpu,
+    "auto": ti.gpu,
+}
+BASE_MEMORY, COPY_BYTES_PER_PARTICLE = 160_000_000, 100  # [bytes], [bytes a particle]
+MAX_FIELD_SETS = 512  # sets of fields that Taichi 1.7 holds; it crashes beyond
+FIELD_SET_MARGIN = 128  # sets of fields of one simulation, at most
 OPTIMISE_VARIABLE = "OCEAN_SIM_OPTIMISE"  # where it is "0", kernels compile sooner and run slower: for tests
-UNOPTIMISED = {"opt_level": 0, "cfg_optimization": False}  # options of Taichi
+UNOPTIMISED_OPTIONS = {"opt_level": 0, "cfg_optimization": False}  # of Taichi
 CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
-LOCKED = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
-FREEING = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
-CARDS = ("cuda", "vulkan", "metal", "gpu")  # what one asks for to have a graphics card
+STALE_LOCK_AGE = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
+FREEING_BACKENDS = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
+GRAPHICS_CARD_CHOICES = ("cuda", "vulkan", "metal", "gpu")  # what one asks for to have a graphics card
 OPTIONAL_DOUBLES = ("vulkan", "metal")  # backends on which Taichi 1.7 has f64 only where the driver has
-GRAPHICS = ("cuda", "vulkan", "metal", "opengl", "gles")
+GRAPHICS_BACKENDS = ("cuda", "vulkan", "metal", "opengl", "gles")
 
 
 if TYPE_CHECKING:  # what a kernel is handed, as callers see it
@@ -55,7 +63,7 @@ Kind = TypeVar("Kind", bound=type)
 def in_kernels(kind: Kind) -> Kind:
     """Decorator of a class whose methods are kernels or are called by them: in place of Taichi's `ti.data_oriented`,
     with which each attribute that Python reads costs a microsecond, and again for every base class."""
-    if kernel_library.NAME == kernel_library.QUADRANTS:
+    if kernel_library.LIBRARY_NAME == kernel_library.QUADRANTS:
         if "__dataclass_fields__" in vars(kind):  # by which it would take `self` for a struct, handed over by value
             del kind.__dataclass_fields__  # type: ignore[attr-defined]
         return ti.data_oriented(kind)  # which has no such cost
@@ -81,7 +89,7 @@ def _bound(kernel: Any) -> Any:
         try:
             result = kernel._primal(self, *given)
         except ti.TaichiCompilationError as error:  # which quotes what Freed says among lines of the kernel
-            why = next((why for why in (CLOSED, RESTARTED) if why in str(error)), None)
+            why = next((why for why in (CLOSED_MESSAGE, RESTARTED_MESSAGE) if why in str(error)), None)
             if why is None:
                 raise
             raise RuntimeError(why) from None
@@ -167,7 +175,7 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
 
 
 @in_kernels
-class Copy:
+class FieldCopy:
     """What a field of one number a place holds now, many times as quickly as by Taichi's own way."""
 
     def __init__(self, field: Any) -> None:
@@ -181,7 +189,7 @@ class Copy:
 
     @ti.kernel
     def fill(self, values: Array):  # type: ignore[no-untyped-def]
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.field:
             values[i] = self.field[i]
 
@@ -237,7 +245,7 @@ class Allocation(NamedTuple):
     def forget(self, why: str) -> None:
         """Whoever uses one of its fields from now on is told why that cannot be."""
         for variable in self.variables:
-            variable.ptr = Freed(why)
+            variable.ptr = FreedField(why)
 
 
 def _noted(finalize: Any) -> Any:
@@ -254,7 +262,7 @@ def _noted(finalize: Any) -> Any:
             if not re.search("alloc|out of memory", str(error), re.IGNORECASE):
                 raise
             _short = True
-            raise MemoryError(NO_MEMORY) from None
+            raise MemoryError(NO_MEMORY_MESSAGE) from None
         _allocations.append(Allocation(tree, variables))
         return tree
 
@@ -264,26 +272,26 @@ def _noted(finalize: Any) -> Any:
 FieldsBuilder.finalize = _noted(FieldsBuilder.finalize)
 
 
-NO_MEMORY = "there is no memory for the fields of this simulation; try a larger resolution, or fewer particles"
-CLOSED = (
+NO_MEMORY_MESSAGE = "there is no memory for the fields of this simulation; try a larger resolution, or fewer particles"
+CLOSED_MESSAGE = (
     "this field belongs to a simulation that is closed, and its memory is freed; read it before the simulation is "
     "closed, inside its `with` block"
 )
-RESTARTED = (
+RESTARTED_MESSAGE = (
     "the fields of this simulation are gone: a later one restarted Taichi, because its runtime differs or about a "
     "hundred were open; close each before starting others, or run each in a process of its own"
 )
-SHORT = (
+MEMORY_SHORT_MESSAGE = (
     "memory ran out for the fields of a simulation, after which Taichi builds no other while one is open; close those "
     "that are open first"
 )
-ELSEWHERE = (
+OTHER_THREAD_MESSAGE = (
     "Taichi runs in another thread of this process, where a simulation is open, and builds others only there; close "
     "that one first, build all in one thread, or run each in a process of its own"
 )
 
 
-class Freed:
+class FreedField:
     """Stands in for a field whose memory is freed."""
 
     def __init__(self, why: str) -> None:
@@ -303,7 +311,7 @@ class Fields:
     def __enter__(self) -> "Fields":
         with _starting:
             if threading.get_ident() != _thread:
-                raise RuntimeError(ELSEWHERE)
+                raise RuntimeError(OTHER_THREAD_MESSAGE)
             self.allocate()
             self.first = len(_allocations)
             _open.add(self)
@@ -333,14 +341,14 @@ class Fields:
         _open.discard(self)
         program = impl.get_runtime().prog
         there = [one for one in self.allocations if one in _allocations]  # none where Taichi has been restarted since
-        if there and _started is not None and _started[1].arch in FREEING:
+        if there and _started is not None and _started[1].arch in FREEING_BACKENDS:
             program.synchronize()  # a GPU may still be at work
             for one in there:
                 _allocations.remove(one)
                 with suppress(RuntimeError):  # after kernels of another thread; the next start frees it
                     one.tree.ptr.destroy_snode_tree(program)
         for one in self.allocations:
-            one.forget(CLOSED)
+            one.forget(CLOSED_MESSAGE)
         self.allocations = []
 
 
@@ -348,7 +356,7 @@ def _forget_declared() -> None:
     """Drop the fields that are declared and have no memory, which Taichi would give them with those declared next."""
     taichi = impl.get_runtime()
     for variable in taichi.global_vars:
-        variable.ptr = Freed(CLOSED)
+        variable.ptr = FreedField(CLOSED_MESSAGE)
     for waiting in (taichi.global_vars, taichi.grad_vars, taichi.dual_vars, taichi.matrix_fields):
         waiting.clear()
     taichi.unfinalized_fields_builder.clear()
@@ -363,45 +371,45 @@ def start(config: RuntimeConfig) -> Backend:
     """
     with _starting:
         if _open and (_short or threading.get_ident() != _thread):
-            raise RuntimeError(SHORT if _short else ELSEWHERE)
-        if _started is not None and not restarts(config):
+            raise RuntimeError(MEMORY_SHORT_MESSAGE if _short else OTHER_THREAD_MESSAGE)
+        if _started is not None and not must_restart(config):
             return _started[1]
         return _start(config)
 
 
 def _start(config: RuntimeConfig) -> Backend:
     global _started, _numbered, _short, _thread
-    if config.library not in (None, kernel_library.NAME):
+    if config.library not in (None, kernel_library.LIBRARY_NAME):
         raise BackendMissing(
             f"runtime.library: {config.library} was chosen, but this process already computes with "
-            f"{kernel_library.NAME}; set {kernel_library.VARIABLE}={config.library} before it starts, or leave the key "
-            "out"
+            f"{kernel_library.LIBRARY_NAME}; set {kernel_library.LIBRARY_VARIABLE}={config.library} before it starts, "
+            "or leave the key out"
         )
-    if kernel_library.NAME == kernel_library.TAICHI:
+    if kernel_library.LIBRARY_NAME == kernel_library.TAICHI:
         from ocean_sim.kernel_library import reading
 
         reading.quicken()
     _started, _numbered, _short, _thread = None, False, False, threading.get_ident()
-    threads = config.threads or cores()
+    threads = config.threads or available_cores()
     before = _thread_ids()
     for one in _allocations:
-        one.forget(RESTARTED)
+        one.forget(RESTARTED_MESSAGE)
     _allocations.clear()
     _open.clear()
     _launches.clear()
     with redirect_stdout(StringIO()):  # Taichi announces itself
         ti.init(
-            arch=BACKENDS[config.arch],
+            arch=TAICHI_BACKENDS[config.arch],
             default_fp=ti.f64 if config.precision == "f64" else ti.f32,
             cpu_max_num_threads=threads,
             offline_cache=True,
             offline_cache_file_path=str(_kernel_cache()),
             offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.CRITICAL,  # an error is raised, and not printed as well
-            **(UNOPTIMISED if os.environ.get(OPTIMISE_VARIABLE) == "0" else {}),
+            **(UNOPTIMISED_OPTIONS if os.environ.get(OPTIMISE_VARIABLE) == "0" else {}),
         )
     obtained = impl.current_cfg().arch.name
-    arch = obtained if obtained in GRAPHICS else "cpu"
+    arch = obtained if obtained in GRAPHICS_BACKENDS else "cpu"
     if config.arch not in (arch, "auto") and not (config.arch == "gpu" and arch != "cpu"):
         ti.reset()
         raise BackendMissing(
@@ -409,7 +417,7 @@ def _start(config: RuntimeConfig) -> Backend:
             "set runtime.arch=cpu, or auto to take what there is (`ocean-sim doctor` lists it)"
         )
     if config.pin is not False and arch == "cpu":
-        _pin(before, threads, one=bool(config.pin))
+        _pin_threads(before, threads, one=bool(config.pin))
     _started = (config, Backend(arch, threads if arch == "cpu" else 0, config.precision, _has_doubles(arch)))
     return _started[1]
 
@@ -451,33 +459,33 @@ def vector_width() -> int:
     return max((int(n) for n in re.findall(r"<(\d+) x float>", made)), default=1)
 
 
-def arch() -> str:
+def running_arch() -> str:
     """The backend that runs: `cpu`, `cuda`, `vulkan` or `metal`; `cpu` before any does."""
     return _started[1].arch if _started is not None else "cpu"
 
 
-def alone() -> bool:
+def runs_alone() -> bool:
     """Whether the thread that launches a kernel goes through its short loops alone: on a processor, where to wake
     another takes 7 us, several times as long where others are at work, and such a kernel loads in less time."""
-    return arch() == "cpu"
+    return running_arch() == "cpu"
 
 
-def restarts(config: RuntimeConfig) -> bool:
+def must_restart(config: RuntimeConfig) -> bool:
     """True if `start` restarts Taichi, where it runs: for another config or thread; where too little room is left for
     the fields of another simulation; and where all fields that there were are freed. Taichi numbers fields, and finds
     compiled kernels again by these numbers, so that the same simulation a second time would be compiled a second
     time."""
     if _started is None:
         return False
-    full = impl.get_runtime().prog.get_snode_tree_size() > TREES - ROOM
+    full = impl.get_runtime().prog.get_snode_tree_size() > MAX_FIELD_SETS - FIELD_SET_MARGIN
     spent = _numbered and not _allocations and not _open and ti.root.empty
     return _started[0] != config or threading.get_ident() != _thread or full or spent
 
 
-def must_run(backend: Backend) -> None:
+def require_running(backend: Backend) -> None:
     """Raises RuntimeError where Taichi has been restarted since it gave this backend."""
     if _started is None or _started[1] is not backend:
-        raise RuntimeError(RESTARTED)
+        raise RuntimeError(RESTARTED_MESSAGE)
 
 
 def base_memory(particles: int) -> int:
@@ -486,7 +494,7 @@ def base_memory(particles: int) -> int:
 
     Measured on Linux, x86-64, with 6 thousand to a million particles in f32 and f64.
     """
-    return BASE_MEMORY + COPIES * particles
+    return BASE_MEMORY + COPY_BYTES_PER_PARTICLE * particles
 
 
 def compiled_kernels() -> list[str]:
@@ -527,7 +535,7 @@ def _kernel_cache() -> Path:
     # Of a process that was killed Taichi would wait for the lock for ever, compiling everything anew without a word.
     lock = path / "ticache.lock"
     with suppress(OSError):  # there is none, or another process has removed it
-        if time.time() - lock.stat().st_mtime > LOCKED:
+        if time.time() - lock.stat().st_mtime > STALE_LOCK_AGE:
             lock.unlink()
     return path
 
@@ -536,7 +544,7 @@ def _thread_ids() -> set[int]:
     return {int(t) for t in os.listdir("/proc/self/task")} if sys.platform == "linux" else set()
 
 
-def _pin(before: set[int], threads: int, one: bool) -> None:
+def _pin_threads(before: set[int], threads: int, one: bool) -> None:
     """Bind the worker threads, the last that Taichi makes as it starts, to cores of their own, or each to `one`: woken
     for a short time, two would often share a core."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []

@@ -15,7 +15,7 @@ from ocean_sim.model import Model
 from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 from ocean_sim.ship import Ship
 
-NOWHERE = Path()  # given as folder to observers that write nothing
+NO_FOLDER = Path()  # given as folder to observers that write nothing
 Progress = Callable[[int, int], None]  # how many pieces of a long task are done, of how many
 
 
@@ -41,7 +41,7 @@ class Observer:
         """Called once, also after a run that failed."""
 
 
-class Concluding(Observer):
+class OutcomeObserver(Observer):
     """One that states how a run ended: closed after the others, which may fail to close."""
 
     def amend(self) -> None:
@@ -120,7 +120,7 @@ class Simulation:
         folder = None if folder is None else Path(folder)
         scene.inputs()  # raises where a file has changed of which the scene may know the content
         self.backend = runtime.start(scene.runtime)
-        must_have_doubles(scene, self.backend)
+        require_doubles(scene, self.backend)
         with runtime.Fields() as self.fields:
             self.build(scene, folder)
 
@@ -145,7 +145,7 @@ class Simulation:
         try:
             for config in scene.observers.values():
                 if isinstance(config, ObserverConfig) and (folder is not None or not config.writes):
-                    self.observers.append(config.build(folder or NOWHERE, self))
+                    self.observers.append(config.build(folder or NO_FOLDER, self))
         except BaseException as failure:
             self.note(failure)
             self.conclude()  # its own failures come second
@@ -168,7 +168,7 @@ class Simulation:
 
     def step(self) -> None:
         """Algorithm 8 of the thesis; rendering and logging are done by observers."""
-        runtime.must_run(self.backend)
+        runtime.require_running(self.backend)
         if self.fields.freed:
             raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")
         dt = self.next_dt
@@ -242,8 +242,8 @@ class Simulation:
         """Close every observer whatever another raises, an interrupt included; what they raised. The first failure is
         the outcome of a run that had come to its end."""
         failures: list[BaseException] = []
-        concluded: list[Concluding] = []
-        for observer in sorted(self.observers, key=lambda observer: isinstance(observer, Concluding)):
+        concluded: list[OutcomeObserver] = []
+        for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):
             try:
                 observer.close()
             except BaseException as failure:
@@ -253,7 +253,7 @@ class Simulation:
                     with suppress(OSError):  # the failure that came first is told
                         for earlier in reversed(concluded):
                             earlier.amend()
-            if isinstance(observer, Concluding):
+            if isinstance(observer, OutcomeObserver):
                 concluded.append(observer)
         self.observers = []
         return failures
@@ -271,7 +271,7 @@ class Simulation:
                 raise
 
 
-def must_have_doubles(scene: Scene, backend: runtime.Backend) -> None:
+def require_doubles(scene: Scene, backend: runtime.Backend) -> None:
     """Raises BackendMissing where a scene counts in double precision and the backend has none."""
     if backend.doubles:
         return

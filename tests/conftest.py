@@ -30,7 +30,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.kernel_library import ti
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.state.walk import Restorer, Snapshot
+from ocean_sim.state.snapshot import Restorer, Snapshot
 
 TABLE, COLUMNS = os.environ.get("OCEAN_SIM_SLOW"), ("test", "seconds", "outcome", "day")
 _slow: dict[str, list[pytest.TestReport]] = {}

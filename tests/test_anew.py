@@ -14,7 +14,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.verbs import resume
 from ocean_sim.verbs.shared import console
 
-OTHER = {"taichi": "quadrants", "quadrants": "taichi"}[kernel_library.NAME]
+OTHER = {"taichi": "quadrants", "quadrants": "taichi"}[kernel_library.LIBRARY_NAME]
 SCENE = """duration: 0.01
 basin: {length: 1.0, width: 1.0, depth: 0.5}
 fluid: {kind: mueller, spacing: 0.25}
@@ -27,13 +27,13 @@ checkpoint: {every: 0.005}
 
 @pytest.fixture
 def unchosen(monkeypatch):
-    monkeypatch.delenv(kernel_library.VARIABLE, raising=False)
+    monkeypatch.delenv(kernel_library.LIBRARY_VARIABLE, raising=False)
     return monkeypatch
 
 
 def test_what_the_process_computes_with_is_taken(unchosen):
     console.must_compute_with(None)
-    console.must_compute_with(kernel_library.NAME)
+    console.must_compute_with(kernel_library.LIBRARY_NAME)
 
 
 def test_a_library_that_is_not_there_is_named(unchosen):
@@ -43,7 +43,7 @@ def test_a_library_that_is_not_there_is_named(unchosen):
 
 
 def test_what_a_person_has_chosen_stays(monkeypatch):
-    monkeypatch.setenv(kernel_library.VARIABLE, kernel_library.NAME)
+    monkeypatch.setenv(kernel_library.LIBRARY_VARIABLE, kernel_library.LIBRARY_NAME)
     console.must_compute_with(OTHER)  # the start of the backend tells that the two do not agree
 
 
@@ -58,7 +58,7 @@ def test_the_process_begins_anew_with_the_same_words(unchosen, tmp_path):
     other.value.begin(words)
     ((program, line, environment),) = begun
     assert (program, line) == (sys.executable, [sys.executable, "-m", "ocean_sim", *words])
-    assert environment[kernel_library.VARIABLE] == OTHER
+    assert environment[kernel_library.LIBRARY_VARIABLE] == OTHER
     assert not (tmp_path / "run").exists()
 
 
@@ -71,7 +71,7 @@ def test_a_scene_that_asks_for_the_other_library_is_computed_with_it_and_goes_on
         done = subprocess.run([sys.executable, "-m", "ocean_sim", *words], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
     manifest = json.loads((run / "manifest.json").read_text())
-    assert OTHER in manifest["versions"] and kernel_library.NAME not in manifest["versions"]
+    assert OTHER in manifest["versions"] and kernel_library.LIBRARY_NAME not in manifest["versions"]
     assert manifest["simulated_s"] >= 0.02
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files import cache_file
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def asked(tmp_path, monkeypatch):
             return {"value": np.full(100, float(number))}
 
         make.__module__ = "ocean_sim.ship.hull"
-        assert kept("numbers", bytes([number]), make)["value"][0] == number
+        assert cached_arrays("numbers", bytes([number]), make)["value"][0] == number
         return len(made)
 
     return ask
@@ -29,9 +29,9 @@ def asked(tmp_path, monkeypatch):
 
 def test_it_is_found_again_by_the_same_sources_alone(asked, monkeypatch):
     assert [asked(1), asked(1), asked(2), asked(1)] == [1, 1, 2, 2]
-    monkeypatch.setattr(cache_file, "sources", lambda: {"ship/hull.py": "changed"})
+    monkeypatch.setattr(cache_file, "source_hashes", lambda: {"ship/hull.py": "changed"})
     assert [asked(1), asked(1)] == [3, 3]
-    monkeypatch.setattr(cache_file, "sources", lambda: {"ship/hull.py": "changed", "fluid/sph.py": "changed"})
+    monkeypatch.setattr(cache_file, "source_hashes", lambda: {"ship/hull.py": "changed", "fluid/sph.py": "changed"})
     assert asked(1) == 3
 
 
@@ -39,7 +39,7 @@ def test_what_was_not_used_for_the_longest_time_goes(asked, tmp_path, monkeypatc
     asked(1), asked(2)
     folder = tmp_path / "ocean-sim" / "numbers"
     one = sum(path.stat().st_size for path in folder.iterdir()) // 2
-    monkeypatch.setattr(cache_file, "MOST_BYTES", 2 * one)
+    monkeypatch.setattr(cache_file, "MAX_FOLDER_BYTES", 2 * one)
     for k, path in enumerate(sorted(folder.iterdir(), key=os.path.getmtime)):
         os.utime(path, (k, k))
     assert asked(1) == 2  # used: 2 is the oldest now

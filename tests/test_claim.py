@@ -9,8 +9,8 @@ import pytest
 
 import ocean_sim
 from ocean_sim.__main__ import answered
-from ocean_sim.files.run_files import Claim, Claimed
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.run_files import Claim, FolderClaimed
 from ocean_sim.verbs.run import run_folder
 
 SEA = """duration: 0.2
@@ -72,7 +72,7 @@ def test_who_comes_second_is_refused_in_a_sentence_and_touches_nothing(tmp_path,
         capsys.readouterr()
         assert answered(words) == 2, words
         assert capsys.readouterr().err.startswith(f"run: process {first.pid} on "), words
-    with pytest.raises(Claimed):
+    with pytest.raises(FolderClaimed):
         ocean_sim.run("sea.yaml", "run")
     assert bytes_of(Path("run")) == before
     first.kill()  # without a word
@@ -144,7 +144,7 @@ def test_what_can_be_no_folder_is_refused(tmp_path, monkeypatch, capsys, out):
 
 
 def test_what_a_killed_writer_left_unfinished_goes_and_nothing_else_does(tmp_path):
-    with pytest.raises(KeyboardInterrupt), whole(tmp_path / "film.mp4") as draft:
+    with pytest.raises(KeyboardInterrupt), atomic_write(tmp_path / "film.mp4") as draft:
         draft.write_text("half")
         left = [tmp_path / draft.name, tmp_path / "frames" / ".frame_00001.77.tmp.npz"]
         raise KeyboardInterrupt

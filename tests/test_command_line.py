@@ -148,10 +148,10 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 
 def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
-    everything = machine.installed
+    everything = machine.installed_version
     monkeypatch.setattr(machine, "installed", lambda name: None if name in ("vtk", "pyvista") else everything(name))
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
-    assert machine.extra_missing("pictures") == sentence
+    assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
     assert meaning(missing) == (3, sentence, [])
     monkeypatch.setattr(console, "complaints", set())
@@ -278,8 +278,8 @@ def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch
 def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
     fact = doctor.run_probe(doctor.VECTOR_PROBE)
     library, width = fact["detail"].split()
-    assert fact["ok"] and library == kernel_library.NAME and int(width) in (4, 8, 16)
-    if machine.vector_room() in (8, 16):
+    assert fact["ok"] and library == kernel_library.LIBRARY_NAME and int(width) in (4, 8, 16)
+    if machine.max_vector_width() in (8, 16):
         assert (int(width) > 4) == kernel_library.knows_processor()
 
 
@@ -319,7 +319,7 @@ def test_a_thread_that_ends_before_it_is_pinned_harms_nothing(monkeypatch):
 
     bound: list[int] = []
     monkeypatch.setattr(runtime.os, "sched_setaffinity", gone)
-    runtime._pin(set(), threads=1, one=True)
+    runtime._pin_threads(set(), threads=1, one=True)
     assert bound
 
 

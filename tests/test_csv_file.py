@@ -20,7 +20,7 @@ def file(tmp_path):
 
 
 def test_an_empty_cell_is_nan_among_numbers_and_empty_among_words(file):
-    table = csv_file.columns(file("# rate: 3\n\ntime_s, a,word\n0,1.5,one\n# a remark\n1,,\n2, ,3\n"))
+    table = csv_file.read_columns(file("# rate: 3\n\ntime_s, a,word\n0,1.5,one\n# a remark\n1,,\n2, ,3\n"))
     assert list(table) == ["time_s", "a", "word"] and table["time_s"].tolist() == [0.0, 1.0, 2.0]
     assert table["a"][0] == 1.5 and np.isnan(table["a"][1:]).all()
     assert table["word"].tolist() == ["one", "", "3"]
@@ -36,40 +36,43 @@ def test_all_readers_read_the_same_numbers(file):
     """The quick way, of a table that has nothing else, and the one cell by cell."""
     values = np.random.default_rng(3).normal(size=(50, 2)) * 10.0 ** np.arange(-25, 25)[:, None]
     rows = "".join(f"{a:.17g},{b:.9g}\n" for a, b in values)
-    quick, slow = csv_file.Table(file("a,b\n" + rows)), csv_file.columns(file("a,b,c\n" + rows.replace("\n", ",w\n")))
+    quick, slow = (
+        csv_file.Table(file("a,b\n" + rows)),
+        csv_file.read_columns(file("a,b,c\n" + rows.replace("\n", ",w\n"))),
+    )
     assert quick["a"].tolist() == slow["a"].tolist() == values[:, 0].tolist()
     assert quick["b"].tolist() == slow["b"].tolist()
 
 
 def test_a_line_that_a_killed_run_did_not_finish_is_no_row(file):
     for torn in ("1,2\n3,4\n5", "1,2\n3,4\n"):
-        assert csv_file.columns(file("a,b\n" + torn))["a"].tolist() == [1.0, 3.0]
-    assert csv_file.columns(file("a,b\n1,2\n3,4"))["b"].tolist() == [2.0]  # it may have been 3,45
-    assert csv_file.columns(file("a,b\n1,2\n\0\0\0\0"))["b"].tolist() == [2.0]  # as a power cut leaves it
-    assert csv_file.columns(file("a,b")) == {}
+        assert csv_file.read_columns(file("a,b\n" + torn))["a"].tolist() == [1.0, 3.0]
+    assert csv_file.read_columns(file("a,b\n1,2\n3,4"))["b"].tolist() == [2.0]  # it may have been 3,45
+    assert csv_file.read_columns(file("a,b\n1,2\n\0\0\0\0"))["b"].tolist() == [2.0]  # as a power cut leaves it
+    assert csv_file.read_columns(file("a,b")) == {}
     for uneven in ("a,b\n1\n3,4\n", "a,b\n1,2\n3\n", "a,b\n1,2,3\n"):
         with pytest.raises(Unreadable, match=r"row \d has \d cells under 2 names"):
-            csv_file.columns(file(uneven))
+            csv_file.read_columns(file(uneven))
     with pytest.raises(Unreadable, match="row 3 has 1 cells under 2 names, '5'"):
         csv_file.Table(file("a,b\n1,2\n3,4\n5"))
 
 
 def test_a_table_without_rows_or_without_a_heading(file):
-    table = csv_file.columns(file("# a remark\na,b\n"))
+    table = csv_file.read_columns(file("# a remark\na,b\n"))
     assert list(table) == ["a", "b"] and len(table["a"]) == 0
-    assert csv_file.columns(file("# a remark\n")) == {} == csv_file.columns(file(""))
+    assert csv_file.read_columns(file("# a remark\n")) == {} == csv_file.read_columns(file(""))
     with pytest.raises(Unreadable, match="no rows under a heading"):
         csv_file.Table(file("a,b\n"))
     with pytest.raises(Unreadable, match="two columns 'a'"):
-        csv_file.columns(file("a,a\n1,2\n"))
+        csv_file.read_columns(file("a,a\n1,2\n"))
 
 
 def test_a_cell_in_quotes_holds_commas(file):
     text = '# of: me\na,b\n"1",\n2,"x, ""y"""\n'
-    assert csv_file.columns(file(text))["a"].tolist() == [1.0, 2.0]
-    assert csv_file.columns(file(text))["b"].tolist() == ["", 'x, "y"']
-    assert csv_file.records(text) == [{"a": "1", "b": ""}, {"a": "2", "b": 'x, "y"'}]
-    assert csv_file.lines(text).head == {"of": "me"}
+    assert csv_file.read_columns(file(text))["a"].tolist() == [1.0, 2.0]
+    assert csv_file.read_columns(file(text))["b"].tolist() == ["", 'x, "y"']
+    assert csv_file.read_records(text) == [{"a": "1", "b": ""}, {"a": "2", "b": 'x, "y"'}]
+    assert csv_file.split_lines(text).head == {"of": "me"}
 
 
 @pytest.mark.parametrize("cell, shown", [("", "empty"), ("word", "'word'"), ("inf", "'inf'"), ("nan", "'nan'")])
@@ -157,8 +160,8 @@ def test_text_with_a_byte_order_mark_is_read_in_every_reader(tmp_path, codec):
     for name, text in files.items():
         (tmp_path / name).write_bytes(("\ufeff" + text.lstrip()).encode(codec))
     assert csv_file.Table(tmp_path / "t.csv")["a"].tolist() == [1.0]
-    assert csv_file.columns(tmp_path / "t.csv")["b"].tolist() == [2.0]
-    assert yaml_file.read(tmp_path / "scene.yaml").plain()["title"] == "\u00dcber"
+    assert csv_file.read_columns(tmp_path / "t.csv")["b"].tolist() == [2.0]
+    assert yaml_file.read_mapping(tmp_path / "scene.yaml").plain()["title"] == "\u00dcber"
     assert of_openfast(tmp_path / "sea.Elev")[1].tolist() == [1.0, 2.0, 3.0]
     for name in ("a.stl", "a.obj", "a.ply"):
         assert MeshFile(kind="mesh", file=str(tmp_path / name)).closed().volume == pytest.approx(6.0)

@@ -134,7 +134,7 @@ def of_pictures(scene: dict, **overrides: object) -> int:
 
 def test_memory_has_a_row_of_the_processes_that_draw(monkeypatch):
     """Without pictures nothing; the larger and the finer they are, the more; as much again for a second process."""
-    monkeypatch.setattr(render, "cores", lambda: 1)
+    monkeypatch.setattr(render, "available_cores", lambda: 1)
     one, whole = of_pictures(COLUMN), preflight(load(COLUMN | DRAWN))
     without = preflight(load(COLUMN | DRAWN, {"render": None}))
     assert whole["memory_mb"] - without["memory_mb"] == pytest.approx(one / 1e6) == whole["pictures_mb"]
@@ -144,7 +144,7 @@ def test_memory_has_a_row_of_the_processes_that_draw(monkeypatch):
     assert one < of_pictures(COLUMN, **{"render.size": [1280, 720]})
     assert one < of_pictures(COLUMN, **{"render.quality": "final"})
     assert of_pictures(SEA, **{"render.far_sea": False}) < of_pictures(SEA)
-    monkeypatch.setattr(render, "cores", lambda: 2)
+    monkeypatch.setattr(render, "available_cores", lambda: 2)
     assert 1.7 * one < of_pictures(COLUMN) < 2.0 * one
     assert preflight(load(COLUMN | DRAWN))["most_particles"] < without["most_particles"]
     card = {"runtime.arch": "cuda"}

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from ocean_sim.files.yaml_file import setting
+from ocean_sim.files.yaml_file import parse_setting
 from ocean_sim.reading.scene import load, packaged_scenes
 from ocean_sim.validation.shared.tables import table_path
 
@@ -226,7 +226,7 @@ def test_no_shipped_scene_gives_a_key_without_effect(profile):
 
 
 def test_settings_are_read_as_the_command_reads_them():
-    key, value = setting("wind.noise_every=0.1")
+    key, value = parse_setting("wind.noise_every=0.1")
     assert said(GUSTS, {key: value})
 
 

@@ -58,7 +58,7 @@ print(json.dumps(found))
 
 def process(script: str, library: str) -> subprocess.CompletedProcess[str]:
     """A process that computes with a library."""
-    environment = {**os.environ, kernel_library.VARIABLE: library}
+    environment = {**os.environ, kernel_library.LIBRARY_VARIABLE: library}
     return subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
 
 
@@ -71,7 +71,7 @@ def moved(library: str) -> dict[str, list[float]]:
 
 
 def test_another_library_than_the_process_computes_with_is_refused(monkeypatch):
-    other = runtime.RuntimeConfig(library="quadrants" if kernel_library.NAME == "taichi" else "taichi")
+    other = runtime.RuntimeConfig(library="quadrants" if kernel_library.LIBRARY_NAME == "taichi" else "taichi")
     said = r"runtime.library: .* was chosen, but this process already computes"
     with pytest.raises(runtime.BackendMissing, match=said):
         runtime.start(other)
@@ -97,7 +97,7 @@ def test_an_error_in_a_kernel_still_tells_the_place_and_the_line():
 
 
 def test_a_fork_has_no_window_to_preview_in(monkeypatch):
-    monkeypatch.setattr(kernel_library, "NAME", kernel_library.QUADRANTS)
+    monkeypatch.setattr(kernel_library, "LIBRARY_NAME", kernel_library.QUADRANTS)
     with pytest.raises(vulkan.Lacking, match="drawn in a window of Taichi's, and quadrants has none"):
         vulkan.require(show=False)
 

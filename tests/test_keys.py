@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.files.yaml_file import SceneError, setting
+from ocean_sim.files.yaml_file import SceneError, parse_setting
 from ocean_sim.parts import SLOTS, config_of, kinds, named
 from ocean_sim.reading import schema
 from ocean_sim.reading.keys import keys_at, scene_keys
@@ -79,7 +79,7 @@ def test_every_example_is_a_value_that_its_key_takes():
     """But for one key of two that go together, and for files that are not there."""
     in_pairs = {"height", "period", "particles", "spectrum"}
     for key in scene_keys():
-        value = setting(key.example)[1].plain()
+        value = parse_setting(key.example)[1].plain()
         assert "..." not in key.example and value != [], key.example
         words = key.path.split(".")
         if len(words) == 3 and words[0] in SLOTS and words[2] not in in_pairs:

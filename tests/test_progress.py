@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim import result as result_module
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.observers.render import PICTURE_SECONDS, START_SECONDS
 from ocean_sim.reading.scene import load
-from ocean_sim.state import file
+from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs import run as run_verb
 from ocean_sim.verbs.check import picture_time
 from ocean_sim.verbs.shared import bar as bar_module
@@ -108,7 +108,7 @@ def test_a_run_with_pictures_says_so_and_how_to_leave_them_out(film, drafts, cap
     config = load(SEA, {"render.film": film})
     run_verb.announce_pictures(config)
     wall, alone = picture_time(config), START_SECONDS[3] + drafts * PICTURE_SECONDS[3]["draft"]  # on one core
-    assert alone / cores() <= wall <= alone
+    assert alone / available_cores() <= wall <= alone
     time = f"about {wall:.1f} s on an idle machine"
     cure = "--set render=null leaves them out"
     assert capsys.readouterr().out == f"its pictures, drawn during the run or after it, take {time}; {cure}\n"
@@ -137,7 +137,7 @@ def test_an_interrupt_names_what_can_still_be_done(tmp_path):
     (tmp_path / "gauges.csv").touch()
     assert str(run_verb.stopped_run(progress, tmp_path)) == f"stopped at t = 4.000 s; {tmp_path} holds what was written"
     for kept, told in ((3.5, 4.0), (4.01, 4.01)):  # a second Ctrl-C stops at once, the first once the state is kept
-        (tmp_path / file.name(kept)).touch()
+        (tmp_path / checkpoint_file.checkpoint_name(kept)).touch()
         sentence = str(run_verb.stopped_run(progress, tmp_path))
         cure = f"`ocean-sim resume {tmp_path}` continues it from t = {kept:.3f} s"
         assert sentence == f"stopped at t = {told:.3f} s; {tmp_path} holds what was written; {cure}"
@@ -158,7 +158,7 @@ def test_python_prints_a_line_after_each_tenth_where_it_is_asked_to(tmp_path, mo
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 10 and lines[0] == "t = 0.10 of 1 s"
     assert lines[1] == "t = 0.20 of 1 s, 0.1 x real time, 8 s left" and lines[-1].endswith("0 s left")
-    shown = result_module.Lines(1.0)
+    shown = result_module.ProgressLines(1.0)
     for done in range(1, 41):
         shown.draw(done, 40)
     shown.draw(41, 0)

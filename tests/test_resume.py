@@ -15,11 +15,11 @@ from random import Random
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.kernel_library import NAME
+from ocean_sim.kernel_library import LIBRARY_NAME
 from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
-from ocean_sim.state import file
+from ocean_sim.state import checkpoint_file
 
 QUIET = ["--set", "render=null", "--set", "report=null", "--set", "runtime.threads=1"]
 SEA = """duration: 0.4
@@ -85,7 +85,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def newest(folder: Path) -> Path:
-    return next(file.kept(folder))
+    return next(checkpoint_file.checkpoint_files(folder))
 
 
 def test_a_finished_run_says_so(run, ask):
@@ -144,8 +144,8 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(run, there, ask):
     spots = {"bit": len(whole) // 3, "head": 20, "metadata": 520, "end": len(whole) - 1}
     for name, k in spots.items():
         newest(there).write_bytes(whole[:k] + bytes([whole[k] ^ 16]) + whole[k + 1 :])
-        with pytest.raises(file.Unreadable, match="its content does not match its hash"):
-            file.read(newest(there))
+        with pytest.raises(checkpoint_file.UnreadableCheckpoint, match="its content does not match its hash"):
+            checkpoint_file.read_checkpoint(newest(there))
         assert name
     newest(there).write_bytes(whole[: len(whole) // 2])
     damaged = newest(there).name
@@ -177,25 +177,26 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
     edit(there, scene=scene | {"fluid": {"kind": "custard"}})
     assert "its scene is not one of this version" in refused(there)
     edit(there, scene=scene)
-    kept = file.read(newest(there))
-    file.written(kept._replace(made=kept.made | {"taichi": "1.6.0"}), there)
+    kept = checkpoint_file.read_checkpoint(newest(there))
+    checkpoint_file.write_checkpoint(kept._replace(made=kept.made | {"taichi": "1.6.0"}), there)
     assert 'another version: taichi is "1.6.0" in the checkpoint and' in refused(there)
-    other = {"taichi": "quadrants", "quadrants": "taichi"}[NAME]
-    file.written(
-        kept._replace(made={name: kept.made[name] for name in kept.made if name != NAME} | {other: "1.0"}), there
+    other = {"taichi": "quadrants", "quadrants": "taichi"}[LIBRARY_NAME]
+    checkpoint_file.write_checkpoint(
+        kept._replace(made={name: kept.made[name] for name in kept.made if name != LIBRARY_NAME} | {other: "1.0"}),
+        there,
     )
     sentence = refused(there)
-    assert f"another library: {other} 1.0 compiled its kernels, and OCEAN_SIM_LIBRARY is {NAME}; " in sentence
+    assert f"another library: {other} 1.0 compiled its kernels, and OCEAN_SIM_LIBRARY is {LIBRARY_NAME}; " in sentence
     assert sentence.endswith("; without OCEAN_SIM_LIBRARY it goes on as it began\n") and "null" not in sentence
-    file.written(kept, there)
+    checkpoint_file.write_checkpoint(kept, there)
     gauges = (there / "gauges.csv").read_bytes()
     (there / "gauges.csv").write_bytes(gauges[:-20])
     assert refused(there).startswith(f"{there}: gauges.csv is shorter than it was when the checkpoint was made")
     (there / "gauges.csv").write_bytes(gauges)
-    for path in file.kept(there):
+    for path in checkpoint_file.checkpoint_files(there):
         path.write_bytes(b"")
     assert "is damaged, or not a checkpoint" in refused(there)
-    for path in file.kept(there):
+    for path in checkpoint_file.checkpoint_files(there):
         path.unlink()
     assert "there is no checkpoint to go on from; its files checkpoint_*.h5 are gone" in refused(there)
     (there / "manifest.json").write_text("{")
@@ -205,11 +206,14 @@ def test_what_cannot_be_resumed_is_refused_in_a_sentence(there, ask, tmp_path):
 def test_another_program_is_refused_by_the_names_of_its_files_and_anyway_marks_every_file(there, ask):
     """The version alone says nothing of what was edited. A table keeps its rows, and says from which on they are of
     another program."""
-    last, kept = list(file.kept(there))[1], file.read(list(file.kept(there))[1])
+    last, kept = (
+        list(checkpoint_file.checkpoint_files(there))[1],
+        checkpoint_file.read_checkpoint(list(checkpoint_file.checkpoint_files(there))[1]),
+    )
     newest(there).unlink()
     then = {name: each for name, each in kept.made["sources"].items() if name != "ship/thesis.py"}
     then |= {"fluid/dfsph.py": "0", "old.py": "1"}
-    file.written(kept._replace(made=kept.made | {"sources": then}), there)
+    checkpoint_file.write_checkpoint(kept._replace(made=kept.made | {"sources": then}), there)
     before = contents(there)
     code, out, err = ask("resume", there)
     assert (code, out) == (2, "") and "the checkpoint is of other sources: fluid/dfsph.py, old.py, ship/the" in err
@@ -231,16 +235,16 @@ def test_another_program_is_refused_by_the_names_of_its_files_and_anyway_marks_e
 
 
 def test_a_full_disk_is_told_and_leaves_earlier_checkpoints_whole(there):
-    kept, before = file.read(newest(there)), sorted(path.name for path in there.iterdir())
+    kept, before = checkpoint_file.read_checkpoint(newest(there)), sorted(path.name for path in there.iterdir())
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (3000, limits[1]))
     try:
         with pytest.raises(OSError, match="File too large"):
-            file.written(kept._replace(time=1.0), there)
+            checkpoint_file.write_checkpoint(kept._replace(time=1.0), there)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert sorted(path.name for path in there.iterdir()) == before
-    assert file.read(newest(there)).steps == kept.steps
+    assert checkpoint_file.read_checkpoint(newest(there)).steps == kept.steps
 
 
 class Stopper:
@@ -267,7 +271,7 @@ def test_a_run_that_is_told_to_stop_keeps_its_state_first(number, run, ask, tmp_
     with pytest.raises(KeyboardInterrupt):
         run_scene(scene, folder, (Stopper(number, 7),))
     assert signal.getsignal(number) is before
-    manifest, kept = json.loads((folder / "manifest.json").read_text()), file.read(newest(folder))
+    manifest, kept = json.loads((folder / "manifest.json").read_text()), checkpoint_file.read_checkpoint(newest(folder))
     assert (manifest["outcome"], manifest["reason"]) == ("stopped", "interrupted")
     assert kept.steps == manifest["steps"] == 8
     assert ask("resume", folder)[0] == 0
@@ -283,7 +287,7 @@ def test_the_command_says_how_to_go_on(number, tmp_path):
     waited(lambda: any((tmp_path / "run").glob("checkpoint_*")), child)
     child.send_signal(number)
     _, err = child.communicate(timeout=120)
-    time = f"t = {file.time_of(newest(tmp_path / 'run')):.3f} s"
+    time = f"t = {checkpoint_file.time_of(newest(tmp_path / 'run')):.3f} s"
     cure = f"`ocean-sim resume {tmp_path / 'run'}` continues it from {time}"
     assert child.returncode == 1 and f"stopped at {time}" in err and cure in err, err
 
@@ -332,7 +336,7 @@ def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_no
     count = 0
     for _ in range(kills):
         count += killed(child, folder, chance.randint(1, 2), chance)
-        kept = file.read(newest(folder))
+        kept = checkpoint_file.read_checkpoint(newest(folder))
         assert last_row(folder / "gauges.csv") - kept.time < 0.1 + 0.02
         child = begun("resume", str(folder))
     _, err = child.communicate()

@@ -11,7 +11,7 @@ import ocean_sim
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import Refused
 from ocean_sim.files import run_files
-from ocean_sim.files.input_file import digest
+from ocean_sim.files.input_file import file_digest
 
 SEA = {
     "title": "first",
@@ -48,10 +48,10 @@ def test_the_manifest_lists_every_file_of_the_run_and_of_what_is_made_of_it_late
     for words in (["waves", "run"], ["report", "run"], ["export", "run", "--surface", "vtp"]):
         assert answered(words) == 0
     left = names("run")
-    listed = run_files.matching(Path("run"), run_files.listed(run_files.read_manifest(Path("run"))))
+    listed = run_files.matching_files(Path("run"), run_files.listed_files(run_files.read_manifest(Path("run"))))
     assert {path.relative_to("run").as_posix() for path in listed} == left
     assert {"motion_a.csv", "motion_b.csv", "replay.html", "waves.csv", "frames/grid.npz"} <= left
-    run_files.clear(Path("run"))
+    run_files.delete_run(Path("run"))
     assert not any(Path("run").iterdir())
 
 
@@ -107,7 +107,7 @@ def test_no_entry_of_a_manifest_reaches_what_no_run_has_written(entry):
     Path("run/mine.txt").write_text("mine")
     entry = entry.format(here=os.getcwd()) if isinstance(entry, str) else entry
     Path("run/manifest.json").write_text(json.dumps({"files": [entry]}))
-    run_files.clear(Path("run"))
+    run_files.delete_run(Path("run"))
     assert names("run") == {"mine.txt"} and Path("mine.txt").exists()
 
 
@@ -124,15 +124,15 @@ def test_a_file_is_hashed_by_its_content_whatever_its_times_say(monkeypatch):
     from ocean_sim.files import input_file
 
     path, reads = Path("c.csv"), []
-    content = input_file.content
-    monkeypatch.setattr(input_file, "content", lambda path, *more: reads.append(path) or content(path, *more))
+    content = input_file.read_bytes
+    monkeypatch.setattr(input_file, "read_bytes", lambda path, *more: reads.append(path) or content(path, *more))
     path.write_text("one")
     os.utime(path, (1.0, 1.0))
-    first = digest(path)
-    assert digest(path) == first
+    first = file_digest(path)
+    assert file_digest(path) == first
     path.write_text("two")
     os.utime(path, (1.0, 1.0))
-    assert digest(path) != first and len(reads) == 3
+    assert file_digest(path) != first and len(reads) == 3
 
 
 def test_a_scene_whose_file_has_changed_is_loaded_again():
@@ -140,7 +140,7 @@ def test_a_scene_whose_file_has_changed_is_loaded_again():
     scene = ocean_sim.load({**LESS, "ship": {"kind": "otter", "controls": {"file": "c.csv"}}})
     with ocean_sim.Simulation(scene) as simulation:
         simulation.step()
-    assert scene.inputs() == {"c.csv": digest("c.csv")}
+    assert scene.inputs() == {"c.csv": file_digest("c.csv")}
     Path("c.csv").write_text("time_s,throttle,rudder_rad\n0,0.5,0\n10,0.5,0\n")
     with pytest.raises(Refused, match=r"c\.csv: this file has changed since the scene was loaded"):
         ocean_sim.Simulation(scene)

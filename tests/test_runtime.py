@@ -12,8 +12,8 @@ import pytest
 
 from ocean_sim import Simulation, load, runtime
 from ocean_sim.kernel_library import ti
-from ocean_sim.machine import cores
-from ocean_sim.simulation import must_have_doubles
+from ocean_sim.machine import available_cores
+from ocean_sim.simulation import require_doubles
 
 SEA = {
     "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
@@ -111,7 +111,7 @@ def test_a_simulation_whose_fields_are_gone_says_so(monkeypatch):
     with Simulation(load(SEA)) as first, Simulation(load(SEA)) as second:
         first.step()
         second.step()
-        monkeypatch.setattr(runtime, "TREES", 0)  # no room is left
+        monkeypatch.setattr(runtime, "MAX_FIELD_SETS", 0)  # no room is left
         with Simulation(load(SEA)) as third:
             third.step()
             with pytest.raises(RuntimeError, match="the fields of this simulation are gone"):
@@ -135,7 +135,7 @@ def test_fields_that_a_restart_has_taken_say_so_whoever_asks():
         ):
             with pytest.raises(RuntimeError) as told:
                 use()
-            assert str(told.value) == runtime.RESTARTED
+            assert str(told.value) == runtime.RESTARTED_MESSAGE
 
 
 def test_closing_a_simulation_frees_the_memory_of_its_fields_alone():
@@ -291,12 +291,12 @@ def test_a_card_without_double_precision_says_what_it_cannot_do():
     with pytest.raises(
         runtime.BackendMissing, match="no double precision, in which accuracy, health of this scene would count"
     ):
-        must_have_doubles(scene, single)
+        require_doubles(scene, single)
     bare = load({**scene.resolved(), "accuracy": None, "health": None})
-    must_have_doubles(bare, single)
+    require_doubles(bare, single)
     with pytest.raises(runtime.BackendMissing, match=r"in which fluid\.kind of this scene"):
-        must_have_doubles(load({**bare.resolved(), "fluid": {"kind": "dfsph", "spacing": 0.1}}), single)
-    must_have_doubles(scene, runtime.Backend("cpu", 1, "f32"))
+        require_doubles(load({**bare.resolved(), "fluid": {"kind": "dfsph", "spacing": 0.1}}), single)
+    require_doubles(scene, runtime.Backend("cpu", 1, "f32"))
 
 
 @runtime.in_kernels
@@ -365,7 +365,9 @@ print([sorted(os.sched_getaffinity(thread)) for thread in threads[-2:]])
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux" or cores() < 2, reason="workers are bound on Linux, to several cores")
+@pytest.mark.skipif(
+    sys.platform != "linux" or available_cores() < 2, reason="workers are bound on Linux, to several cores"
+)
 @pytest.mark.parametrize("pin", ["null", "true", "false"])
 def test_two_workers_have_no_core_in_common_unless_they_may_go_anywhere(pin):
     """Woken for a short time on a core that both may use, they take turns on it while another is idle."""

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ocean_sim import parts
-from ocean_sim.files.yaml_file import SceneError, setting
+from ocean_sim.files.yaml_file import SceneError, parse_setting
 from ocean_sim.reading import composition, schema
 from ocean_sim.reading import scene as scene_module
 from ocean_sim.reading.scene import ALWAYS_ON, load, observer_names
@@ -369,7 +369,7 @@ def test_settings_reach_into_lists():
     ],
 )
 def test_settings_that_make_no_sense(text, sentence):
-    key, node = setting(text)
+    key, node = parse_setting(text)
     assert refusal(PLAIN, {key: node}) == [f"--set {text}: {sentence}"]
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from ocean_sim.__main__ import answered
 from ocean_sim.conventions import in_words
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.verbs.waves import draw_waves, write_columns
 
 RECORD = np.linspace(0.0, 1.0, 1000)
@@ -44,7 +44,7 @@ def test_what_a_verb_writes_stays_as_it_was_where_there_is_no_room(no_room, tmp_
 
 
 def test_a_file_is_named_by_its_own_name_not_that_of_its_draft(tmp_path):
-    with pytest.raises(FileNotFoundError) as failure, whole(tmp_path / "gone" / "a.csv") as draft:
+    with pytest.raises(FileNotFoundError) as failure, atomic_write(tmp_path / "gone" / "a.csv") as draft:
         draft.write_text("")
     assert in_words(failure.value) == f"No such file or directory: {tmp_path / 'gone' / 'a.csv'}"
 
@@ -53,12 +53,12 @@ def test_links_are_followed_and_pipes_are_written_to(tmp_path):
     file, link, pipe = tmp_path / "file", tmp_path / "link", tmp_path / "pipe"
     file.touch()
     link.symlink_to(file)
-    with whole(link) as draft:
+    with atomic_write(link) as draft:
         draft.write_text("new")
     assert link.is_symlink() and file.read_text() == "new"
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    with whole(pipe) as draft:
+    with atomic_write(pipe) as draft:
         draft.write_text("new")
     assert os.read(reader, 9) == b"new" and pipe.is_fifo()
     os.close(reader)

@@ -6,19 +6,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.files.yaml_file import Location, SceneError, merged, node_of, parsed, read, setting
+from ocean_sim.files.yaml_file import (
+    Location,
+    SceneError,
+    merge_nodes,
+    node_of,
+    parse_setting,
+    parse_yaml,
+    read_mapping,
+)
 
 HERE = Location("f.yaml", 1, 1)
 
 
 def complaints(text: str) -> list[str]:
     with pytest.raises(SceneError) as caught:
-        parsed(text, HERE)
+        parse_yaml(text, HERE)
     return [str(problem) for problem in caught.value.problems]
 
 
 def test_every_value_and_key_knows_its_place():
-    root = parsed("a: 1\nb:\n  - {c: 2.5}\n  - x\nd:\n", HERE)
+    root = parse_yaml("a: 1\nb:\n  - {c: 2.5}\n  - x\nd:\n", HERE)
     assert root.plain() == {"a": 1, "b": [{"c": 2.5}, "x"], "d": None}
     c = root.data["b"].data[0].data["c"]
     assert (c.key_location, c.location) == (Location("f.yaml", 3, 6), Location("f.yaml", 3, 9))
@@ -68,9 +76,9 @@ def test_every_value_and_key_knows_its_place():
     ],
 )
 def test_scalars_are_those_of_yaml_1_2(text, value):
-    plain = parsed(f"a: {text}", HERE).plain()["a"]
+    plain = parse_yaml(f"a: {text}", HERE).plain()["a"]
     assert plain == value and type(plain) is type(value)
-    assert parsed(f"%YAML 1.1\n---\na: {text}", HERE).plain()["a"] == value
+    assert parse_yaml(f"%YAML 1.1\n---\na: {text}", HERE).plain()["a"] == value
 
 
 @pytest.mark.parametrize(
@@ -108,7 +116,7 @@ def test_aliases_of_aliases_do_not_fill_the_memory():
 def test_files_that_cannot_be_scenes(tmp_path):
     def sentence(path: Path) -> str:
         with pytest.raises(SceneError) as caught:
-            read(path, "x.yaml")
+            read_mapping(path, "x.yaml")
         return str(caught.value)
 
     (tmp_path / "empty.yaml").write_text("# nothing\n")
@@ -124,11 +132,11 @@ def test_files_that_cannot_be_scenes(tmp_path):
 
 
 def test_settings_are_a_key_and_a_yaml_value():
-    key, node = setting("wind.volumes.0.noise=[1, 2.0]")
+    key, node = parse_setting("wind.volumes.0.noise=[1, 2.0]")
     assert (key, node.plain()) == ("wind.volumes.0.noise", [1, 2.0])
     assert node.location == Location("--set wind.volumes.0.noise=[1, 2.0]")
-    assert setting("ship=null")[1].data is None
-    assert setting("title=a=b")[1].data == "a=b"
+    assert parse_setting("ship=null")[1].data is None
+    assert parse_setting("title=a=b")[1].data == "a=b"
 
 
 @pytest.mark.parametrize(
@@ -144,13 +152,13 @@ def test_settings_are_a_key_and_a_yaml_value():
 )
 def test_settings_that_cannot_be_read(text, sentence):
     with pytest.raises(SceneError) as caught:
-        setting(text)
+        parse_setting(text)
     assert str(caught.value) == sentence
 
 
 def test_merging_is_deep_for_mappings_and_replaces_lists():
     below, above = ({"a": {"x": 1, "y": [1, 2]}, "b": 1}, {"a": {"y": [3]}, "c": 2})
-    both = merged(node_of(below, Location("low")), node_of(above, Location("high")))
+    both = merge_nodes(node_of(below, Location("low")), node_of(above, Location("high")))
     assert both.plain() == {"a": {"x": 1, "y": [3]}, "b": 1, "c": 2}
     assert both.data["a"].data["x"].location.file == "low"
     assert both.data["a"].data["y"].location.file == "high"
@@ -162,6 +170,6 @@ def test_merging_is_deep_for_mappings_and_replaces_lists():
 )
 def test_any_text_is_read_or_refused_with_a_sentence(text):
     try:
-        parsed(text, HERE).plain()
+        parse_yaml(text, HERE).plain()
     except SceneError as error:
         assert error.problems and all(problem.message for problem in error.problems)

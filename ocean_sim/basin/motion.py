@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ocean_sim import waves
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, display_path
 from ocean_sim.model import Model, Vector3, quantity
 
 Axis = Literal["x", "y", "z", "roll_x", "roll_y", "roll_z"]
@@ -221,7 +221,7 @@ class Recorded(Tank):
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
-        found = csv_file.unreached(shown(self.file), times, duration, "the tank never moves")
+        found = csv_file.unreached_times_warning(display_path(self.file), times, duration, "the tank never moves")
         found += overturn_warnings(axis, float(np.abs(moved).max()))
         most = float(np.degrees(np.abs(moved).max()))
         if 0.0 < most < SMALL_ROLL and f"{axis}_deg" in self.table:
@@ -396,7 +396,9 @@ class Gate(Model):
         """Rows of its file that a run of `duration` [s] does not reach."""
         if self.file is None:
             return []
-        return csv_file.unreached(shown(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves")
+        return csv_file.unreached_times_warning(
+            display_path(self.file), self.rows()[0] + self.start, duration, "the obstacle never moves"
+        )
 
     @cached_property
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:

@@ -9,27 +9,27 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.files import input_file
-from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import cache_directory, sources
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.machine import cache_directory, source_hashes
 
-MOST_BYTES = 300_000_000  # of a folder; beyond them what was not used for the longest time goes
+MAX_FOLDER_BYTES = 300_000_000  # of a folder; beyond them what was not used for the longest time goes
 
 
-def kept(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+def cached_arrays(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     """What `made` returns, from the cache where the same sources (of its package: `ship`, `pictures`, ...) made it of
     the same content before; a cache that cannot be written is not a failure."""
     package = made.__module__.split(".")[1]
-    laws = [item for item in sources().items() if item[0].startswith(f"{package}/")]
+    laws = [item for item in source_hashes().items() if item[0].startswith(f"{package}/")]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"
     with suppress(input_file.Unreadable):
-        arrays = input_file.arrays(path)
+        arrays = input_file.read_npz(path)
         with suppress(OSError):
             os.utime(path)
         return arrays
     arrays = made()
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole(path) as draft:
+        with atomic_write(path) as draft:
             np.savez(draft, **arrays)  # type: ignore[arg-type]
         drop_oldest(path.parent)
     return arrays
@@ -39,5 +39,5 @@ def drop_oldest(folder: Path) -> None:
     """Keep what was used last, up to MOST_BYTES."""
     files = sorted(((path.stat(), path) for path in folder.glob("*.npz")), key=lambda file: -file[0].st_mtime_ns)
     for (_, path), size in zip(files, np.cumsum([stat.st_size for stat, _ in files]), strict=True):
-        if size > MOST_BYTES:
+        if size > MAX_FOLDER_BYTES:
             path.unlink(missing_ok=True)

@@ -4,12 +4,12 @@ Lines that begin with # are comments, some of them `key: value`; empty lines are
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
 column of numbers and '' in a column of words. The reader of a table states what it should hold:
 
-- `columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
+- `read_columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
   numbers. A last line that a killed run did not finish is left out.
 - `Table`, of a table that a person names: cells lie between commas, semicolons, tabs or spaces, numbers
   have a decimal point or, where no comma separates cells, a decimal comma, and times may be dates (ISO 8601). A column
   that is asked for holds finite numbers alone.
-- `records`, every cell as text, row by row.
+- `read_records`, every cell as text, row by row.
 """
 
 import csv
@@ -25,28 +25,32 @@ import numpy as np
 from ocean_sim.files import input_file
 from ocean_sim.files.input_file import Checked, Rule
 
-csv.field_size_limit(input_file.MOST_BYTES)  # a cell in quotes may be as long as a file
+csv.field_size_limit(input_file.MAX_FILE_BYTES)  # a cell in quotes may be as long as a file
 
-TIME = "time_s"
-SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
-QUOTED = re.compile(r'"[^"]*"')
-DECIMAL = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")
+TIME_COLUMN = "time_s"
+CELL_SEPARATORS = (";", "\t", ",", " ")  # of cells, as they are tried
+QUOTED_CELL = re.compile(r'"[^"]*"')
+DECIMAL_NUMBER = re.compile(r"[+-]?\d*([.,])\d+(?:[eE][+-]?\d+)?")
 
-WHOLE = Rule("a table has a line with the names of its columns, each once, and under it rows with a cell for each name")
-DIALECT = Rule(
+WHOLE_TABLE_RULE = Rule(
+    "a table has a line with the names of its columns, each once, and under it rows with a cell for each name"
+)
+DIALECT_RULE = Rule(
     "cells are separated by commas, semicolons, tabs or spaces, and all numbers have a decimal point or all a decimal "
     "comma, which stands in quotes where commas separate cells"
 )
-NAMED = Rule("the columns that are needed are there, by their names with units")
-NUMBERS = Rule("every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)")
-RISING = Rule("times rise from row to row, each once")
-REACHED = Rule("times count from the beginning of the run, and reach into it")
-DEGREES = Rule("columns that end in _deg are in degrees")
+NAMED_COLUMNS_RULE = Rule("the columns that are needed are there, by their names with units")
+FINITE_NUMBERS_RULE = Rule(
+    "every cell of a column that is used is a finite number; times are seconds or dates (ISO 8601)"
+)
+RISING_TIMES_RULE = Rule("times rise from row to row, each once")
+TIMES_REACHED_RULE = Rule("times count from the beginning of the run, and reach into it")
+DEGREES_RULE = Rule("columns that end in _deg are in degrees")
 
 CHECKS = (
-    Checked("Every table", (WHOLE, DIALECT, NAMED, NUMBERS)),
-    Checked("Every table over time", (RISING,)),
-    Checked("Every table that a scene names, by a warning", (REACHED, DEGREES)),
+    Checked("Every table", (WHOLE_TABLE_RULE, DIALECT_RULE, NAMED_COLUMNS_RULE, FINITE_NUMBERS_RULE)),
+    Checked("Every table over time", (RISING_TIMES_RULE,)),
+    Checked("Every table that a scene names, by a warning", (TIMES_REACHED_RULE, DEGREES_RULE)),
 )
 
 
@@ -58,7 +62,7 @@ class Lines(NamedTuple):
     rows: list[str]
 
 
-def lines(text: str) -> Lines:
+def split_lines(text: str) -> Lines:
     """The parts of the text of a CSV file; an empty heading where there are only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
@@ -75,46 +79,52 @@ class Table(dict[str, np.ndarray]):
 
     def __init__(self, path: str | Path) -> None:
         self.path = path
-        self.head, names, self.rows = lines(input_file.text(path))
+        self.head, names, self.rows = split_lines(input_file.read_text(path))
         if names.lower().startswith("sep=") and self.rows:  # as spreadsheets begin a file
             names, *self.rows = self.rows
         if not self.rows:
-            raise WHOLE.broken(path, "it has no rows under a heading")
-        self.separator = separator_of(names, self.rows[0])
+            raise WHOLE_TABLE_RULE.broken(path, "it has no rows under a heading")
+        self.separator = find_separator(names, self.rows[0])
         self.comma = False  # as the decimal sign
         self.names = [name.strip() for name in self.cells(names)]
         if self.separator != "," or any('"' in row for row in self.rows):
             self.comma = self.has_decimal_commas()
-        super().__init__(by_column(path, self.names, self.rows, self.cells, numeric))
+        super().__init__(build_columns(path, self.names, self.rows, self.cells, numeric_column))
 
     def cells(self, row: str) -> list[str]:
         """The cells of a row, numbers with a decimal point."""
         if self.separator == " ":
             row = " ".join(row.split())
-        found = [cell.strip() for cell in cells(row, self.separator)]
-        return [cell.replace(",", ".") if self.comma and DECIMAL.fullmatch(cell) else cell for cell in found]
+        found = [cell.strip() for cell in split_cells(row, self.separator)]
+        return [cell.replace(",", ".") if self.comma and DECIMAL_NUMBER.fullmatch(cell) else cell for cell in found]
 
     def has_decimal_commas(self) -> bool:
         """True if numbers have a decimal comma; raises Unreadable where some have and others a point."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows, 1):
-            found = {number[1]: number[0] for number in map(DECIMAL.fullmatch, self.cells(row)) if number} | found
+            found = {
+                number[1]: number[0] for number in map(DECIMAL_NUMBER.fullmatch, self.cells(row)) if number
+            } | found
             if len(found) == 2:
-                signs = f"{described(found[','])} and, up to row {k}, {described(found['.'])}"
-                raise DIALECT.broken(self.path, f"it has {signs}")
+                signs = f"{quoted_piece(found[','])} and, up to row {k}, {quoted_piece(found['.'])}"
+                raise DIALECT_RULE.broken(self.path, f"it has {signs}")
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
         """Columns (n,), whose cells from the row `since` on are finite numbers; raises Unreadable."""
         missing = [name for name in wanted if name not in self]
         if missing:
-            there = described(", ".join(self.names), 80)
-            raise NAMED.broken(self.path, f"it has no column {' and no column '.join(missing)}, but {there}")
+            there = quoted_piece(", ".join(self.names), 80)
+            raise NAMED_COLUMNS_RULE.broken(
+                self.path, f"it has no column {' and no column '.join(missing)}, but {there}"
+            )
         wrong = np.argwhere(~np.isfinite([self[name][since:] for name in wanted]).T)
         if len(wrong):
             row, name = since + int(wrong[0, 0]), wanted[wrong[0, 1]]
             cell = self.cells(self.rows[row])[self.names.index(name)]
-            raise NUMBERS.broken(self.path, f"{name} is {described(cell) if cell else 'empty'} in row {row + 1}")
+            raise FINITE_NUMBERS_RULE.broken(
+                self.path, f"{name} is {quoted_piece(cell) if cell else 'empty'} in row {row + 1}"
+            )
         return [self[name] for name in wanted]
 
     def resolution(self, name: str) -> float:
@@ -127,72 +137,74 @@ class Table(dict[str, np.ndarray]):
 
     def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
         """Times [s], which rise, of at least so many rows, and columns (n,) of finite numbers; raises Unreadable."""
-        time, *found = self.finite(TIME, *wanted)
+        time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
-            raise WHOLE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
+            raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
         back = np.flatnonzero(np.diff(time) <= 0.0)
         if len(back):
             k = int(back[0])
-            raise RISING.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in row {k + 2}")
+            raise RISING_TIMES_RULE.broken(self.path, f"{time[k + 1]:.12g} s follows {time[k]:.12g} s in row {k + 2}")
         return [time, *found]
 
     def like_radians(self) -> list[str]:
         """A warning of each column in degrees that could be radians: within a turn of 2 pi, and not all whole."""
         angles = {name: values for name, values in self.items() if name.endswith("_deg")}
         found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
-        return [f"{input_file.shown(self.path)}: is {name} in radians? {DEGREES.sentence}" for name in found]
+        return [
+            f"{input_file.display_path(self.path)}: is {name} in radians? {DEGREES_RULE.sentence}" for name in found
+        ]
 
 
-def unreached(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
+def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
     """A warning of times (n,) [s] of which a run of this duration [s] reaches none, and what holds `instead`."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
-        return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {REACHED}"]
+        return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
     late = f"begins at {first:.12g} s, when the run of {duration:g} s is over"
-    return [f"{what} {late}: {instead.format('first')}; {REACHED}"] if first >= duration else []
+    return [f"{what} {late}: {instead.format('first')}; {TIMES_REACHED_RULE}"] if first >= duration else []
 
 
-def separator_of(names: str, row: str) -> str:
+def find_separator(names: str, row: str) -> str:
     """The separator of a table by its first two lines: that which gives both as many cells; else one that stands
     between names."""
-    bare = [QUOTED.sub('""', line) for line in (names, row)]
-    for each in SEPARATORS:
+    bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
+    for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
         if counts[0] == counts[1] > 1:
             return each
     return next((each for each in ";\t," if each in bare[0]), ",")
 
 
-def columns(path: str | Path) -> dict[str, np.ndarray]:
+def read_columns(path: str | Path) -> dict[str, np.ndarray]:
     """Each column, (n,), of a table that a run wrote, as float64 or as words, by its name; none where there are no
     names. Raises Unreadable, a ValueError."""
-    text = input_file.text(path)
-    _, heading, rows = lines(text[: text.rfind("\n") + 1])
-    names = [name.strip() for name in cells(heading)] if heading else []
-    return by_column(path, names, rows, cells, column)
+    text = input_file.read_text(path)
+    _, heading, rows = split_lines(text[: text.rfind("\n") + 1])
+    names = [name.strip() for name in split_cells(heading)] if heading else []
+    return build_columns(path, names, rows, split_cells, number_or_word_column)
 
 
-def columns_there(path: Path) -> dict[str, np.ndarray]:
+def read_columns_if_any(path: Path) -> dict[str, np.ndarray]:
     """The columns of a table over time that a run wrote; none where it was not written, or has no rows."""
     with suppress(ValueError):  # no line of names: killed at once
-        found = columns(path) if path.exists() else {}
-        return found if len(found.get(TIME, ())) else {}
+        found = read_columns(path) if path.exists() else {}
+        return found if len(found.get(TIME_COLUMN, ())) else {}
     return {}
 
 
-def records(text: str) -> list[dict[str, str]]:
+def read_records(text: str) -> list[dict[str, str]]:
     """The rows of the text of a CSV file, each cell as text by the name of its column."""
-    _, heading, rows = lines(text)
-    return [dict(zip(map(str.strip, cells(heading)), cells(row))) for row in rows]
+    _, heading, rows = split_lines(text)
+    return [dict(zip(map(str.strip, split_cells(heading)), split_cells(row))) for row in rows]
 
 
-def by_column(
+def build_columns(
     path: str | Path, names: list[str], rows: list[str], cells_of: Callable, column_of: Callable
 ) -> dict[str, np.ndarray]:
     """Each column by its name: (n,) numbers, all at once where every cell is one, or else `column_of` the name and the
     cells, which are `cells_of` each row."""
-    if (name := twice(names)) is not None:
-        raise WHOLE.broken(path, f"it has two columns {described(name)}")
+    if (name := first_duplicate(names)) is not None:
+        raise WHOLE_TABLE_RULE.broken(path, f"it has two columns {quoted_piece(name)}")
     with suppress(ValueError):  # some cell is not a number, or some row is not whole
         table = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.zeros((0, len(names)))
         if table.shape[1] == len(names):
@@ -200,12 +212,12 @@ def by_column(
     split = [cells_of(row) for row in rows]
     for k, row in enumerate(split):
         if len(row) != len(names):
-            found = f"row {k + 1} has {len(row)} cells under {len(names)} names, {described(rows[k])}"
-            raise (DIALECT if len(row) > len(names) else WHOLE).broken(path, found)
+            found = f"row {k + 1} has {len(row)} cells under {len(names)} names, {quoted_piece(rows[k])}"
+            raise (DIALECT_RULE if len(row) > len(names) else WHOLE_TABLE_RULE).broken(path, found)
     return {name: column_of(name, found) for name, found in zip(names, zip(*split))}
 
 
-def column(_: str, found: Sequence[str]) -> np.ndarray:
+def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
     """(n,) numbers, NaN where a cell is empty, or words where any of the cells is one."""
     try:
         return np.array([float(cell.strip() or "nan") for cell in found])
@@ -213,18 +225,18 @@ def column(_: str, found: Sequence[str]) -> np.ndarray:
         return np.array(found)
 
 
-def numeric(name: str, found: Sequence[str]) -> np.ndarray:
+def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
     """(n,) numbers, NaN where a cell is not one. Times may be dates, each with a time of day, in one zone or without:
     then they are the seconds since the first."""
-    if name == TIME:
+    if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
             if len(dates) == len(found) and len({date.tzinfo is None for date in dates}) == 1:
                 return np.array([(date - dates[0]).total_seconds() for date in dates])
-    return np.array([number(cell) for cell in found])
+    return np.array([parse_number(cell) for cell in found])
 
 
-def number(cell: str) -> float:
+def parse_number(cell: str) -> float:
     """The number in a cell, or NaN."""
     try:
         return float(cell)
@@ -232,16 +244,16 @@ def number(cell: str) -> float:
         return float("nan")
 
 
-def cells(line: str, separator: str = ",") -> list[str]:
+def split_cells(line: str, separator: str = ",") -> list[str]:
     """The cells of a row."""
     return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
 
 
-def twice(names: list[str]) -> str | None:
+def first_duplicate(names: list[str]) -> str | None:
     """The first name that occurs twice."""
     return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 
-def described(text: str, most: int = 40) -> str:
+def quoted_piece(text: str, most: int = 40) -> str:
     """A piece of a file, cut short: for messages."""
     return repr(text if len(text) <= most else f"{text[: most - 3]}...")

@@ -22,13 +22,13 @@ from pydantic import AfterValidator, ValidationInfo
 
 from ocean_sim.conventions import Refused
 
-MOST_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
-NUMBERS, WORDS = "iuf", "SO"  # kinds of NumPy types in HDF5 files
+MAX_FILE_BYTES = 500_000_000  # of a file, and of what it unpacks to: far beyond any table or hull
+NUMBER_KINDS, WORD_KINDS = "iuf", "SO"  # kinds of NumPy types in HDF5 files
 MAX_WORDS = 1000  # of a data set
-MARK = "\ufeff"  # of the order of bytes, at the beginning of text
+BYTE_ORDER_MARK = "\ufeff"  # of the order of bytes, at the beginning of text
 # The mark of UTF-32 begins as that of UTF-16.
 MARKED_CODECS = ("utf-8", "utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be")
-FOLDER = "folder"  # the key of the scene's folder in pydantic's context
+SCENE_FOLDER_KEY = "folder"  # the key of the scene's folder in pydantic's context
 
 
 class Unreadable(Refused, ValueError):
@@ -36,7 +36,7 @@ class Unreadable(Refused, ValueError):
 
     def __init__(self, path: str | Path, reason: str) -> None:
         self.reason = reason
-        super().__init__(f"{shown(path)}: {reason}")
+        super().__init__(f"{display_path(path)}: {reason}")
 
 
 class Rule(str):
@@ -59,18 +59,18 @@ class Checked(NamedTuple):
     rules: tuple[Rule, ...]
 
 
-REGULAR = Rule(
-    f"a file is a regular one, not a folder, a pipe or a device, of at most {MOST_BYTES / 1e6:g} MB, unpacked"
+REGULAR_FILE_RULE = Rule(
+    f"a file is a regular one, not a folder, a pipe or a device, of at most {MAX_FILE_BYTES / 1e6:g} MB, unpacked"
 )
-DECLARED = Rule(
-    f"a data set lies in the file itself, holds what its name says and unpacks to at most {MOST_BYTES / 1e6:g} MB"
+DATA_SET_RULE = Rule(
+    f"a data set lies in the file itself, holds what its name says and unpacks to at most {MAX_FILE_BYTES / 1e6:g} MB"
 )
-TEXT = Rule("text is in UTF-8, or in UTF-16 or UTF-32 with a byte order mark")
+TEXT_RULE = Rule("text is in UTF-8, or in UTF-16 or UTF-32 with a byte order mark")
 
-CHECKS = (Checked("Every file", (REGULAR, TEXT)),)
+CHECKS = (Checked("Every file", (REGULAR_FILE_RULE, TEXT_RULE)),)
 
 
-def shown(path: str | Path) -> str:
+def display_path(path: str | Path) -> str:
     """A path as a user would open it from where they are, cut short."""
     relative = os.path.relpath(path) if str(path) else "''"
     name = str(path) if relative.startswith(os.pardir) else relative
@@ -78,7 +78,7 @@ def shown(path: str | Path) -> str:
     return name if len(name) <= 120 else f"{name[:57]}...{name[-60:]}"
 
 
-def size_of(path: str | Path, most: int = MOST_BYTES) -> int:
+def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
     """Size of a regular file of at most `most` bytes; raises Unreadable, and OSError where there is none."""
     found = os.stat(path)
     if S_ISDIR(found.st_mode):
@@ -90,7 +90,7 @@ def size_of(path: str | Path, most: int = MOST_BYTES) -> int:
     return found.st_size
 
 
-def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
+def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
     """The bytes of a regular file of at most `most` bytes, and no more than its size says: what the kernel makes up may
     never end. Raises Unreadable."""
     try:
@@ -107,50 +107,50 @@ def content(path: str | Path, most: int = MOST_BYTES) -> bytes:
 
 def marked_codec(data: bytes) -> str | None:
     """Codec of text by its byte order mark; None where it has none."""
-    return next((codec for codec in MARKED_CODECS if data.startswith(MARK.encode(codec))), None)
+    return next((codec for codec in MARKED_CODECS if data.startswith(BYTE_ORDER_MARK.encode(codec))), None)
 
 
-def text(path: str | Path, most: int = MOST_BYTES) -> str:
+def read_text(path: str | Path, most: int = MAX_FILE_BYTES) -> str:
     """Text of a file without its byte order mark; in UTF-8 where it has none. Raises Unreadable."""
-    data = content(path, most)
+    data = read_bytes(path, most)
     codec = marked_codec(data) or "utf-8"
     try:
-        return data.decode(codec).removeprefix(MARK)
+        return data.decode(codec).removeprefix(BYTE_ORDER_MARK)
     except UnicodeDecodeError as error:
         raise Unreadable(path, f"this is not {codec.upper()} text (byte {error.start})") from None
 
 
-def document(path: str | Path) -> Any:
+def read_json(path: str | Path) -> Any:
     """The value in a JSON file; raises Unreadable."""
     try:
-        return json.loads(text(path))
+        return json.loads(read_text(path))
     except (json.JSONDecodeError, RecursionError):
         raise Unreadable(path, "this is not a whole JSON file") from None
 
 
-def facts(path: str | Path) -> dict[str, Any]:
+def read_json_object(path: str | Path) -> dict[str, Any]:
     """The object in a JSON file; empty where there is none that can be read."""
     with suppress(Unreadable):
-        found = document(path)
+        found = read_json(path)
         return found if isinstance(found, dict) else {}
     return {}
 
 
-def arrays(path: str | Path) -> dict[str, np.ndarray]:
+def read_npz(path: str | Path) -> dict[str, np.ndarray]:
     """What an npz file holds, by name; never objects, which would be code. Raises Unreadable."""
-    data = BytesIO(content(path))
+    data = BytesIO(read_bytes(path))
     try:
         with ZipFile(data) as archive:
             size = sum(member.file_size for member in archive.infolist())
-        if size <= MOST_BYTES:
+        if size <= MAX_FILE_BYTES:
             with np.load(data) as found:
                 return {name: found[name] for name in found.files}
     except Exception:  # zipfile, zlib and NumPy each have errors of their own
         raise Unreadable(path, "this is not a whole npz file of numbers") from None
-    raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MOST_BYTES / 1e6:g} MB are read")
+    raise Unreadable(path, f"it unpacks to {size / 1e6:.1f} MB; at most {MAX_FILE_BYTES / 1e6:g} MB are read")
 
 
-def data_set(group: Any, name: str, kinds: str = NUMBERS, most: int = MOST_BYTES) -> np.ndarray:
+def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
     """The content of a data set in an HDF5 file, of these kinds and at most so many bytes, judged by what the file
     declares before anything is unpacked; raises ValueError, and what HDF5 raises of a damaged file."""
     import h5py
@@ -170,9 +170,9 @@ def data_set(group: Any, name: str, kinds: str = NUMBERS, most: int = MOST_BYTES
     return np.asarray(found[()])
 
 
-def digest(path: str | Path) -> str:
+def file_digest(path: str | Path) -> str:
     """SHA-256 of the content of a file; raises Unreadable."""
-    return hashlib.sha256(content(path)).hexdigest()
+    return hashlib.sha256(read_bytes(path)).hexdigest()
 
 
 class InputName(str):
@@ -190,7 +190,7 @@ def input_names(dumped: Any) -> Iterator[str]:
 
 def relative_to_scene(name: str, info: ValidationInfo) -> str:
     """A file's name as it is found from anywhere: from the folder of the scene that is being read."""
-    folder = (info.context or {}).get(FOLDER)
+    folder = (info.context or {}).get(SCENE_FOLDER_KEY)
     return name if folder is None or not name else str(Path(folder, name))
 
 

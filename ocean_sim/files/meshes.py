@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.whole_file import must_have_room, whole
+from ocean_sim.files.atomic_file import atomic_write, require_disk_space
 
 PLY_TYPES = {"<f4": "float", "<i4": "int", "|u1": "uchar"}
-AXES = "xyz"
+AXIS_NAMES = "xyz"
 FLOAT_TYPE, INDEX_TYPE = 5126, 5125  # component types of glTF
-SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
-TOPOLOGIES = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
-HELD_BACK = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
+ACCESSOR_TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+CELL_CORNERS = {"Vertices": 1, "Lines": 2, "Polygons": 3, "Strips": 0}  # corners of a cell
+HDF5_UNWRITTEN_BYTES = 1 << 24  # bytes that HDF5 may not have written yet: a chunk of each array, and where they lie
 # Numbers by which a moment is found in the arrays.
 OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
@@ -29,9 +29,9 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
     """Points (n, 3) and triangles, with fields (n,) or (n, 3) of the points: `Normals` as nx, ny, nz; `RGB` as red,
     green and blue of 8 bits, where there is none `foam` as grey, too; any other by its name, of three numbers as name_x
     and so on."""
-    columns: dict[str, np.ndarray] = dict(zip(AXES, points.T))
+    columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
-        columns |= {f"n{axis}": values for axis, values in zip(AXES, fields["Normals"].T)}
+        columns |= {f"n{axis}": values for axis, values in zip(AXIS_NAMES, fields["Normals"].T)}
     colours = fields.get("RGB")
     if colours is None and "foam" in fields:
         colours = np.repeat((255.0 * np.clip(fields["foam"], 0.0, 1.0))[:, None], 3, axis=1)
@@ -39,22 +39,22 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
         columns |= dict(zip(("red", "green", "blue"), colours.astype(np.uint8).T))
     for name, values in fields.items():
         if name not in ("Normals", "RGB"):
-            columns |= {name: values} if values.ndim == 1 else {f"{name}_{a}": v for a, v in zip(AXES, values.T)}
-    rows = np.empty(len(points), [(name, stored(values)) for name, values in columns.items()])
+            columns |= {name: values} if values.ndim == 1 else {f"{name}_{a}": v for a, v in zip(AXIS_NAMES, values.T)}
+    rows = np.empty(len(points), [(name, ply_type(values)) for name, values in columns.items()])
     for name, values in columns.items():
         rows[name] = values
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
-    head += [f"property {PLY_TYPES[stored(values)]} {name}" for name, values in columns.items()]
+    head += [f"property {PLY_TYPES[ply_type(values)]} {name}" for name, values in columns.items()]
     corners = np.empty(0 if faces is None else len(faces), [("count", "|u1"), ("corners", "<i4", 3)])
     if faces is not None:
         head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
         corners["count"], corners["corners"] = 3, faces
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_bytes("\n".join([*head, "end_header", ""]).encode("ascii") + rows.tobytes() + corners.tobytes())
     return path
 
 
-def stored(values: np.ndarray) -> str:
+def ply_type(values: np.ndarray) -> str:
     """The type by which values are written."""
     if values.dtype == np.uint8:
         return "|u1"
@@ -88,7 +88,7 @@ class Glb:
         views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
         self.data += values.tobytes()
         kind = INDEX_TYPE if values.dtype == np.uint32 else FLOAT_TYPE
-        shape = SHAPES[1 if values.ndim == 1 else values.shape[1]]
+        shape = ACCESSOR_TYPES[1 if values.ndim == 1 else values.shape[1]]
         found = {"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": shape}
         if bounds:
             found |= {
@@ -150,7 +150,7 @@ class Glb:
         words = json.dumps(self.tree, separators=(",", ":")).encode()
         words += b" " * (-len(words) % 4)
         size = 12 + 8 + len(words) + 8 + len(self.data)
-        with whole(path) as draft, draft.open("wb") as file:
+        with atomic_write(path) as draft, draft.open("wb") as file:
             file.write(struct.pack("<4sII", b"glTF", 2, size))
             file.write(struct.pack("<I4s", len(words), b"JSON") + words)
             file.write(struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data))
@@ -181,7 +181,7 @@ class Series:
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
         """A moment [s]: (n, 3) points [m], cells (m, corners) as numbers of points, and values of the points."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
-        must_have_room(self.path, taken + HELD_BACK)
+        require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
         before = len(self.root["Points"]) if self.times else 0
         self.steps["PointOffsets"].append(before)
         self.append("Points", points.astype(np.float32))
@@ -198,8 +198,8 @@ class Series:
     def write_cells(self, cells: np.ndarray, points: int) -> None:
         """A new part."""
         self.append("NumberOfPoints", np.array([points]))
-        self.begins = {"CellOffsets": [0] * len(TOPOLOGIES), "ConnectivityIdOffsets": [0] * len(TOPOLOGIES)}
-        for k, (name, corners) in enumerate(TOPOLOGIES.items()):
+        self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
+        for k, (name, corners) in enumerate(CELL_CORNERS.items()):
             own = cells if name == self.topology else np.empty((0, corners), dtype=np.int64)
             if self.parts:
                 self.begins["CellOffsets"][k] = int(np.sum(self.root[name]["NumberOfCells"]))

@@ -17,58 +17,60 @@ from typing import Any
 
 from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files import input_file
-from ocean_sim.files.whole_file import RESERVE, UNFINISHED, write_facts
+from ocean_sim.files.atomic_file import DRAFT_PATTERN, RESERVE_FILE, write_facts
 
-LOCK, MANIFEST = ".lock", "manifest.json"
+LOCK_FILE, MANIFEST_FILE = ".lock", "manifest.json"
 MAX_FILES_NAMED = 3  # of those that are in the way
 MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it is claimed
 UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
     *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
     *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
-    *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST),
+    *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST_FILE),
 ]
 
 
-def unfinished(name: str) -> bool:
+def is_unfinished(name: str) -> bool:
     """True if a file has the name of one that a killed writer left."""
-    return re.fullmatch(UNFINISHED, name) is not None or name == RESERVE
+    return re.fullmatch(DRAFT_PATTERN, name) is not None or name == RESERVE_FILE
 
 
-def foreign(folder: Path, *ours: str) -> list[str]:
+def foreign_names(folder: Path, *ours: str) -> list[str]:
     """Names in a folder that fit none of the patterns `ours`; nothing where there is none, or where a run, or
     the first of `ours`, shows that it has been written into before."""
-    if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST, *ours[:1])):
+    if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
-    return [each for each in names if not unfinished(each) and not any(fnmatch(each, one) for one in (LOCK, *ours))]
+    return [
+        each for each in names if not is_unfinished(each) and not any(fnmatch(each, one) for one in (LOCK_FILE, *ours))
+    ]
 
 
-def claimed(out: Path, *ours: str, named: str = "") -> "Claim":
+def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
     """A claim on a folder that messages call `named`; raises Refused, also where patterns of names are given, the
-    telling one first, and the folder holds other things (see `foreign`)."""
+    telling one first, and the folder holds other things (see `foreign_names`)."""
     named = named or str(out)
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")
-    if ours and (others := foreign(out, *ours)):
+    if ours and (others := foreign_names(out, *ours)):
         shown = ", ".join(others[:MAX_FILES_NAMED] + ["..."] * (len(others) > MAX_FILES_NAMED))
         raise Refused(f"{named}: this folder holds other things ({shown}); name a new folder")
     return Claim(out)
 
 
-class Claimed(Refused):
+class FolderClaimed(Refused):
     """Another process writes into a folder."""
 
 
 if sys.platform == "win32":
     import msvcrt
 
-    def _locked(file: int) -> None:
+    def _lock_file(file: int) -> None:
         msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
 
 else:
     import fcntl
 
-    def _locked(file: int) -> None:
+    def _lock_file(file: int) -> None:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
@@ -81,13 +83,13 @@ class Claim:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.path, self.made = folder, folder / LOCK, not folder.exists()
+        self.folder, self.path, self.made = folder, folder / LOCK_FILE, not folder.exists()
         self.file = self.locked()
         with suppress(OSError):  # a full disk has no room for its name
             os.ftruncate(self.file, 0)
             os.write(self.file, f"process {os.getpid()} on {socket.gethostname()}".encode())
         for left in [*folder.glob(".*"), *folder.glob("frames/.*")]:
-            if unfinished(left.name):
+            if is_unfinished(left.name):
                 left.unlink()
 
     def locked(self) -> int:
@@ -103,7 +105,7 @@ class Claim:
                     raise Refused(f"{self.folder}: {why}") from None
                 continue  # another holder has removed the folder, which was made for nothing
             try:
-                _locked(file)
+                _lock_file(file)
                 if os.path.samestat(os.fstat(file), os.stat(self.path)):
                     return file
             except FileNotFoundError:
@@ -112,14 +114,14 @@ class Claim:
                 os.close(file)
                 if error.errno not in (EACCES, EAGAIN):
                     raise Lacking(f"{self.folder}: its file system has no locks ({error.strerror})") from None
-                raise Claimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
+                raise FolderClaimed(f"{self.folder}: {self.holder()} is writing here; name another folder") from None
             os.close(file)
         raise Refused(f"{self.folder}: no folder can be made here")
 
     def holder(self) -> str:
         """Holder of the lock, in words."""
         try:
-            return input_file.content(self.path).decode(errors="replace") or "another process"
+            return input_file.read_bytes(self.path).decode(errors="replace") or "another process"
         except input_file.Unreadable:
             return "another process"
 
@@ -141,16 +143,20 @@ class Claim:
 
 def read_manifest(folder: Path) -> dict[str, Any]:
     """The manifest of a run; empty where there is none that can be read."""
-    return input_file.facts(folder / MANIFEST)
+    return input_file.read_json_object(folder / MANIFEST_FILE)
 
 
-def listed(manifest: dict[str, Any]) -> list[str]:
+def listed_files(manifest: dict[str, Any]) -> list[str]:
     """The entries of a manifest."""
     files = manifest.get("files")
-    return [MANIFEST, *(name for name in files if isinstance(name, str))] if isinstance(files, list) else UNLISTED_FILES
+    return (
+        [MANIFEST_FILE, *(name for name in files if isinstance(name, str))]
+        if isinstance(files, list)
+        else UNLISTED_FILES
+    )
 
 
-def matching(folder: Path, entries: Iterable[str]) -> set[Path]:
+def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
     """The files of a folder that fit entries; none of them leads out of it."""
     names: dict[Path, list[str]] = {}
     for path in map(Path, entries):
@@ -164,21 +170,21 @@ def matching(folder: Path, entries: Iterable[str]) -> set[Path]:
     }
 
 
-def clear(folder: Path, coming: Iterable[str] = ()) -> None:
+def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
     """Delete the files of the run in a folder, and the folders that this leaves empty. Raises Refused, before any is
     deleted, where a file of somebody else has the name of one that is `coming`."""
-    ours = matching(folder, listed(read_manifest(folder)))
-    for other in sorted(matching(folder, coming) - ours):
+    ours = matching_files(folder, listed_files(read_manifest(folder)))
+    for other in sorted(matching_files(folder, coming) - ours):
         raise Refused(f"{other}: this file is not of the run that is there, and the new run would replace it; move it")
-    for path in sorted(ours, key=lambda path: path.name == MANIFEST):  # which is last: it tells what is left
+    for path in sorted(ours, key=lambda path: path.name == MANIFEST_FILE):  # which is last: it tells what is left
         path.unlink()
     for parent in {path.parent for path in ours} - {folder}:
         with suppress(OSError):  # there is something in it
             parent.rmdir()
 
 
-def add(folder: Path, files: Iterable[Path]) -> None:
+def add_to_manifest(folder: Path, files: Iterable[Path]) -> None:
     """List files that were made of a run in its folder, where it has a manifest."""
     if manifest := read_manifest(folder):
         new = {file.relative_to(folder).as_posix() for file in files if file.is_relative_to(folder)}
-        write_facts(folder / MANIFEST, manifest | {"files": sorted({*listed(manifest), *new})})
+        write_facts(folder / MANIFEST_FILE, manifest | {"files": sorted({*listed_files(manifest), *new})})

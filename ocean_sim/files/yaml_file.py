@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Refused
-from ocean_sim.files.input_file import Unreadable, shown, text
+from ocean_sim.files.input_file import Unreadable, display_path, read_text
 
 TEXT_TAGS = ("str", "timestamp", "merge", "value")  # the last three are words of YAML 1.1
 MAX_TEXT_BYTES = 1_000_000  # a table of numbers that is longer goes into a CSV file
@@ -21,14 +21,14 @@ MAX_VALUES = 200_000  # aliases of aliases can name more values than a machine c
 MAX_DEPTH = 100  # levels of mappings and lists
 MAX_KEY_LENGTH = 100  # characters
 MAX_MESSAGE_BYTES, MAX_LINE_BYTES = 1900, 600  # of a message about a scene, and of one sentence in it
-CORE = re.compile(  # plain scalars that are not text, by the core schema of YAML 1.2
+CORE_SCHEMA = re.compile(  # plain scalars that are not text, by the core schema of YAML 1.2
     r"(?P<null>~|null|Null|NULL|)"
     r"|(?P<bool>true|True|TRUE|false|False|FALSE)"
     r"|(?P<int>[-+]?(?:0b[01_]+|0x[0-9a-fA-F_]+|0o[0-7_]+|[0-9][0-9_]*))"
     r"|(?P<float>[-+]?(?:[0-9][0-9_]*\.[0-9_]*(?:[eE][-+]?[0-9]+)?|[0-9][0-9_]*[eE][-+]?[0-9]+"
     r"|\.[0-9_]+(?:[eE][-+][0-9]+)?|\.(?:inf|Inf|INF))|\.(?:nan|NaN|NAN))"
 )
-WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no quotes, but for words of CORE
+UNQUOTED_WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no quotes, but for words of CORE
 
 
 class Location(NamedTuple):
@@ -66,7 +66,7 @@ class SceneError(Refused):
         """A line for each problem, as many as a person reads, and the number of the others."""
         left = MAX_MESSAGE_BYTES
         for k, each in enumerate(self.problems):
-            line = cut(str(each), MAX_LINE_BYTES)
+            line = shorten(str(each), MAX_LINE_BYTES)
             left -= len(line.encode(errors="backslashreplace"))
             if left < 0:
                 yield f"... and {len(self.problems) - k} more"
@@ -74,7 +74,7 @@ class SceneError(Refused):
             yield line
 
 
-def cut(text: str, most: int) -> str:
+def shorten(text: str, most: int) -> str:
     """A text of at most so many bytes, its middle left out."""
     data = text.encode(errors="backslashreplace")  # halves of characters, too
     if len(data) <= most:
@@ -83,7 +83,7 @@ def cut(text: str, most: int) -> str:
     return f"{data[:half].decode(errors='ignore')}...{data[-half:].decode(errors='ignore')}"
 
 
-def problem(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
+def problem_at(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
     """A problem at a location."""
     return Problem(*location, key, message, suggestion)
 
@@ -134,62 +134,62 @@ def node_of(data: Any, location: Location) -> Node:
     return Node(str(data) if isinstance(data, PurePath) else data, location, location)
 
 
-def merged(below: Node, above: Node) -> Node:
+def merge_nodes(below: Node, above: Node) -> Node:
     """`above` laid over `below`: mappings key by key, everything else replaced."""
     if not (below.is_mapping and above.is_mapping):
         return above
     data = dict(below.data)
     for key, node in above.data.items():
-        data[key] = merged(data[key], node) if key in data else node
+        data[key] = merge_nodes(data[key], node) if key in data else node
     return above.with_data(data)
 
 
-def read(path: Path, name: str | None = None) -> Node:
+def read_mapping(path: Path, name: str | None = None) -> Node:
     """The mapping in a file; raises SceneError naming the file as `name`."""
-    name = name or shown(path)
+    name = name or display_path(path)
     try:
-        return mapping(text(path, MAX_TEXT_BYTES), name)
+        return parse_mapping(read_text(path, MAX_TEXT_BYTES), name)
     except Unreadable as error:
-        raise SceneError([problem(Location(name), "", error.reason)]) from None
+        raise SceneError([problem_at(Location(name), "", error.reason)]) from None
 
 
-def mapping(content: str, name: str) -> Node:
+def parse_mapping(content: str, name: str) -> Node:
     """The mapping that a text is; raises SceneError, which calls it `name`."""
-    node = parsed(content, Location(name, 1, 1))
+    node = parse_yaml(content, Location(name, 1, 1))
     if node.data is None:
-        raise SceneError([problem(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
+        raise SceneError([problem_at(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
     if not node.is_mapping:
         raise SceneError(
-            [problem(node.location, "", f"expected a mapping of keys to values, got {described(node.data)}")]
+            [problem_at(node.location, "", f"expected a mapping of keys to values, got {describe_value(node.data)}")]
         )
     return node
 
 
-def setting(text: str) -> tuple[str, Node]:
+def parse_setting(text: str) -> tuple[str, Node]:
     """A `--set key=value`: the dotted key, and the value read as YAML."""
     key, equals, value = text.partition("=")
     location = Location(f"--set {text}")
     if not equals or not key.strip():
-        raise SceneError([problem(location, "", "expected key=value, as in fluid.spacing=0.8")])
+        raise SceneError([problem_at(location, "", "expected key=value, as in fluid.spacing=0.8")])
     if not value.strip():
-        raise SceneError([problem(location, key, f"there is no value; {key}=null removes it")])
-    return key.strip(), node_of(parsed(value, location).plain(), location)
+        raise SceneError([problem_at(location, key, f"there is no value; {key}=null removes it")])
+    return key.strip(), node_of(parse_yaml(value, location).plain(), location)
 
 
-def parsed(text: str, start: Location) -> Node:
+def parse_yaml(text: str, start: Location) -> Node:
     """YAML text as nodes; locations are kept where `start` has a line. Raises SceneError."""
     import yaml
 
     try:
-        tree = composed_tree(text, start, loaders())
+        tree = composed_tree(text, start, yaml_loaders())
     except yaml.MarkedYAMLError as error:
         sentence = " ".join(filter(None, [error.context, error.problem])) or "this is not YAML"
-        location = marked(start, error.problem_mark or error.context_mark)
-        raise SceneError([problem(location, "", f"not valid YAML: {sentence}")]) from None
+        location = mark_location(start, error.problem_mark or error.context_mark)
+        raise SceneError([problem_at(location, "", f"not valid YAML: {sentence}")]) from None
     except yaml.reader.ReaderError as error:
-        raise SceneError([unprintable(text, error, start)]) from None
+        raise SceneError([unprintable_character(text, error, start)]) from None
     except (ValueError, OverflowError) as error:  # an escape of a number that no character has
-        raise SceneError([problem(start, "", f"not valid YAML: {error}")]) from None
+        raise SceneError([problem_at(start, "", f"not valid YAML: {error}")]) from None
     if tree is None:
         return Node(None, start, start)
     reader = _Reader(start)
@@ -199,13 +199,13 @@ def parsed(text: str, start: Location) -> Node:
     return node
 
 
-def marked(start: Location, mark: Any) -> Location:
+def mark_location(start: Location, mark: Any) -> Location:
     """The location of a mark of PyYAML, which counts from 0, in a text that starts there."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
 @cache
-def loaders() -> tuple[Any, ...]:
+def yaml_loaders() -> tuple[Any, ...]:
     """PyYAML's own loader, after that of libyaml where there is one: it takes a tenth of the time."""
     import yaml
 
@@ -215,7 +215,7 @@ def loaders() -> tuple[Any, ...]:
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
     """The tag of a value that is written without one, by the core schema of YAML 1.2."""
-    match = CORE.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
+    match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 
 
@@ -231,9 +231,9 @@ def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
         for count, event in enumerate(yaml.parse(text, first)):
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
             if depth > MAX_DEPTH:
-                raise SceneError([problem(start, "", "nested too deeply")])
+                raise SceneError([problem_at(start, "", "nested too deeply")])
             if count > MAX_EVENTS:
-                raise SceneError([problem(start, "", f"more than {MAX_WRITTEN} values; a CSV file holds a table")])
+                raise SceneError([problem_at(start, "", f"more than {MAX_WRITTEN} values; a CSV file holds a table")])
         return yaml.compose(text, first)
     except (yaml.YAMLError, UnicodeError):
         if not others:
@@ -241,14 +241,14 @@ def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
         return composed_tree(text, start, others)
 
 
-def unprintable(text: str, error: Any, start: Location) -> Problem:
+def unprintable_character(text: str, error: Any, start: Location) -> Problem:
     """A character that YAML does not allow, and where it is."""
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
     location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
     if "\udc80" <= character <= "\udcff":  # how Python keeps what a command line has that is not UTF-8
-        return problem(location, "", f"this is not UTF-8 text (byte 0x{ord(character) - 0xDC00:02X})")
-    return problem(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
+        return problem_at(location, "", f"this is not UTF-8 text (byte 0x{ord(character) - 0xDC00:02X})")
+    return problem_at(location, "", f"not valid YAML: the character U+{ord(character):04X} is not allowed")
 
 
 def in_yaml(value: Any) -> str:
@@ -257,11 +257,11 @@ def in_yaml(value: Any) -> str:
         return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(in_yaml, value)) + "]"
-    quoted = isinstance(value, str) and (not WORD.fullmatch(value) or CORE.fullmatch(value))
+    quoted = isinstance(value, str) and (not UNQUOTED_WORD.fullmatch(value) or CORE_SCHEMA.fullmatch(value))
     return json.dumps(value, ensure_ascii=False) if quoted or value is None or isinstance(value, bool) else str(value)
 
 
-def described(value: Any) -> str:
+def describe_value(value: Any) -> str:
     """A value in the words of YAML, cut short: for messages."""
     if value is None or isinstance(value, bool):
         return in_yaml(value)
@@ -286,10 +286,10 @@ class _Reader:
         self.open: set[int] = set()
 
     def location(self, tree: Any) -> Location:
-        return marked(self.start, tree.start_mark)
+        return mark_location(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
-        self.problems.append(problem(self.location(tree), key, message))
+        self.problems.append(problem_at(self.location(tree), key, message))
         return Node(None, self.location(tree), self.location(tree))
 
     def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
@@ -299,7 +299,7 @@ class _Reader:
             location = key_location  # a value that is not written stands where its key does
         self.count += 1
         if self.count > MAX_VALUES:
-            raise SceneError([*self.problems, problem(location, path, f"more than {MAX_VALUES} values")])
+            raise SceneError([*self.problems, problem_at(location, path, f"more than {MAX_VALUES} values")])
         if id(tree) in self.open:
             return self.refuse(tree, path, "this alias is inside what it names")
         self.open.add(id(tree))
@@ -340,9 +340,9 @@ class _Reader:
             return text.lower() == "true"
         if kind in ("int", "float"):
             try:
-                return _integer(text) if kind == "int" else _real(text)
+                return _parse_integer(text) if kind == "int" else _parse_real(text)
             except ValueError:
-                return self.refuse(tree, path, f"{described(text)} is not a number that can be read").data
+                return self.refuse(tree, path, f"{describe_value(text)} is not a number that can be read").data
         if any("\ud800" <= c <= "\udfff" for c in text):
             try:  # JSON writes one character as two escapes
                 text = text.encode("utf-16", "surrogatepass").decode("utf-16")
@@ -353,11 +353,11 @@ class _Reader:
         return text
 
 
-def _integer(text: str) -> int:
+def _parse_integer(text: str) -> int:
     digits = text.replace("_", "").lower()
     base = {"0x": 16, "0o": 8, "0b": 2}.get(digits.lstrip("+-")[:2], 10)
     return int(digits, base)
 
 
-def _real(text: str) -> float:
+def _parse_real(text: str) -> float:
     return float(text.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))

@@ -14,7 +14,7 @@ from ocean_sim.fluid.sph.particle_water import ParticleWater
 from ocean_sim.fluid.sph.water_keys import WaterConfig, free_fall_speed
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import LedgerRow, Preflight, Problems
-from ocean_sim.runtime import Array, arch, in_kernels
+from ocean_sim.runtime import Array, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 SUPPORT_RATIO = 2.0  # [spacings] the surface is smoothed over so much; nothing else has a support here
@@ -76,7 +76,7 @@ class Ballistic(ParticleWater):
     sound_speed = 0.0
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        super().__init__(config, basin, config.size(basin, arch()), accounts, wind)
+        super().__init__(config, basin, config.size(basin, running_arch()), accounts, wind)
         self.particles.pressure.fill(0.0)
         self.field = Field(self.particles, self.grid, self.smoothing, np.zeros(3))
         self.reference_speed = free_fall_speed(basin)

@@ -47,7 +47,7 @@ from ocean_sim.fluid.sph.water_keys import Lattice
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Copy, Template, arch, in_kernels
+from ocean_sim.runtime import Array, FieldCopy, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 ARTIFICIAL_STRESS = 0.3  # epsilon of Monaghan (2000, J. Comput. Phys. 159), eq. 3.2
@@ -468,7 +468,7 @@ class DeltaSph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.list_sizes(config.lattice(basin), arch())
+        sizes = config.list_sizes(config.lattice(basin), running_arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
         self.deviation, self.pressing = self.carried[
@@ -478,7 +478,7 @@ class DeltaSph(Sph):
             :CARRIED_NUMBERS
         ]  # the same before the sort of a step
         self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
-        self.excesses = Copy(self.excess)
+        self.excesses = FieldCopy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
         self.clamped, self.shifting = config.minimum_pressure is not None, config.is_enclosed(basin)
         if self.shifting:

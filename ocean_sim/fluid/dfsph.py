@@ -53,7 +53,7 @@ from ocean_sim.fluid.sph.sph import Sph, SphConfig, scheme_ledger, step_limits
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Array, Template, arch, in_kernels
+from ocean_sim.runtime import Array, Template, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 FORCE_ROW = Columns(position=3, velocity=3, pressure=1)  # read of a particle
@@ -325,7 +325,7 @@ class Dfsph(Sph):
     config: Config
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.list_size(config.lattice(basin), arch(), FORCE_ROW.size, 1)
+        sizes = config.list_size(config.lattice(basin), running_arch(), FORCE_ROW.size, 1)
         super().__init__(config, basin, sizes, accounts, wind)
         particles, n = self.particles, self.particles.n
         self.basin, self.closed = basin, config.is_enclosed(basin)

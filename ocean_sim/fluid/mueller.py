@@ -23,7 +23,7 @@ from ocean_sim.fluid.sph.sph import SphConfig, scheme_ledger
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight
-from ocean_sim.runtime import Copy, arch, in_kernels
+from ocean_sim.runtime import FieldCopy, in_kernels, running_arch
 from ocean_sim.wind import Wind
 
 SQUARED_GAP = 1.0e-12  # [m2] keeps two particles in one position finite
@@ -190,13 +190,13 @@ class Mueller(PairSph):
     momentum: Momentum
 
     def __init__(self, config: Config, basin: Basin, accounts: bool, wind: Wind) -> None:
-        sizes = config.list_size(config.lattice(basin), arch(), Momentum.row.size)
+        sizes = config.list_size(config.lattice(basin), running_arch(), Momentum.row.size)
         super().__init__(config, basin, sizes, accounts, wind)
         self.viscous = config.kinematic_viscosity > 0.0
         self.factors = ti.field(float, shape=3)  # of pressure and viscosity: a field, so that a change compiles nothing
         self.specific_volume = staggered_field(float, self.particles.n)  # 1 / density [m3/kg]
         self.density, self.momentum = Density(self), Momentum(self)
-        self.densities = Copy(self.particles.density)
+        self.densities = FieldCopy(self.particles.density)
         self.stiffness = self.sound_speed**2
         self.adjust()
         self.begin()

@@ -16,38 +16,41 @@ from types import FrameType, ModuleType
 from typing import TYPE_CHECKING
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import left_for_later, processor
+from ocean_sim.machine import left_for_later, processor_facts
 
-KNOWN = 25  # family of AMD's processors, the last that the compiler in Taichi 1.7 knows (LLVM 15)
-VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
-NAME = os.environ.get(VARIABLE) or TAICHI
+NEWEST_AMD_FAMILY = 25  # family of AMD's processors, the last that the compiler in Taichi 1.7 knows (LLVM 15)
+LIBRARY_VARIABLE, TAICHI, QUADRANTS = "OCEAN_SIM_LIBRARY", "taichi", "quadrants"
+LIBRARY_NAME = os.environ.get(LIBRARY_VARIABLE) or TAICHI
 
 __all__ = [
-    "NAME",
+    "LIBRARY_NAME",
     "FieldsBuilder",
     "SNodeTree",
     "ScalarField",
     "ast_transformer",
     "expr",
     "impl",
+    "is_library_attribute",
     "kernel_impl",
     "knows_processor",
     "matrix_ops",
-    "stashed",
     "ti",
     "tm",
     "to_numpy_type",
 ]
 
-if NAME not in (TAICHI, QUADRANTS):
+if LIBRARY_NAME not in (TAICHI, QUADRANTS):
     raise Lacking(
-        f"{VARIABLE}: {NAME!r} is not a library that compiles kernels here; set it to {TAICHI} or {QUADRANTS}"
+        f"{LIBRARY_VARIABLE}: {LIBRARY_NAME!r} is not a library that compiles kernels here; set it to {TAICHI} or "
+        f"{QUADRANTS}"
     )
 if "HOME" not in os.environ:  # without which Taichi ends the process
     os.environ["HOME"] = os.path.expanduser("~")
     if os.environ["HOME"] == "~":
         raise Lacking("HOME is not set, and the system knows no folder of this user; set it: compiled kernels go there")
-if NAME == TAICHI:  # whose own check of its version, which nobody asks for, imports all of Python's ways to a server
+if (
+    LIBRARY_NAME == TAICHI
+):  # whose own check of its version, which nobody asks for, imports all of Python's ways to a server
     unasked = ModuleType("taichi._version_check")
     unasked.start_version_check_thread = lambda: None  # type: ignore[attr-defined]
     sys.modules.setdefault(unasked.__name__, unasked)
@@ -73,7 +76,7 @@ def _imported_quickly() -> Iterator[None]:
 
 
 try:
-    if TYPE_CHECKING or NAME == TAICHI:
+    if TYPE_CHECKING or LIBRARY_NAME == TAICHI:
         with _imported_quickly():
             import taichi as ti
             from taichi.lang import matrix_ops
@@ -95,20 +98,26 @@ try:
 except ModuleNotFoundError as missing:
     if missing.name != QUADRANTS:
         raise
-    raise Lacking(f"{VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it") from missing
+    raise Lacking(
+        f"{LIBRARY_VARIABLE}: {QUADRANTS} is not installed here; pip install {QUADRANTS}, or unset it"
+    ) from missing
 
 
 def knows_processor() -> bool:
     """Whether the library's compiler knows this processor. One that it does not, it takes for the first of its kind,
     which works on four numbers of single precision at once."""
-    found = processor()
-    return NAME == QUADRANTS or found.get("vendor_id") != "AuthenticAMD" or int(found.get("cpu family", KNOWN)) <= KNOWN
+    found = processor_facts()
+    return (
+        LIBRARY_NAME == QUADRANTS
+        or found.get("vendor_id") != "AuthenticAMD"
+        or int(found.get("cpu family", NEWEST_AMD_FAMILY)) <= NEWEST_AMD_FAMILY
+    )
 
 
-def stashed(name: str, value: object) -> bool:
+def is_library_attribute(name: str, value: object) -> bool:
     """Whether the library has put this attribute on an object of ours: the fork keeps what it has worked out there, by
     names of its own, and each method that kernels call, bound, by that of the method."""
-    return NAME == QUADRANTS and (
+    return LIBRARY_NAME == QUADRANTS and (
         name.startswith("_qd_") or type(value).__module__.startswith("quadrants.lang._quadrants_callable")
     )
 
@@ -128,7 +137,7 @@ def _in_oriented_class(level_of_class_stackframe: int) -> bool:
     return any(pattern.match(line) for pattern in kernel_impl._KERNEL_CLASS_STACKFRAME_STMT_RES)
 
 
-if not TYPE_CHECKING and NAME == TAICHI:
+if not TYPE_CHECKING and LIBRARY_NAME == TAICHI:
     # Each field took Taichi 1.7 a millisecond for the stack of calls that declared it, and each decorated function one
     # for the module it is in.
     kernel_impl._inside_class = _in_oriented_class

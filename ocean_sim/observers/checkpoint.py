@@ -8,13 +8,13 @@ from types import FrameType
 from typing import Any, ClassVar
 
 from ocean_sim import kernel_library
-from ocean_sim.machine import installed, sources
+from ocean_sim.machine import installed_version, source_hashes
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
-from ocean_sim.state import file
-from ocean_sim.state.fields import Contents
-from ocean_sim.state.walk import Restorer, Snapshot
+from ocean_sim.state import checkpoint_file
+from ocean_sim.state.fields import FieldContents
+from ocean_sim.state.snapshot import Restorer, Snapshot
 
 KEPT_FILES = 2  # the newest, and the one before in case the newest is damaged
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -42,7 +42,7 @@ class Checkpoint(Observer):
         self.config, self.folder, self.simulation = config, folder, simulation
         self.multiples = Multiples(config.every)
         self.names: list[str] = []  # of the files that are kept
-        self.contents = Contents()
+        self.contents = FieldContents()
         self.last_write = perf_counter()  # wall time of the last file [s]
         self.stop_requested = False
         self.handlers: dict[int, Any] | None = None  # of signals, before this run
@@ -60,14 +60,15 @@ class Checkpoint(Observer):
     def write_state(self) -> None:
         """Write the present state, and delete all files but the newest."""
         simulation = self.simulation
-        name = file.name(simulation.time)
+        name = checkpoint_file.checkpoint_name(simulation.time)
         self.names = [*(kept for kept in self.names if kept != name), name][-KEPT_FILES:]
         taken = Snapshot(roots(simulation), self.folder, self.contents)
         made, scene = program_facts(simulation), simulation.scene.resolved()
-        file.written(
-            file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays), self.folder
+        checkpoint_file.write_checkpoint(
+            checkpoint_file.Checkpoint(simulation.time, simulation.steps, scene, made, taken.tree, taken.arrays),
+            self.folder,
         )
-        for path in file.kept(self.folder):
+        for path in checkpoint_file.checkpoint_files(self.folder):
             if path.name not in self.names:
                 path.unlink()
         self.last_write = perf_counter()
@@ -97,15 +98,15 @@ def roots(simulation: Simulation) -> dict[str, Any]:
 
 def program_facts(simulation: Simulation) -> dict[str, Any]:
     """Packages, backend and sources on which the bytes of a run depend."""
-    return versions() | {"backend": simulation.backend.arch, "sources": sources()}
+    return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
 def versions() -> dict[str, str | None]:
     """Versions of the packages that compute."""
-    return {name: installed(name) for name in ("ocean-sim", kernel_library.NAME, "numpy", "scipy")}
+    return {name: installed_version(name) for name in ("ocean-sim", kernel_library.LIBRARY_NAME, "numpy", "scipy")}
 
 
-def restore(simulation: Simulation, kept: file.Checkpoint, folder: Path, changed: str = "") -> None:
+def restore(simulation: Simulation, kept: checkpoint_file.Checkpoint, folder: Path, changed: str = "") -> None:
     """Put a simulation that was built from the same scene into the state of a checkpoint, with its files in `folder`.
 
     `changed`: differences of this program from that of the checkpoint, which every table states where it goes on.

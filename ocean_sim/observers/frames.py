@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
@@ -247,7 +247,7 @@ class Frames(Observer):
     def write(self, name: str, **arrays: object) -> None:
         file = BytesIO()  # in memory: savez seeks and writes for every array
         np.savez(file, **arrays)  # type: ignore[arg-type]
-        with whole(self.folder / f"{name}.npz") as draft:
+        with atomic_write(self.folder / f"{name}.npz") as draft:
             draft.write_bytes(file.getbuffer())
 
 

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Diverged
-from ocean_sim.files.whole_file import naming
+from ocean_sim.files.atomic_file import file_named_in_errors
 from ocean_sim.fluid import Totals, with_particles
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.checks import Momentum, Symmetry, distance_outside, level_ratio, surely_inside
@@ -26,7 +26,7 @@ from ocean_sim.observers.shared.energy import (
 )
 from ocean_sim.parts import ALONE
 from ocean_sim.ship import Ship
-from ocean_sim.simulation import NOWHERE, Concluding, PeriodicConfig, Simulation
+from ocean_sim.simulation import NO_FOLDER, OutcomeObserver, PeriodicConfig, Simulation
 
 STEPS_BETWEEN_CHECKS = 50  # of all positions
 ENERGY_CHECK_INTERVAL = 0.1  # [depth over reference speed] at most, between two checks of the energy
@@ -60,10 +60,10 @@ class Config(PeriodicConfig):
     reference speed: of motion, height and compression together, and of motion and height alone."""
 
     def build(self, folder: Path, simulation: Simulation) -> "Health":
-        return Health(self, None if folder is NOWHERE else folder, simulation)
+        return Health(self, None if folder is NO_FOLDER else folder, simulation)
 
 
-class Health(Concluding):
+class Health(OutcomeObserver):
     """Checks the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
 
     first_energy: tuple[float, float] | None  # of motion and height, and of compression [J]
@@ -112,7 +112,7 @@ class Health(Concluding):
         if self.events is not None:
             simulation = self.simulation
             line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
-            with naming(self.events.name):
+            with file_named_in_errors(self.events.name):
                 self.events.write(json.dumps(line) + "\n")
                 self.events.flush()
 

@@ -10,11 +10,21 @@ import numpy as np
 
 from ocean_sim import kernel_library
 from ocean_sim.files import input_file, run_files
-from ocean_sim.files.whole_file import write_facts
-from ocean_sim.machine import installed, program
-from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
+from ocean_sim.files.atomic_file import write_facts
+from ocean_sim.machine import installed_version, program_hash
+from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
 
-PACKAGE_NAMES = ("ocean-sim", kernel_library.NAME, "numpy", "scipy", "pydantic", "pyyaml", "h5py", "pyvista", "vtk")
+PACKAGE_NAMES = (
+    "ocean-sim",
+    kernel_library.LIBRARY_NAME,
+    "numpy",
+    "scipy",
+    "pydantic",
+    "pyyaml",
+    "h5py",
+    "pyvista",
+    "vtk",
+)
 
 
 class Config(ObserverConfig):
@@ -27,7 +37,7 @@ class Config(ObserverConfig):
         return Manifest(folder, simulation)
 
 
-class Manifest(Concluding):
+class Manifest(OutcomeObserver):
     """Writes manifest.json, without clock values, so that equal runs leave equal files."""
 
     left_out = ("facts",)  # the program that goes on has its own
@@ -41,8 +51,9 @@ class Manifest(Concluding):
             "scene_sha256": sha256(json.dumps(scene, sort_keys=True).encode()),
             "inputs": simulation.scene.inputs(),
             "seed": simulation.scene.seed,
-            "versions": {"python": platform.python_version()} | {name: installed(name) for name in PACKAGE_NAMES},
-            "sources_sha256": program(),
+            "versions": {"python": platform.python_version()}
+            | {name: installed_version(name) for name in PACKAGE_NAMES},
+            "sources_sha256": program_hash(),
             "machine": {"system": platform.system(), "processor": platform.machine()},
             "backend": {"arch": backend.arch, "threads": backend.threads, "precision": backend.precision},
             "particles": {
@@ -58,7 +69,7 @@ class Manifest(Concluding):
 
     def resumed(self, changed: str) -> None:
         """Add the time at which the run was resumed, and the change of the program since."""
-        before, now = input_file.document(self.path), round(self.simulation.time, 9)
+        before, now = input_file.read_json(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
         changes += [{"from_s": now, "what": changed}] if changed else []
@@ -86,7 +97,7 @@ class Manifest(Concluding):
     def write(self) -> None:
         """Write the manifest; files that others have listed there stay listed."""
         if before := run_files.read_manifest(self.path.parent):
-            self.facts["files"] = sorted({*self.facts["files"], *run_files.listed(before)})
+            self.facts["files"] = sorted({*self.facts["files"], *run_files.listed_files(before)})
         write_facts(self.path, self.facts)
 
 

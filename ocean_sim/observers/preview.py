@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, field_validator
 
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
@@ -284,5 +284,5 @@ class Screen:
 
 def write_png(path: Path, image: np.ndarray) -> None:
     """Write a picture as a PNG file, atomically."""
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         ti.tools.imwrite(np.ascontiguousarray(image), str(draft))

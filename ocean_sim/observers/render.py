@@ -24,8 +24,8 @@ from typing import IO, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import cores, end_led, outlive_no_parent, yield_to_others
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.machine import available_cores, exit_with_parent, kill_session, yield_to_others
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.observers.shared import run_report
 from ocean_sim.parts import SEVERAL, LedgerRow, Preflight, Problems, key_of
@@ -45,7 +45,7 @@ from ocean_sim.pictures.stage.camera import SHIP_CAMERAS, CameraName
 from ocean_sim.pictures.stage.picture import MAP_CAMERAS, PIXEL_SAMPLES, Moments, Picture, Shot, is_foreseeable
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, TANK_FITTINGS, run_scene
-from ocean_sim.simulation import Concluding, PeriodicConfig, Progress, Simulation
+from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
 
 PICTURE_SECONDS = {  # processor time [s] of a picture of 1280 x 720 without a graphics card, by dimensions and quality
     2: {"draft": 0.1, "final": 0.26},
@@ -167,7 +167,7 @@ class Config(PeriodicConfig):
             return 0.0
         by_turns, of = pictures * each, painter_count(pictures)
         alone = START_SECONDS[dimension] + (len(self.stills) + self.strip) * each
-        wall, wall_by_turns = (SERIAL_SHARE / n + (1.0 - SERIAL_SHARE) / cores() for n in (1, of))
+        wall, wall_by_turns = (SERIAL_SHARE / n + (1.0 - SERIAL_SHARE) / available_cores() for n in (1, of))
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
@@ -208,7 +208,7 @@ def config_options(config: Config, folder: Path) -> dict[str, Any]:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
 
-class Render(Concluding):
+class Render(OutcomeObserver):
     """Draws film.mp4 from the frames while the run goes on, and preview.png and all else when it is over; then the
     report is written again, with the pictures."""
 
@@ -318,7 +318,7 @@ class Drawer:
         child = self.child
         if child is not None:
             if child.returncode != 0:  # else it has ended what it led
-                end_led(child)
+                kill_session(child)
             for stream in (child.stdin, child.stdout):
                 if stream is not None:
                     with suppress(OSError):
@@ -376,7 +376,7 @@ def order_of(folder: Path, *, out: Path | None = None, every: float = 0.033, **a
 def painter_count(pictures: float) -> int:
     """Number of processes that draw a film of so many pictures by turns: one if it is short or there is but one
     core."""
-    return min(MAX_PAINTERS, cores()) if pictures > SHORT_FILM else 1
+    return min(MAX_PAINTERS, available_cores()) if pictures > SHORT_FILM else 1
 
 
 def draw_apart(orders: Sequence[Order], progress: Progress | None = None) -> None:
@@ -616,7 +616,7 @@ def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
     """H.264 that any player shows, in real time, and a row of small pictures of it."""
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
 
@@ -650,7 +650,7 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
     """Write a film of pictures that lie there as files, one for each `every` [s]."""
     import imageio.v2 as imageio
 
-    with whole(path) as draft, film_writer(draft, every) as writer:
+    with atomic_write(path) as draft, film_writer(draft, every) as writer:
         for picture in pictures:
             writer.append_data(imageio.imread(picture))
 
@@ -673,7 +673,7 @@ def film_writer(path: Path, every: float) -> Any:
 def save_png(path: Path, image: np.ndarray) -> None:
     import imageio.v2 as imageio
 
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         imageio.imwrite(draft, image, format="png", compress_level=6)
 
 
@@ -686,7 +686,7 @@ def hurry_when_over(over: threading.Event) -> None:
 def main() -> None:
     """Draw a request in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
     pictures of a film; the one with the first, 0, draws all else."""
-    over = outlive_no_parent()
+    over = exit_with_parent()
     asked = json.loads(sys.argv[1])
     turn = asked["turn"]
     if not asked["goes_on"]:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ocean_sim.observers.shared.run_report import write_report
-from ocean_sim.simulation import Concluding, ObserverConfig, Simulation
+from ocean_sim.simulation import ObserverConfig, OutcomeObserver, Simulation
 
 
 class Config(ObserverConfig):
@@ -17,7 +17,7 @@ class Config(ObserverConfig):
         return Report(folder)
 
 
-class Report(Concluding):
+class Report(OutcomeObserver):
     """Writes the page from the files of the other observers. `render` closes later, since its film takes long, and
     writes the page anew with its pictures."""
 

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, heading
-from ocean_sim.simulation import NOWHERE, Observer, PeriodicConfig, Simulation
+from ocean_sim.simulation import NO_FOLDER, Observer, PeriodicConfig, Simulation
 
 
 class Config(PeriodicConfig):
@@ -20,7 +20,7 @@ class Config(PeriodicConfig):
     """Simulated time between rows."""
 
     def build(self, folder: Path, simulation: Simulation) -> "Timings":
-        return Timings(self, None if folder is NOWHERE else folder, simulation)
+        return Timings(self, None if folder is NO_FOLDER else folder, simulation)
 
 
 class Mark(NamedTuple):

@@ -8,7 +8,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, described, merged, node_of, problem, read
+from ocean_sim.files.yaml_file import (
+    Location,
+    Node,
+    Problem,
+    SceneError,
+    describe_value,
+    merge_nodes,
+    node_of,
+    problem_at,
+    read_mapping,
+)
 from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
 from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
@@ -29,7 +39,7 @@ class Choice:
 
     def whole(self) -> Node:
         """The preset or kind with the keys written over it, at the line that names it and not in the preset's file."""
-        return merged(self.base, self.own)
+        return merge_nodes(self.base, self.own)
 
 
 @dataclass
@@ -54,7 +64,7 @@ class Composition:
                 rest = {key: value for key, value in node.data.items() if key != "kind"}
                 if "kind" in node.data:
                     below = self.another_kind(place, below, node.data["kind"])
-                self.slots[place] = Choice(below.base, merged(below.own, node.with_data(rest)))
+                self.slots[place] = Choice(below.base, merge_nodes(below.own, node.with_data(rest)))
         except SceneError as error:
             self.problems += error.problems
             self.slots[place] = None
@@ -69,8 +79,8 @@ class Composition:
         if node.data is None:
             return
         if not node.is_mapping:
-            message = f"expected a mapping of names to ships, got {described(node.data)}"
-            self.problems.append(problem(node.location, SEVERAL, message))
+            message = f"expected a mapping of names to ships, got {describe_value(node.data)}"
+            self.problems.append(problem_at(node.location, SEVERAL, message))
             return
         for name, ship in node.data.items():
             key, meant = key_for_name(name, ship), None
@@ -84,7 +94,7 @@ class Composition:
             else:
                 yield key_of(name), ship
                 continue
-            self.problems.append(problem(ship.key_location, f"{SEVERAL}.{name}", message, meant))
+            self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
         """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""
@@ -106,7 +116,7 @@ class Composition:
         if "" in path:
             meant = ".".join(filter(None, path)) or None
             end = f"; did you mean {meant!r}?" if meant else ""
-            self.problems.append(problem(value.location, key, f"there is a dot where a key should be{end}", meant))
+            self.problems.append(problem_at(value.location, key, f"there is a dot where a key should be{end}", meant))
             return
         if path == (SEVERAL,):
             self.set_ships(value)
@@ -116,7 +126,7 @@ class Composition:
         elif path[0] in SLOTS:
             self.set_part(path[0], path[1:], value)
         elif len(path) == 1 and (meant := self.without_dot(key)) is not None:
-            self.problems.append(problem(value.location, key, f"unknown key; did you mean {meant!r}?", meant))
+            self.problems.append(problem_at(value.location, key, f"unknown key; did you mean {meant!r}?", meant))
         else:
             self.root = self.put(self.root, path, (), value)
 
@@ -135,9 +145,9 @@ class Composition:
         slot = BESIDE[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
-            self.problems.append(problem(node.key_location, key, f"give either `{key}` or `{slot}.{key}`, not both"))
+            self.problems.append(problem_at(node.key_location, key, f"give either `{key}` or `{slot}.{key}`, not both"))
         elif choice is None and slot not in self.failed:
-            self.problems.append(problem(node.key_location, key, f"there is no `{slot}` that it could belong to"))
+            self.problems.append(problem_at(node.key_location, key, f"there is no `{slot}` that it could belong to"))
         elif choice is not None:
             self.set_part(slot, (key,), node)
 
@@ -183,8 +193,8 @@ class Composition:
             there = f"0 to {len(data) - 1}" if data else "none"
             message = f"{whole} is a list; its entries are numbered: {there}"
         else:
-            message = f"{whole} is {described(data)}, which has no keys; set {whole} as a whole"
-        self.problems.append(problem(value.location, dotted((*above, *path)), message))
+            message = f"{whole} is {describe_value(data)}, which has no keys; set {whole} as a whole"
+        self.problems.append(problem_at(value.location, dotted((*above, *path)), message))
         return node
 
 
@@ -209,7 +219,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
             result.lay(key, node, below)
         else:
             below = result.root.data.get(key)
-            result.root.data[key] = node if below is None else merged(below, node)
+            result.root.data[key] = node if below is None else merge_nodes(below, node)
     for key, node in sorted(overrides.items(), key=lambda item: (item[0].count("."), not item[0].endswith(".kind"))):
         result.set(key, node)
     for key in beside.keys() - early:
@@ -224,7 +234,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
     if ships and ALONE in data:
         written = [node for key, node in overrides.items() if key.partition(".")[0] == ALONE]
         location = next(iter([*written, scene.data.get(ALONE, data[ALONE])])).key_location
-        result.problems.append(problem(location, ALONE, "give either `ship` or `ships`, not both"))
+        result.problems.append(problem_at(location, ALONE, "give either `ship` or `ships`, not both"))
     if ships:
         data[SEVERAL] = scene.data.get(SEVERAL, next(iter(ships.values()))).with_data(ships)
     result.root = result.root.with_data(data)
@@ -243,9 +253,11 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
     else:
         raise SceneError([without_kind(place, node)])
     if not isinstance(name.data, str):
-        raise SceneError([problem(name.location, f"{place}.kind", f"expected a name, got {described(name.data)}")])
+        raise SceneError(
+            [problem_at(name.location, f"{place}.kind", f"expected a name, got {describe_value(name.data)}")]
+        )
     if name.data in named(slot) and name.data not in within and (name is node or name.data not in kinds(slot)):
-        part = read(library("configs") / slot / f"{name.data}.yaml")
+        part = read_mapping(library("configs") / slot / f"{name.data}.yaml")
         base = choice_of(place, part, (*within, name.data)).whole()
         kind = name.with_data(base.data["kind"].data)
         return Choice(base.with_data(base.data | {"kind": kind}), own)
@@ -259,15 +271,15 @@ def without_kind(place: str, node: Node) -> Problem:
     slot = slot_of(place)
     end = f"there are {', '.join(known_names(slot))}"
     if not node.is_mapping:
-        wrong = f"expected a name or a mapping with `kind`, got {described(node.data)}"
-        return problem(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")
+        wrong = f"expected a name or a mapping with `kind`, got {describe_value(node.data)}"
+        return problem_at(node.location, place, f"{wrong}, as in {{kind: {kinds(slot)[0]}}}; {end}")
     mistyped = next((key for key in node.data if likeliest(str(key), keys_of(slot)) == "kind"), None)
     if mistyped is not None:
         message = f"unknown key; did you mean 'kind'? {end}"
-        return problem(node.data[mistyped].key_location, f"{place}.{mistyped}", message, "kind")
+        return problem_at(node.data[mistyped].key_location, f"{place}.{mistyped}", message, "kind")
     meant = kind_of_keys(slot, node)
     wrong = "missing key;" if meant is None else f"missing key; with these keys, did you mean {meant!r}?"
-    return problem(node.location, f"{place}.kind", f"{wrong} {end}", meant)
+    return problem_at(node.location, f"{place}.kind", f"{wrong} {end}", meant)
 
 
 def keys_of(slot: str) -> list[str]:
@@ -319,4 +331,4 @@ def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Proble
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:
         end += f" there are {', '.join(choices)}"
-    return problem(name.location, key, f"no {what} {name.data!r}{end}", suggestion)
+    return problem_at(name.location, key, f"no {what} {name.data!r}{end}", suggestion)

@@ -11,19 +11,18 @@ from pydantic import PrivateAttr
 
 from ocean_sim import basin
 from ocean_sim.conventions import Refused, Unsuited
-from ocean_sim.files.input_file import digest, input_names
+from ocean_sim.files.input_file import display_path, file_digest, input_names
 from ocean_sim.files.yaml_file import (
     Location,
     Node,
     Problem,
     SceneError,
-    cut,
     in_yaml,
-    mapping,
     node_of,
-    problem,
-    read,
-    shown,
+    parse_mapping,
+    problem_at,
+    read_mapping,
+    shorten,
 )
 from ocean_sim.model import Model
 from ocean_sim.parts import (
@@ -112,10 +111,11 @@ class SceneConfig(Heading):
         """SHA-256 of each file that the scene names and its numbers depend on, by name; raises Refused where one has
         changed since the scene was loaded."""
         parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
-        found = {name: digest(name) for name in sorted(set(input_names(parts)))}
+        found = {name: file_digest(name) for name in sorted(set(input_names(parts)))}
         for name, now in found.items():
             if self._inputs.get(name, now) != now:
-                raise Refused(f"{shown(name)}: this file has changed since the scene was loaded; load the scene again")
+                changed = f"{display_path(name)}: this file has changed since the scene was loaded"
+                raise Refused(f"{changed}; load the scene again")
         return found
 
     def files(self) -> list[str]:
@@ -174,17 +174,17 @@ def load(
         raise Unsuited(f"load: overrides is a dict of values by dotted key, not {overrides!r:.60}")
     try:
         folder = None if isinstance(source, dict) else scene_path(source).parent.absolute()
-        scene = node_of(source, Location("scene")) if isinstance(source, dict) else read(scene_path(source))
+        scene = node_of(source, Location("scene")) if isinstance(source, dict) else read_mapping(scene_path(source))
         return _compose_and_check(scene, folder, overrides, profile)
     except RecursionError:
-        raise SceneError([problem(Location("scene"), "", "nested too deeply")]) from None
+        raise SceneError([problem_at(Location("scene"), "", "nested too deeply")]) from None
 
 
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
     """The scene in a text, as if it stood in a file of this name in a folder, from which its names of files start."""
-    return _compose_and_check(mapping(text, name), folder.absolute(), overrides, profile)
+    return _compose_and_check(parse_mapping(text, name), folder.absolute(), overrides, profile)
 
 
 def _compose_and_check(
@@ -208,7 +208,8 @@ def scene_path(source: str | Path) -> Path:
         return packaged
     if not path.exists():
         end, suggestion = choice_sentence(str(source), packaged_scenes())
-        raise SceneError([problem(Location(shown(path)), "", f"there is no such file or scene{end}", suggestion)])
+        location = Location(display_path(path))
+        raise SceneError([problem_at(location, "", f"there is no such file or scene{end}", suggestion)])
     return path
 
 
@@ -225,10 +226,10 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
     if profile not in named("run"):
         name = node_of(profile, Location(f"--profile {profile}"))
         return None, [unknown_name("profile", name, "", named("run"))]
-    node = read(library("configs") / "run" / f"{profile}.yaml")
+    node = read_mapping(library("configs") / "run" / f"{profile}.yaml")
     allowed = ("runtime", "time_step", "resolution", *observer_names())
     problems = [
-        problem(
+        problem_at(
             inner.key_location,
             key,
             f"a profile has no such key{choice_sentence(key, allowed)[0]}",
@@ -242,7 +243,7 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 def _override_node(key: str, value: Any) -> Node:
     """A node of the value that `--set`, or Python, gives for a key."""
-    shown = "" if isinstance(value, Node) else cut(in_yaml(value), MAX_VALUE_BYTES)
+    shown = "" if isinstance(value, Node) else shorten(in_yaml(value), MAX_VALUE_BYTES)
     return node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
 
 
@@ -332,7 +333,7 @@ def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
         if key not in known:
             end, suggestion = _suggest_below(key, root.data)
             end, suggestion = (end, suggestion) if end else key_sentence(key, known)
-            problems.append(problem(node.key_location, key, f"unknown key{end}", suggestion))
+            problems.append(problem_at(node.key_location, key, f"unknown key{end}", suggestion))
     return problems
 
 
@@ -363,7 +364,7 @@ def _part_model(
         problems += (with_owners(one, slot, name) for one in wrong)
         return found
     if name in ("basin", "fluid") and name not in composition.failed:
-        problems.append(problem(composition.root.location, name, "missing key"))
+        problems.append(problem_at(composition.root.location, name, "missing key"))
     return RuntimeConfig() if name == "runtime" else None
 
 
@@ -376,21 +377,21 @@ def _kind_mismatches(parts: Mapping[str, PartConfig], data: dict[str, Node], fla
     if "sea" in parts and not fluid.joins_a_sea:
         joining = " or ".join(name for name, config in water_schemes() if config.joins_a_sea)
         sentence = f"water of kind {water} cannot be a patch of open sea; take {joining}"
-        problems.append(problem(data["sea"].location, "sea", sentence))
+        problems.append(problem_at(data["sea"].location, "sea", sentence))
     if surface is not None and not fluid.made_of_particles:
         sentence = f"a surface follows particles, and fluid.kind {water} has none; leave it out"
-        problems.append(problem(data["surface"].location, "surface", sentence))
+        problems.append(problem_at(data["surface"].location, "surface", sentence))
     for place, ship in parts.items():
         if not isinstance(ship, ShipConfig):
             continue
         kind, location = ship.kind, (_place_node(data, place) or data["fluid"]).location
         if "surface" not in parts and fluid.made_of_particles and ship.needs_surface and not flat:
             sentence = f"a {kind} ship over particles reads the height of the water from a surface; add a `surface`"
-            problems.append(problem(location, place, sentence))
+            problems.append(problem_at(location, place, sentence))
         if ship.carried_as_body and not fluid.carries_bodies:
             carrying = " or ".join(name for name, config in water_schemes() if config.carries_bodies)
             sentence = f"water of kind {water} does not carry a ship of kind {kind}; take {carrying}"
-            problems.append(problem(location, place, sentence))
+            problems.append(problem_at(location, place, sentence))
     return problems
 
 
@@ -407,7 +408,7 @@ def _missing_needs(
         absent = [need for need in config.needs if need not in there]
         if absent:
             sentence = f"needs {', '.join(absent)}, which this scene does not have"
-            problems.append(problem(data.get(name, root).location, name, sentence))
+            problems.append(problem_at(data.get(name, root).location, name, sentence))
     return problems
 
 
@@ -422,7 +423,9 @@ def _observers(
         node = data.get(name, root.with_data({} if on else None))
         if node.data is None:
             if name == "manifest":
-                problems.append(problem(node.location, name, "every run writes its manifest; this key cannot be null"))
+                problems.append(
+                    problem_at(node.location, name, "every run writes its manifest; this key cannot be null")
+                )
             continue
         config = validated(import_module(f"ocean_sim.observers.{name}").Config, node, (name,), problems, folder)
         if config is not None:
@@ -465,5 +468,5 @@ def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
         inner = _place_node(root.data, name) or root
         for step in path:
             inner = inner.child(step) or inner
-        problems.append(problem(inner.location, dotted((name, *path)), sentence))
+        problems.append(problem_at(inner.location, dotted((name, *path)), sentence))
     return problems

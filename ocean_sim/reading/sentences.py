@@ -5,7 +5,7 @@ from functools import cache
 from itertools import dropwhile, takewhile
 from pathlib import Path
 
-from ocean_sim.files.yaml_file import read
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.parts import PACKAGE, kinds, library, named
 
 
@@ -31,7 +31,7 @@ def opening_sentence(docstring: str) -> str:
 
 def file_sentence(path: Path) -> str:
     """The title in a file, or else the beginning of its first comment."""
-    title = read(path).data.get("title")
+    title = read_mapping(path).data.get("title")
     if title is not None and isinstance(title.data, str):
         return title.data
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if "yaml-language-server" not in line]

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from ocean_sim.files.input_file import FOLDER
-from ocean_sim.files.yaml_file import Node, Problem, described, problem
+from ocean_sim.files.input_file import SCENE_FOLDER_KEY
+from ocean_sim.files.yaml_file import Node, Problem, describe_value, problem_at
 from ocean_sim.model import in_brackets
 
 MIN_NUMBER, MAX_NUMBER = 1e-60, 1e15  # size of a number in SI units that a scene may hold
@@ -117,7 +117,7 @@ def validated(
     beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
-        found = model.model_validate(node.plain(), context={FOLDER: folder})
+        found = model.model_validate(node.plain(), context={SCENE_FOLDER_KEY: folder})
     except ValidationError as error:
         wrong = translate_errors(error, model, node, path)
     told = {each.key for each in wrong}
@@ -132,8 +132,8 @@ def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
             yield from out_of_range(inner, (*path, key))
     elif isinstance(node.data, int | float) and node.data:
         if not MIN_NUMBER <= abs(node.data) <= MAX_NUMBER and abs(node.data) < inf:
-            message = f"{described(node.data)} is out of range: 0, or between {MIN_NUMBER:g} and {MAX_NUMBER:g}"
-            yield problem(node.location, dotted(path), message)
+            message = f"{describe_value(node.data)} is out of range: 0, or between {MIN_NUMBER:g} and {MAX_NUMBER:g}"
+            yield problem_at(node.location, dotted(path), message)
 
 
 def dotted(path: Path) -> str:
@@ -293,8 +293,8 @@ def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
     wanted = list(dict.fromkeys(_expected_form(errors[0]) for errors in members.values()))
     first = found[0]
     hint = next(filter(None, (_number_hint(errors[0]) for errors in members.values())), "")
-    message = f"expected {' or '.join(wanted)}, got {described(first.node.plain())}{hint}"
-    return [problem(first.node.location, dotted(prefix + first.path), message)]
+    message = f"expected {' or '.join(wanted)}, got {describe_value(first.node.plain())}{hint}"
+    return [problem_at(first.node.location, dotted(prefix + first.path), message)]
 
 
 def _expected_form(found: _Found) -> str:
@@ -304,7 +304,7 @@ def _expected_form(found: _Found) -> str:
 def _problem_of(found: _Found, prefix: Path) -> Problem:
     """One error as a problem."""
     key, location = dotted(prefix + found.path), found.node.location
-    value, context, suggestion = described(found.node.plain()), found.context, None
+    value, context, suggestion = describe_value(found.node.plain()), found.context, None
     bound = next((name for name in BOUND_WORDS if name in context), None)
     if found.member == "[key]":
         key, location = dotted(prefix + found.path[:-1]), found.node.key_location
@@ -345,7 +345,7 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
         message = str(context.get("error", found.message))
     else:
         message = found.message.replace("Input should be", "this should be")
-    return problem(location, key, message, suggestion)
+    return problem_at(location, key, message, suggestion)
 
 
 def _number_hint(found: _Found) -> str:

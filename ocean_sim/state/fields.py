@@ -9,12 +9,12 @@ import numpy as np
 from ocean_sim.kernel_library import ti, to_numpy_type
 from ocean_sim.runtime import in_kernels
 
-TOGETHER = 32  # fields of a kernel; Taichi warns of more
-LONGEST = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
+MAX_FIELDS_PER_KERNEL = 32  # fields of a kernel; Taichi warns of more
+MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 
 @in_kernels
-class Bundle:
+class FieldBundle:
     """Fields of one number each, of one type, laid in a row; a loop of a kernel takes all that are of one shape, for
     it is loops that take long to compile."""
 
@@ -61,12 +61,12 @@ class Bundle:
                     field[index] = row[first + k]
 
 
-class Contents:
+class FieldContents:
     """Reads and writes fields by name; the second time nothing is compiled."""
 
     def __init__(self) -> None:
         self.known: list[ti.Field] = []
-        self.bundles: list[tuple[list[str], Bundle]] = []
+        self.bundles: list[tuple[list[str], FieldBundle]] = []
 
     def read(self, fields: dict[str, ti.Field]) -> dict[str, np.ndarray]:
         """All that each field holds."""
@@ -93,16 +93,16 @@ class Contents:
         scalar = {name: field for name, field in fields.items() if isinstance(field, ti.ScalarField)}
         for kind in sorted({str(field.dtype) for field in scalar.values()}):
             sizes = {name: prod(field.shape) for name, field in scalar.items() if str(field.dtype) == kind}
-            self.bundles += [(names, Bundle([scalar[name] for name in names])) for names in parted(sizes)]
+            self.bundles += [(names, FieldBundle([scalar[name] for name in names])) for names in group_names(sizes)]
 
 
-def parted(sizes: dict[str, int]) -> Iterator[list[str]]:
+def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
     """The names of fields of so many numbers each, in their order: as many together as a kernel takes and a row
     holds."""
     together: list[str] = []
     length = 0
     for name, size in sizes.items():
-        if together and (len(together) == TOGETHER or length + size > LONGEST):
+        if together and (len(together) == MAX_FIELDS_PER_KERNEL or length + size > MAX_ROW_LENGTH):
             yield together
             together, length = [], 0
         together.append(name)
@@ -111,7 +111,7 @@ def parted(sizes: dict[str, int]) -> Iterator[list[str]]:
         yield together
 
 
-def shape(field: ti.Field) -> tuple[int, ...]:
+def array_shape(field: ti.Field) -> tuple[int, ...]:
     """The shape of the array that holds the values of a field."""
     own = getattr(field, "n", None), getattr(field, "m", None)
     return (*field.shape, *(() if isinstance(field, ti.ScalarField) else own[: field.ndim]))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import Motions
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parsed, problem
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, parse_yaml, problem_at
 from ocean_sim.parts import SLOTS, from_coarse, slot_of
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
@@ -121,10 +121,10 @@ def vary_setting(texts: list[str]) -> Varied:
         key, equals, values = text.partition("=")
         location = Location(f"--vary {text}")
         if not equals or not key.strip() or not values.strip():
-            raise SceneError([problem(location, "", "expected KEY=A,B,C, as in fluid.spacing=1.0,0.8,0.6")])
-        nodes = node_of(parsed(f"[{values}]", location).plain(), location).data
+            raise SceneError([problem_at(location, "", "expected KEY=A,B,C, as in fluid.spacing=1.0,0.8,0.6")])
+        nodes = node_of(parse_yaml(f"[{values}]", location).plain(), location).data
         if not isinstance(nodes, list) or not nodes:
-            raise SceneError([problem(location, key, "there are no values")])
+            raise SceneError([problem_at(location, key, "there are no values")])
         found[key.strip()] = nodes
     return found
 
@@ -145,7 +145,9 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
-        raise SceneError([problem(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")])
+        raise SceneError(
+            [problem_at(location, "", f"there are {count} settings; 2 to {MOST_SETTINGS} can be compared")]
+        )
     best = {key: finest_setting(key, [node.plain() for node in nodes]) for key, nodes in vary.items()}
     found: list[Setting] = []
     problems: list[Problem] = []

@@ -17,7 +17,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem_at, read_mapping
 from ocean_sim.model import Model
 from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.reading.translation import validated
@@ -69,7 +69,7 @@ class Planned:
 def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     """The runs of a plan in its own order, on `threads` where a scene leaves them open; raises SceneError, which holds
     everything that is wrong."""
-    node = read(path)
+    node = read_mapping(path)
     problems: list[Problem] = []
     plan = validated(PlanConfig, node, (), problems)
     problems += _empty(node)
@@ -77,7 +77,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
         raise SceneError(problems)
     count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
     if count > MOST_RUNS:
-        raise SceneError([problem(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
+        raise SceneError([problem_at(node.location, "", f"this plan has {count} runs; {MOST_RUNS} are the most")])
     shared = node.data["set"].data if "set" in node.data else {}
     runs = []
     for settings in _grid_settings(node):
@@ -97,7 +97,7 @@ def _empty(node: Node) -> list[Problem]:
     grid = node.child("grid")
     lists = [(f"grid.{key}", value) for key, value in grid.data.items()] if grid is not None and grid.is_mapping else []
     lists += [(key, node.data[key]) for key in ("list", "seeds") if key in node.data]
-    return [problem(inner.location, key, "this list is empty") for key, inner in lists if inner.data == []]
+    return [problem_at(inner.location, key, "this list is empty") for key, inner in lists if inner.data == []]
 
 
 def _grid_settings(node: Node) -> Iterator[Settings]:
@@ -122,10 +122,10 @@ def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"
-        return problem(touched[-1].location, found.key, message, found.suggestion)
+        return problem_at(touched[-1].location, found.key, message, found.suggestion)
     if found.line is not None:
         return found
     key = "profile" if found.file.startswith("--profile") else "scene"
     location = plan.data[key].location
     message = f"{found.file}: {found.message}" if key == "scene" else found.message
-    return problem(location, found.key or key, message, found.suggestion)
+    return problem_at(location, found.key or key, message, found.suggestion)

@@ -91,7 +91,7 @@ class Peer(NamedTuple):
 def peer_points() -> list[Peer]:
     """Those of validation/data/peers.csv."""
     text = (files("ocean_sim.validation") / "data" / "peers.csv").read_text(encoding="utf-8")
-    rows = csv_file.records(text)
+    rows = csv_file.read_records(text)
     return [Peer(row["case"], row["program"], int(row["particles"]), float(row["error"])) for row in rows]
 
 

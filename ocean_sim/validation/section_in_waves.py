@@ -161,7 +161,7 @@ def section_keys(cells: int) -> dict[str, Any]:
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
     """Measured first harmonics over the amplitude a, roll over k a, by period [s] and motion; means of repetitions."""
-    table = csv_file.columns(table_path("sundsdal2025_section"))
+    table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:
         values = table[MEASURED_COLUMNS[motion]]

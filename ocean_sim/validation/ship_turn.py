@@ -43,7 +43,7 @@ SOURCE_TEXT = "IMO MSC.137(76), 5.3"
 
 def coarse_preset(name: str) -> dict[str, Any]:
     """Keys of a ship of configs/ship, at a coarser resolution."""
-    keys = yaml_file.read(library("configs") / "ship" / f"{name}.yaml").plain()
+    keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
     return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
 
 

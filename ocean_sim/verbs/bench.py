@@ -144,7 +144,7 @@ def bench_one(order: str, as_json: Json = False) -> None:
     console.answer(
         {
             "scene": asked["scene"],
-            "library": kernel_library.NAME,
+            "library": kernel_library.LIBRARY_NAME,
             "particles": particles,
             "threads": threads,
             "ms_per_step": median(per_step),

@@ -92,8 +92,10 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     if dt > 1.05 * longest:
         over = f"{dt / longest:.2g} times the {longest:.3g} s that stayed stable in still water ({ruling} limit)"
         warnings.append(f"the time step of {dt:.3g} s is {over}")
-    if memory > 0.9 * machine.memory():
-        warnings.append(f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory() / 1e9:.1f} GB")
+    if memory > 0.9 * machine.memory_limit():
+        warnings.append(
+            f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB"
+        )
     each, pictures = step_time(config), picture_time(config)
     steps = None if each is None else each * config.duration / dt
     return {
@@ -126,7 +128,7 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
     """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
     into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
     nothing, into CARD_BYTES."""
-    from ocean_sim.runtime import BASE_MEMORY, CARDS, COPIES
+    from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:
         return {"bytes_a_particle": None, "most_particles": None}
@@ -135,10 +137,10 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
     others = sum(row.bytes for row in rows) - water - watched
     each = -(-water // particles)
     free, taken = CARD_BYTES - others, each
-    if config.runtime.arch not in CARDS:
+    if config.runtime.arch not in GRAPHICS_CARD_CHOICES:
         seen = sum(part.bytes_a_particle(config.preflight) for part in config.observers.values())
-        free = 0.9 * machine.memory() - others - (watched - seen * particles) - BASE_MEMORY
-        taken = each + COPIES + seen
+        free = 0.9 * machine.memory_limit() - others - (watched - seen * particles) - BASE_MEMORY
+        taken = each + COPY_BYTES_PER_PARTICLE + seen
     most = min(int(free / taken), config.fluid.most_particles(config.preflight))
     return {"bytes_a_particle": each, "most_particles": max(0, most)}
 
@@ -193,12 +195,12 @@ def memory_taken(found: dict[str, Any]) -> str:
 
 def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
     """Memory of a particle, and the number that fits."""
-    from ocean_sim.runtime import CARDS
+    from ocean_sim.runtime import GRAPHICS_CARD_CHOICES
 
     if found["bytes_a_particle"] is None:
         return "no particles"
-    where = f"the {machine.memory() / 1e9:.1f} GB of this machine"
-    if config.runtime.arch in CARDS:
+    where = f"the {machine.memory_limit() / 1e9:.1f} GB of this machine"
+    if config.runtime.arch in GRAPHICS_CARD_CHOICES:
         where = f"{CARD_BYTES / 1e9:.0f} GB of a graphics card"
     fit = f"{found['most_particles'] / 1e6:.2g} million particles fit into {where}"
     if found["particles"] < FEW_PARTICLES:

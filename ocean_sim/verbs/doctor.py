@@ -71,11 +71,11 @@ def examine_machine() -> dict[str, Any]:
         "opengl": opengl_row(),
         "video": run_probe(FILM_PROBE),
         "machine": f"{platform.system()} {platform.machine()}",
-        "cores": machine.cores(),
-        "memory_gb": machine.memory() / 1e9,
+        "cores": machine.available_cores(),
+        "memory_gb": machine.memory_limit() / 1e9,
         "python": platform.python_version(),
         "executable": sys.executable,
-        "versions": {name: number for name in PACKAGE_NAMES if (number := machine.installed(name)) is not None},
+        "versions": {name: number for name in PACKAGE_NAMES if (number := machine.installed_version(name)) is not None},
         "cache": cache,
     }
 
@@ -115,13 +115,13 @@ def opengl_row() -> dict[str, Any]:
 def vector_row() -> dict[str, Any]:
     """Fact about the vector width of kernels: the compiler in Taichi 1.7 takes a processor newer than itself for the
     first of its kind."""
-    fact, room = run_probe(VECTOR_PROBE), machine.vector_room()
+    fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact
     library, width = fact["detail"].split()
     if room is None or int(width) >= min(room, USUAL_VECTOR_WIDTH):
         return {"ok": True, "detail": f"{library} works on {width} numbers at once"}
-    after = "" if machine.installed("quadrants") else ", after `pip install quadrants`"
+    after = "" if machine.installed_version("quadrants") else ", after `pip install quadrants`"
     cure = f"; particles are quicker with runtime.library=quadrants{after}"
     does = f"{library} does not know this processor, and works on {width} numbers at once, not {room}"
     return {"ok": False, "detail": does + (cure if library == "taichi" else "")}

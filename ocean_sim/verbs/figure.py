@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from ocean_sim.machine import extra_missing
+from ocean_sim.machine import missing_extra
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
@@ -74,7 +74,7 @@ def figure(
     """Draw figures one after the other and report; the exit code is 1 where one failed, and the others are there."""
     with console.claim(out):
         known = figure_scripts()
-        if missing := extra_missing("pictures"):
+        if missing := missing_extra("pictures"):
             raise console.Lacking(f"figures are pictures: {missing}")
         for name in names:
             if name not in known and name != ALL_FIGURES:

@@ -17,8 +17,8 @@ import typer
 
 from ocean_sim import pictures
 from ocean_sim.conventions import Failed
-from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import read
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.model import Model
 from ocean_sim.parts import PACKAGE, KindConfig, library, slot_of
 from ocean_sim.reading.scene import load
@@ -52,7 +52,7 @@ class Entry(Model):
     def stamp(self) -> str:
         """A hash of what the scene and its presets say, of the command, of that code and of how pictures look: another
         one calls for another picture."""
-        scene = read(library("scenes") / f"{self.scene}.yaml").plain()
+        scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
         asked += [part.model_dump(mode="json", exclude_defaults=True) for part in law_files(self.scene).values()]
         asked += [is_computing(path.read_text(encoding="utf-8")) for path in self.files()]
@@ -89,7 +89,7 @@ def is_computing(code: str) -> list[str]:
 
 
 def gallery_entries() -> list[Entry]:
-    listed = read(library("figures") / "gallery" / LIST_FILE).plain()["pictures"]
+    listed = read_mapping(library("figures") / "gallery" / LIST_FILE).plain()["pictures"]
     return [Entry.model_validate(row) for row in listed]
 
 
@@ -171,7 +171,7 @@ def keep_picture(drawn: Path, path: Path) -> None:
     from PIL import Image
 
     found = sorted(drawn.glob("still_*.png")) or [drawn / "motion.png"]
-    with Image.open(found[0]) as image, whole(path) as draft:
+    with Image.open(found[0]) as image, atomic_write(path) as draft:
         if path.suffix == ".jpg":
             image.convert("RGB").save(draft, "JPEG", quality=JPEG_QUALITY, optimize=True)
         else:
@@ -181,6 +181,6 @@ def keep_picture(drawn: Path, path: Path) -> None:
 def read_stamps(folder: Path, entry: Entry) -> None:
     path = folder / STAMP_FILE
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         words = json.dumps(known | {entry.picture: entry.stamp}, indent=1, sort_keys=True)
         draft.write_text(words + "\n", encoding="utf-8")

@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY, AxisName, figures
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, number_list
 
@@ -188,12 +188,12 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
 
 def condition_of(path: Path) -> "Loading":
     """A loading condition; raises SceneError."""
-    from ocean_sim.files.yaml_file import Problem, SceneError, read
+    from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
     from ocean_sim.reading.translation import validated
     from ocean_sim.ship.naval.stability import Loading
 
     problems: list[Problem] = []
-    found = validated(Loading, read(path), (), problems)
+    found = validated(Loading, read_mapping(path), (), problems)
     if found is None:
         raise SceneError(problems)
     return found
@@ -515,5 +515,5 @@ def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
     axes.set_ylabel("GZ [m]")
     axes.grid(alpha=0.3)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         figure.savefig(draft, dpi=100)

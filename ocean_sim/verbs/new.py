@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import Node, in_yaml, read
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.yaml_file import Node, in_yaml, read_mapping
 from ocean_sim.machine import cache_directory
 from ocean_sim.model import in_brackets
 from ocean_sim.parts import PACKAGE, SLOTS
@@ -40,8 +40,8 @@ def new(
     if file.exists():
         raise console.Refused(f"{file}: this file is there already; name another one")
     load(source)  # what is wrong with it is reported first
-    scene = read(scene_path(source))
-    with whole(file) as draft:
+    scene = read_mapping(scene_path(source))
+    with atomic_write(file) as draft:
         draft.write_text("\n".join(scene_lines(scene, file)) + "\n", encoding="utf-8")
     load(file)
     if as_json:
@@ -80,7 +80,7 @@ def schema_file() -> Path:
     kept, wanted = cache_directory() / "scene.schema.json", schema_text()
     if not kept.is_file() or kept.read_text(encoding="utf-8") != wanted:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        with whole(kept) as draft:
+        with atomic_write(kept) as draft:
             draft.write_text(wanted, encoding="utf-8")
     return kept
 
@@ -114,5 +114,5 @@ def print_schema(
             sys.stdout.write(schema_text())
             sys.stdout.flush()
     else:
-        with whole(out) as draft:
+        with atomic_write(out) as draft:
             draft.write_text(schema_text(), encoding="utf-8")

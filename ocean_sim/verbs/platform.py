@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merged, node_of, read
+from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, merge_nodes, node_of, read_mapping
 from ocean_sim.observers.platform_log import heading
 from ocean_sim.observers.shared.csv_rows import CsvFile
 from ocean_sim.parts import library, named
@@ -100,7 +100,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
     for key, value in console.set_values([*sets]).items():
         for part in reversed(key.split(".")):
             value = node_of({part: value}, value.location)
-        whole = merged(whole, value)
+        whole = merge_nodes(whole, value)
     problems: list[Problem] = []
     config = validated(Config, whole, (), problems)
     if config is None:
@@ -111,9 +111,9 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
 def platform_choice(what: str, name: str) -> Node:
     """Content of a name in configs/<what>/, or of a file."""
     if name in named(what):
-        return read(library("configs") / what / f"{name}.yaml")
+        return read_mapping(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):
-        return read(Path(name))
+        return read_mapping(Path(name))
     raise console.Refused(f"--{what}: there is no {what} {name!r}{choice_sentence(name, named(what))[0]}")
 
 
@@ -202,7 +202,7 @@ def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
     """A CSV file as a run writes it."""
-    with whole(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
+    with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 

@@ -11,7 +11,7 @@ import typer
 from ocean_sim import runtime
 from ocean_sim.conventions import Diverged
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.machine import extra_missing
+from ocean_sim.machine import missing_extra
 from ocean_sim.observers import render
 from ocean_sim.observers.preview import Config, Screen, require, write_png
 from ocean_sim.parts import named
@@ -126,7 +126,7 @@ class Session:
             self.pictures += 1
             bar.show(number + 1, f"picture {number + 1} of {frames}, t = {self.simulation.time:.2f} s")
         bar.close()
-        missing = extra_missing("pictures")
+        missing = missing_extra("pictures")
         if frames > 1 and missing:
             console.complain(f"no film, but its pictures are there: {missing}")
         elif frames > 1:
@@ -174,7 +174,7 @@ class Session:
         self.config, self.wind, panel.message = config, wind, ""
         with runtime.Fields():  # something stays open, for which Taichi goes on, and the window with it
             self.simulation.close()
-            restarted = runtime.restarts(config.runtime)
+            restarted = runtime.must_restart(config.runtime)
             if restarted:
                 self.screen.close()
             self.simulation = self.build()

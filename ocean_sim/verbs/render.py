@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.files import run_files
-from ocean_sim.files.run_files import MANIFEST
+from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Drawing
@@ -85,7 +85,7 @@ def render(
             from ocean_sim.observers.shared import run_report
 
             files = [*files, run_report.write_report(run)]  # with the new pictures
-        run_files.add(run, files)
+        run_files.add_to_manifest(run, files)
     list_files(files, as_json)
     replaced = [file.name for file in files if file in before]
     if replaced:
@@ -138,14 +138,14 @@ def export(
 
     with console.claim(out or run / "export") as written:
         files = export_run(run, out=written, **asked)
-        run_files.add(run, files)
+        run_files.add_to_manifest(run, files)
     list_files(files, as_json)
 
 
 def require_frames(folder: Path) -> None:
     """Raise Refused where a folder is not that of a run, or has kept no frames."""
-    if not (folder / MANIFEST).is_file():
-        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST})")
+    if not (folder / MANIFEST_FILE).is_file():
+        raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST_FILE})")
     if not any((folder / "frames").glob("*")):
         raise console.Refused(f"{folder}: this run kept no frames, so there is nothing to show (frames: null)")
     warn_unless_ended(folder)

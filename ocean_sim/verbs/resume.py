@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ocean_sim.files import input_file
-from ocean_sim.files.input_file import shown
-from ocean_sim.files.run_files import MANIFEST, Claim
-from ocean_sim.files.whole_file import set_aside
+from ocean_sim.files.atomic_file import reserve_disk_space
+from ocean_sim.files.input_file import display_path
+from ocean_sim.files.run_files import MANIFEST_FILE, Claim
 from ocean_sim.files.yaml_file import SceneError
-from ocean_sim.kernel_library import NAME, QUADRANTS, TAICHI, VARIABLE
-from ocean_sim.machine import sources, stop_if_asked, stoppable
+from ocean_sim.kernel_library import LIBRARY_NAME, LIBRARY_VARIABLE, QUADRANTS, TAICHI
+from ocean_sim.machine import source_hashes, stop_if_asked, stoppable
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.result import FIRST, Result, simulated
-from ocean_sim.state import file
+from ocean_sim.result import FIRST_FILE, Result, simulate
+from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.run import report_run, until_node
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Quiet
@@ -36,10 +36,10 @@ def resume(
     as_json: Json = False,
 ) -> None:
     """Go on with a run."""
-    if not (run / MANIFEST).is_file():
-        if (run / FIRST).is_file():
+    if not (run / MANIFEST_FILE).is_file():
+        if (run / FIRST_FILE).is_file():
             raise console.Refused(f"{run}: this run ended before its first step; `run --overwrite` starts it again")
-        raise console.Refused(f"{run}: this is not a run folder (there is no {MANIFEST})")
+        raise console.Refused(f"{run}: this is not a run folder (there is no {MANIFEST_FILE})")
     with Claim(run):
         resume_claimed(run, until, anyway, as_json, quiet)
 
@@ -66,20 +66,20 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
 
     def made() -> Result:
         if kept is None:
-            return simulated(config, folder, (progress,))
+            return simulate(config, folder, (progress,))
         return continue_run(config, kept, folder, progress, changed)
 
     report_run(made, progress, config, folder, as_json, quiet)
 
 
 def continue_run(
-    config: SceneConfig, kept: file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
+    config: SceneConfig, kept: checkpoint_file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
 ) -> Result:
     """The run from a checkpoint on; `changed`: how the program has. Its parts are built in another folder: its own
     stays as it is until all fits."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
-    from ocean_sim.state.walk import Mismatch, Shortened
+    from ocean_sim.state.snapshot import FileShortened, Mismatch
 
     def restored(simulation: "Simulation") -> None:
         if kept.made.get("backend") != simulation.backend.arch:
@@ -87,7 +87,7 @@ def continue_run(
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
         try:
             restore(simulation, kept, folder, changed)
-        except Shortened as problem:
+        except FileShortened as problem:
             raise console.Refused(f"{folder}: {problem}") from None
         except Mismatch as problem:
             raise console.Refused(f"{folder}: the checkpoint does not fit this program: {problem}") from None
@@ -101,16 +101,16 @@ def continue_run(
             raise
         simulation.observers.append(progress)
         stop_if_asked()
-        with set_aside(folder):
+        with reserve_disk_space(folder):
             simulation.run(config.duration)
     return Result(folder)
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
     """manifest.json of a run folder; raises Refused."""
-    path = folder / MANIFEST
+    path = folder / MANIFEST_FILE
     try:
-        manifest = input_file.document(path)
+        manifest = input_file.read_json(path)
         if not isinstance(manifest["scene"], dict):
             raise TypeError
         return manifest
@@ -135,7 +135,7 @@ def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: Scene
     changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
     if changed:
         cure = "put back what it held, or `run` the scene again"
-        raise console.Refused(f"{folder}: {shown(changed[0])} has changed since this run began; {cure}")
+        raise console.Refused(f"{folder}: {display_path(changed[0])} has changed since this run began; {cure}")
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
@@ -156,7 +156,7 @@ def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> No
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
     """True if a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
-    if "checkpoint" not in config.observers or any(file.kept(folder)):
+    if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
     return (
         not any(len(recorded_rows(path)) > 1 for path in folder.glob("*.csv"))
@@ -166,20 +166,20 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
 
 def recorded_rows(path: Path) -> list[str]:
     """The lines of numbers in a CSV file of a run."""
-    return [line for line in input_file.text(path).splitlines() if line and line[0] != "#"][1:]
+    return [line for line in input_file.read_text(path).splitlines() if line and line[0] != "#"][1:]
 
 
-def newest_checkpoint(folder: Path, config: SceneConfig) -> file.Checkpoint:
+def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
     """The newest checkpoint that is whole; raises Refused."""
-    paths, reason = [*file.kept(folder)], ""
+    paths, reason = [*checkpoint_file.checkpoint_files(folder)], ""
     if not paths:
         gone = "its files checkpoint_*.h5 are gone; start it again"
         cure = gone if "checkpoint" in config.observers else "name `checkpoint` in a scene to have them"
         raise console.Refused(f"{folder}: there is no checkpoint to go on from; {cure}")
     for path in paths:
         try:
-            kept = file.read(path)
-        except file.Unreadable as problem:
+            kept = checkpoint_file.read_checkpoint(path)
+        except checkpoint_file.UnreadableCheckpoint as problem:
             reason = reason or str(problem)
             continue
         if reason:
@@ -189,7 +189,7 @@ def newest_checkpoint(folder: Path, config: SceneConfig) -> file.Checkpoint:
 
 
 def check_checkpoint(
-    folder: Path, kept: file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
+    folder: Path, kept: checkpoint_file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
 ) -> str:
     """Changes of this program since a checkpoint was made, which is refused unless a person goes on `anyway`. Refuses a
     checkpoint of another scene, but for its duration, or one beyond the time asked for."""
@@ -197,7 +197,7 @@ def check_checkpoint(
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
         if other_library(kept.made):
-            cure = f"{cure}; without {VARIABLE} it goes on as it began"
+            cure = f"{cure}; without {LIBRARY_VARIABLE} it goes on as it began"
         raise console.Refused(f"{folder}: the checkpoint is of {changed}; {cure}")
     other = scene_differences(kept.scene | {"duration": None}, scene | {"duration": None})
     if other:
@@ -212,13 +212,17 @@ def program_changes(made: dict[str, Any]) -> str:
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
-    compared = [name for name in now if name != NAME or not library]
+    compared = [name for name in now if name != LIBRARY_NAME or not library]
     versions_differ = scene_differences(
         {name: made.get(name) for name in compared}, {name: now[name] for name in compared}
     )
-    files = [name for name in sorted({*then, *sources()}) if then.get(name) != sources().get(name)]
+    files = [name for name in sorted({*then, *source_hashes()}) if then.get(name) != source_hashes().get(name)]
     more = f" and {len(files) - MAX_SHOWN_DIFFERENCES} more" if len(files) > MAX_SHOWN_DIFFERENCES else ""
-    differ = [f"another library: {library} compiled its kernels, and {VARIABLE} is {NAME}"] if library else []
+    differ = (
+        [f"another library: {library} compiled its kernels, and {LIBRARY_VARIABLE} is {LIBRARY_NAME}"]
+        if library
+        else []
+    )
     differ += [f"another version: {versions_differ}"] if versions_differ else []
     differ += [f"other sources: {', '.join(files[:MAX_SHOWN_DIFFERENCES])}{more}"] if files else []
     return ", and of ".join(differ)
@@ -227,7 +231,9 @@ def program_changes(made: dict[str, Any]) -> str:
 def other_library(made: dict[str, Any]) -> str:
     """Library that compiled the kernels of a checkpoint's run, with its version; empty where this process computes with
     it too, as it does unless a person has chosen another."""
-    return next((f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and NAME not in made), "")
+    return next(
+        (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
+    )
 
 
 def scene_differences(kept: Any, now: Any) -> str:

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.conventions import figures
-from ocean_sim.files.run_files import MANIFEST, Claim, Claimed, foreign
+from ocean_sim.files.run_files import MANIFEST_FILE, Claim, FolderClaimed, foreign_names
 from ocean_sim.files.yaml_file import Location, Node, node_of
 from ocean_sim.reading.scene import SceneConfig, load, scene_path
-from ocean_sim.result import FIRST, Result, claimed_for, simulated
-from ocean_sim.state import file
+from ocean_sim.result import FIRST_FILE, Result, claim_run_folder, simulate
+from ocean_sim.state import checkpoint_file
 from ocean_sim.verbs.check import picture_time, preflight, preflight_lines
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time
@@ -50,7 +50,7 @@ def run(
             console.say(f"writing {folder}")
             console.say(kernel_notice())
             announce_pictures(config)
-        report_run(lambda: simulated(config, folder, (progress,)), progress, config, folder, as_json, quiet)
+        report_run(lambda: simulate(config, folder, (progress,)), progress, config, folder, as_json, quiet)
 
 
 def announce_pictures(config: SceneConfig) -> None:
@@ -91,9 +91,9 @@ def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
         later = f"`ocean-sim render {folder}` draws them"
         return console.Stopped(f"stopped while its pictures were drawn; {folder} holds everything else; {later}")
     left = f"{folder} holds what was written" if any(folder.glob("[!.]*")) else "nothing was written"
-    time, cure, kept = progress.time, "", next(file.kept(folder), None)
+    time, cure, kept = progress.time, "", next(checkpoint_file.checkpoint_files(folder), None)
     if kept is not None:
-        since = file.time_of(kept)
+        since = checkpoint_file.time_of(kept)
         time, cure = max(time, since), f"; `ocean-sim resume {folder}` continues it from t = {since:.3f} s"
     return console.Stopped(f"stopped at t = {time:.3f} s; {left}{cure}")
 
@@ -107,7 +107,7 @@ def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[st
     """The folder of a run: never that of another one, unless overwriting is asked for, nor one of other things."""
     if out is None:
         return next(filter(None, map(unused_folder, run_folders(stem))))
-    return claimed_for(coming, out, overwrite, f"--out {out}", "add --overwrite")
+    return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
 def run_folders(stem: str) -> Iterator[Path]:
@@ -118,10 +118,10 @@ def run_folders(stem: str) -> Iterator[Path]:
 def unused_folder(folder: Path) -> Claim | None:
     """A claim on a folder; None where there is a run, or one begins, or other things are."""
     try:
-        claim = None if (folder / MANIFEST).exists() or foreign(folder, FIRST) else Claim(folder)
-    except Claimed:
+        claim = None if (folder / MANIFEST_FILE).exists() or foreign_names(folder, FIRST_FILE) else Claim(folder)
+    except FolderClaimed:
         return None
-    if claim is not None and (folder / MANIFEST).exists():  # it has begun and ended meanwhile
+    if claim is not None and (folder / MANIFEST_FILE).exists():  # it has begun and ended meanwhile
         claim.close()
         return None
     return claim

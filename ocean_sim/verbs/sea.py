@@ -8,7 +8,7 @@ import typer
 
 from ocean_sim import wave_field
 from ocean_sim.conventions import Refused
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.reading.scene import load
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.options import Json, Scene, Sets, number_list
@@ -39,14 +39,14 @@ def sea(
     title = " ".join((config.title or scene).split())  # one line of a file
     if swd is not None:
         swd.parent.mkdir(parents=True, exist_ok=True)
-        with whole(swd) as draft:
+        with atomic_write(swd) as draft:
             draft.write_bytes(exchange.to_swd(waves, title))
         files.append(swd)
     if openfast is not None:
         time = np.arange(0.0, (until or config.duration) + 0.5 * every, every)
         heights = np.concatenate([field.elevation(np.array([point]), t) for t in time.tolist()])
         openfast.parent.mkdir(parents=True, exist_ok=True)
-        with whole(openfast) as draft:
+        with atomic_write(openfast) as draft:
             draft.write_text(exchange.to_openfast(time, heights, f"{title}, x = {point[0]:g} m, z = {point[1]:g} m"))
         files.append(openfast)
     answer: dict[str, Any] = {

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.files import run_files
-from ocean_sim.files.run_files import MANIFEST
+from ocean_sim.files.run_files import MANIFEST_FILE
 from ocean_sim.machine import stoppable
 from ocean_sim.verbs.list import section_rows
 from ocean_sim.verbs.render import require_frames
@@ -43,7 +43,7 @@ def serve(
     as_json: Json = False,
 ) -> None:
     """Serve the page until Ctrl-C."""
-    runs = [Path(target) for target in targets if (Path(target) / MANIFEST).exists()]
+    runs = [Path(target) for target in targets if (Path(target) / MANIFEST_FILE).exists()]
     if len(runs) == len(targets) and len(runs) <= 2:
         if profile or sets:
             raise console.Refused("a finished run is only shown: --profile and --set are for scenes")
@@ -88,7 +88,7 @@ def live_files(title: str) -> dict[str, Any]:
     return {
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
-        "/scene_schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
+        "/schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
     }
 
 
@@ -157,7 +157,7 @@ def report(
         files = [path]
         if len(runs) == 1 and out is None:
             files.append(run_report.write_report(runs[0]))
-        run_files.add(runs[0], files)
+        run_files.add_to_manifest(runs[0], files)
     if as_json:
         console.answer({"files": files, "bytes": path.stat().st_size})
     else:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared import maps
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.stability import EXTREME_AXES, MAX_RUN_SECONDS, VERDICT_WORDS, grid_points, map_summary
@@ -28,7 +28,9 @@ def stability(
             raise console.Refused(f"{scene}: this scene has no setting to take to an extreme")
         if not as_json:
             console.say(f"{len(plan)} runs, each on one thread")
-        study = Study(plan, out / "runs", workers or cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick])
+        study = Study(
+            plan, out / "runs", workers or available_cores(), out / "stability.csv", limit=MAX_RUN_SECONDS[quick]
+        )
         table = rows_of(study, as_json)
         lines = map_summary(table)
         write_table(out / "limits.csv", lines)

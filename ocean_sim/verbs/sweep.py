@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.studies.shared.runs import ADDRESS_PATTERN
 from ocean_sim.studies.shared.study import Study
 from ocean_sim.studies.sweep import read_plan
@@ -30,8 +30,8 @@ def sweep(
     as_json: Json = False,
 ) -> None:
     """Run all that a plan asks for and that has not been run yet; the table is whole after every run."""
-    at_once = workers or cores()
-    runs = read_plan(plan, max(1, cores() // at_once))
+    at_once = workers or available_cores()
+    runs = read_plan(plan, max(1, available_cores() // at_once))
     folder = Path("runs") / plan.stem if out is None else out
     with console.claim(folder, "results.csv", ADDRESS_PATTERN):
         table = rows_of(Study(runs, folder, at_once, folder / "results.csv", scheduler), as_json)

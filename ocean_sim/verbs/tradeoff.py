@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.studies.scene_tradeoff import (
     PROFILE_NAMES,
@@ -74,7 +74,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
     plan = study_points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
-    table = rows_of(Study(plan, out / "runs", workers or cores(), out / "tradeoff.csv"), as_json)
+    table = rows_of(Study(plan, out / "runs", workers or available_cores(), out / "tradeoff.csv"), as_json)
     drawn = {
         trial.case: [row for row in table if (row["case"], row["quantity"]) == (trial.case, trial.quantity)]
         for trial in TRIAL_CASES

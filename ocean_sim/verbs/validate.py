@@ -12,8 +12,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ocean_sim.files.whole_file import whole
-from ocean_sim.machine import cores, end_after
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names, problems
@@ -86,7 +86,7 @@ def validate(
             problem.load(scheme, overrides)  # what is wrong is reported before anything runs
         rows: list[dict[str, Any]] = []
         orders = [(case, schemes, slow, coarse, sets, out) for case, pairs in plan.items() if pairs]
-        for found in case_answers(orders, workers or cores()):
+        for found in case_answers(orders, workers or available_cores()):
             rows += found
             if not as_json:
                 print_row(found[0]["case"], found)
@@ -141,7 +141,7 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
     if workers < 2:
         yield from map(case_answer, orders)
         return
-    threads = f"runtime.threads={max(1, cores() // workers)}"
+    threads = f"runtime.threads={max(1, available_cores() // workers)}"
     shared = [(*order[:4], [threads, *order[4]], order[5]) for order in orders]
     with ProcessPoolExecutor(workers, get_context("spawn"), begin_table) as pool:
         futures = [pool.submit(case_answer, order) for order in shared]
@@ -162,7 +162,7 @@ def begin_table() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
     assert parent is not None
-    end_after(parent.join)
+    exit_after(parent.join)
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
@@ -234,13 +234,13 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
                 SubElement(test, "failure", message=shown)
     indent(suites)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         ElementTree(suites).write(draft, encoding="utf-8", xml_declaration=True)
 
 
 def write_tables(path: Path, rows: list[dict[str, Any]]) -> None:
     """All rows as a CSV file."""
-    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, ROW_KEYS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from ocean_sim.files import run_files
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
 from ocean_sim.verbs.render import warn_unless_ended
@@ -90,7 +90,7 @@ def waves(
         files.append(folder / "surface.csv")
         columns = {"time_s": surface.time, "circulation_m2_s": surface.circulation, "white_cap_cover": surface.cover}
         write_columns(files[-1], {name: values for name, values in columns.items() if values is not None})
-    run_files.add(path.parent, files)
+    run_files.add_to_manifest(path.parent, files)
     treated = {name: treatment_of(treatment, time, height) for name, height in heights.items()}
     if as_json:
         whole_run = ({} if surface is None else surface.means()) | pressure_gain(path)
@@ -112,7 +112,7 @@ def waves(
     tracers = path.parent / "tracers.csv"
     if tracers.is_file():
         files += particle_orbits(tracers, folder, begin, next((sea.tp_s for sea in found.values() if sea.tp_s), None))
-        run_files.add(path.parent, files)
+        run_files.add_to_manifest(path.parent, files)
     console.say("\n".join(str(file) for file in files))
 
 
@@ -273,7 +273,7 @@ def table_cell(value: float | None) -> str:
 
 def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], **notes: str) -> None:
     """A table, in whole or not at all, under comment lines with notes."""
-    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         csv.writer(file, lineterminator="\n").writerows([list(heads), *rows])
 
@@ -315,7 +315,7 @@ def draw_waves(
     for axes in (above, below):
         axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small")
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         figure.savefig(draft, dpi=100)
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import document
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.input_file import read_json
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame, ship_keys
 from ocean_sim.pictures.water.foam import cell_means
 from ocean_sim.viewer.protocol import FULL_SCALE, box_positions, moment_differences, packet
@@ -39,7 +39,7 @@ class Recorded:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         try:
-            self.scene: dict[str, Any] = document(folder / "manifest.json")["scene"]
+            self.scene: dict[str, Any] = read_json(folder / "manifest.json")["scene"]
         except (ValueError, KeyError, TypeError):
             raise Refused(f"{folder}: this is not a run folder (there is no manifest.json that can be read)") from None
         files = frame_files(folder)
@@ -189,27 +189,27 @@ class Recorded:
             rows.append({"name": f"{group}_{label}".replace(" ", "_"), "label": label, "unit": unit, "group": group})
             columns.append(factor * np.interp(times, log["time_s"], values))
 
-        gauges = csv_file.columns_there(self.folder / "gauges.csv")
+        gauges = csv_file.read_columns_if_any(self.folder / "gauges.csv")
         for column in [name for name in gauges if name.endswith("_m")]:
             add(gauges, column, column.removesuffix("_m"), "m", "elevation")
         ships = self.scene.get("ships") or {}
         logs = (
-            {name: csv_file.columns_there(self.folder / f"motion_{name}.csv") for name in ships}
+            {name: csv_file.read_columns_if_any(self.folder / f"motion_{name}.csv") for name in ships}
             if ships
-            else {"": csv_file.columns_there(self.folder / "motion.csv")}
+            else {"": csv_file.read_columns_if_any(self.folder / "motion.csv")}
         )
         for name, log in logs.items():
             for column, (label, group, unit, factor) in PLOTTED_COLUMNS.items():
                 if column in log:
                     add(log, column, f"{label} {name}".strip(), unit, group, factor)
-        platform = csv_file.columns_there(self.folder / "platform.csv")
+        platform = csv_file.read_columns_if_any(self.folder / "platform.csv")
         for k in range(1, 7):
             if f"leg{k}_m" in platform:
                 add(platform, f"leg{k}_m", f"leg {k}", "m", "legs")
-        accuracy = csv_file.columns_there(self.folder / "accuracy.csv")
+        accuracy = csv_file.read_columns_if_any(self.folder / "accuracy.csv")
         if "compression_max" in accuracy:
             add(accuracy, "compression_max", "largest density error", "%", "compression", 100.0)
-        timings = csv_file.columns_there(self.folder / "timings.csv")
+        timings = csv_file.read_columns_if_any(self.folder / "timings.csv")
         if "real_time_factor" in timings:
             add(timings, "real_time_factor", "simulated over wall time", "x", "pace")
         for column in [name for name in timings if name.endswith("_ms_per_step")]:
@@ -218,7 +218,7 @@ class Recorded:
 
     def platform_commands(self, times: np.ndarray) -> np.ndarray | None:
         """(moments, 12) platform pose and legs at some times."""
-        log = csv_file.columns_there(self.folder / "platform.csv")
+        log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
             return None
@@ -239,6 +239,6 @@ def replay_file(folders: list[Path], path: Path) -> Path:
         data |= {f"still{k}": run.still(), f"replay{k}": run.stream()}
     title = " and ".join(run.title for run in runs)
     start = {"mode": "replay", "held": True, "runs": [{"title": run.title, "name": run.folder.name} for run in runs]}
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_bytes(page_document(title, start, data))
     return path

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
 from ocean_sim.files import input_file, run_files
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.run_files import Claim
-from ocean_sim.files.whole_file import whole
-from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, mapping, setting
+from ocean_sim.files.yaml_file import MAX_TEXT_BYTES, Node, SceneError, parse_mapping, parse_setting
 from ocean_sim.parts import library, named
 from ocean_sim.pictures.live.panel import Panel
 from ocean_sim.reading.scene import SceneConfig, load_text, packaged_scenes, scene_path
@@ -59,7 +59,7 @@ class Source(NamedTuple):
     @classmethod
     def of(cls, scene: str | Path, profile: str | None = None, overrides: Mapping[str, Any] | None = None) -> "Source":
         path = scene_path(scene)
-        return cls(input_file.text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
+        return cls(input_file.read_text(path, MAX_TEXT_BYTES), path.stem, path.parent, profile, dict(overrides or {}))
 
     def load(self) -> SceneConfig:
         """Load the scene; raises SceneError with every problem, located in the text."""
@@ -122,9 +122,9 @@ class Session:
             if claim is not None:
                 simulation.outcome = "done" if simulation.outcome == "running" else simulation.outcome
                 if touched:
-                    with whole(claim.folder / "touched.txt") as draft:
+                    with atomic_write(claim.folder / "touched.txt") as draft:
                         draft.write_text("\n".join([*touched, ""]), encoding="utf-8")
-                    run_files.add(claim.folder, [claim.folder / "touched.txt"])
+                    run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
         """Run until an interrupt or `done`."""
@@ -257,7 +257,7 @@ class Session:
                 rest = {key: value for key, value in self.source.overrides.items() if key.split(".")[0] != "wind"}
                 self.rebuild(self.source._replace(overrides=rest | {"wind": name}))
             case p.Change(key=key, value=value):
-                path, node = setting(f"{key}={value}")
+                path, node = parse_setting(f"{key}={value}")
                 self.rebuild(self.source._replace(overrides={**self.source.overrides, path: node}))
             case p.Check(text=text):
                 self.check_text(order.watcher, text)
@@ -370,7 +370,7 @@ class Session:
         if self.source.overrides or self.source.profile:
             body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in self.config.resolved().items())
         self.out.mkdir(parents=True, exist_ok=True)
-        with whole(path) as draft:
+        with atomic_write(path) as draft:
             draft.write_text("\n".join([*moved, body.rstrip(), ""]), encoding="utf-8")
         self.say(f"saved: {path}")
 
@@ -429,7 +429,7 @@ def load_within_memory(source: Source) -> SceneConfig:
     """Load a scene; raises Refused if it takes more memory than is left."""
     config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
-    taken, left = base_memory(config.preflight.particles) + sum(parts), machine.memory_left()
+    taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
     if taken > left:
         raise Refused(
             f"this scene takes {taken / 1e9:.1f} GB of memory, and {left / 1e9:.1f} GB are left; try a larger "
@@ -440,7 +440,7 @@ def load_within_memory(source: Source) -> SceneConfig:
 
 def wind_name(source: Source) -> str:
     """The preset of wind that a source names, or SCENE_WIND."""
-    written = mapping(source.text, source.name).data.get("wind")
+    written = parse_mapping(source.text, source.name).data.get("wind")
     wind = source.overrides.get("wind", written)
     name = plain_value(wind)
     if any(key.startswith("wind.") for key in source.overrides) or not isinstance(name, str | None):

@@ -55,7 +55,7 @@ def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
     """The sea in a .swd file of plane waves; raises Unreadable."""
-    data = input_file.content(path)
+    data = input_file.read_bytes(path)
     if not data.startswith(SWD_BEGIN):
         raise SWD_RULE.broken(path, "it begins otherwise")
     try:
@@ -87,9 +87,9 @@ def to_openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
 
 def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """(n,) times [s] and (n,) elevations [m] of an .Elev file; raises Unreadable."""
-    lines = [line.split()[:2] for line in input_file.text(path).splitlines() if line.strip()]
-    rows = lines[next((k for k, row in enumerate(lines) if isfinite(csv_file.number(row[0]))), len(lines)) :]
-    table = np.array([[csv_file.number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
+    lines = [line.split()[:2] for line in input_file.read_text(path).splitlines() if line.strip()]
+    rows = lines[next((k for k, row in enumerate(lines) if isfinite(csv_file.parse_number(row[0]))), len(lines)) :]
+    table = np.array([[csv_file.parse_number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if len(wrong):
         raise ELEV_RULE.broken(path, f"row {wrong[0] + 1} is {' '.join(rows[wrong[0]])!r:.60}")

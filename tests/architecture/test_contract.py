@@ -95,7 +95,7 @@ def test_nobody_asks_what_was_typed(word):
 
 
 FOREIGN = {  # what is asked there is no part of ours
-    "hasattr": {"ocean_sim.machine", "ocean_sim.runtime", "ocean_sim.state.walk"},
+    "hasattr": {"ocean_sim.machine", "ocean_sim.runtime", "ocean_sim.state.snapshot"},
     "getattr": {
         "ocean_sim.runtime",
         "ocean_sim.kernel_library.reading",

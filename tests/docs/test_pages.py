@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ocean_sim.__main__ import answered, command_of
-from ocean_sim.files.yaml_file import Location, SceneError, parsed
+from ocean_sim.files.yaml_file import Location, SceneError, parse_yaml
 from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.scene import load, load_text
 from ocean_sim.ship.naval.stability import Loading
@@ -98,7 +98,7 @@ def test_a_mistake_in_the_scene_is_told_as_the_page_says(page):
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "yaml")], ids=lambda page: page.stem)
 def test_every_scene_in_the_docs_is_one(page):
     for caption, text in blocks(page, "yaml"):
-        data = parsed(text, Location(page.name)).plain()
+        data = parse_yaml(text, Location(page.name)).plain()
         if caption == LOADING:
             Loading.model_validate(data)
         else:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ocean_sim
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import config_of, kinds
 from ocean_sim.reading.scene import load
@@ -130,7 +130,7 @@ def accuracy(tmp_path, scheme: str, **basin: object) -> dict:
     fluid = {"kind": scheme, "spacing": 0.05, "kinematic_viscosity": 0.01, "body_force": [3.0, 0.0, 0.0]}
     scene = CHANNEL | {"fluid": fluid, "basin": CHANNEL["basin"] | basin}
     ocean_sim.run(load(scene), tmp_path)
-    return columns(tmp_path / "accuracy.csv")
+    return read_columns(tmp_path / "accuracy.csv")
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

@@ -10,7 +10,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.conventions import Diverged
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid.patch.relaxation_zone import RelaxationBand, relaxation_band, stokes_shift
 from ocean_sim.fluid.patch.sea_patch import table_nodes
@@ -478,7 +478,7 @@ def test_gauges_ride_with_the_patch_beside_fixed_ones(tmp_path):
     with Simulation(scene, tmp_path) as simulation:
         simulation.run(0.5 * PERIOD)
         read_off = simulation.fluid.elevations(np.array([[0.5 * LENGTH, 0.0]]))[0]
-    table = columns(tmp_path / "gauges.csv")
+    table = read_columns(tmp_path / "gauges.csv")
     assert table["crest_m"][0] == table["fixed_m"][0]
     assert table["crest_m"][-1] == pytest.approx(read_off, abs=2e-3)
     assert np.abs(table["crest_m"] - 0.05).max() < 0.015 < np.abs(table["fixed_m"] - 0.05).max()

@@ -22,7 +22,7 @@ from ocean_sim.observers.health import Config as HealthConfig
 from ocean_sim.observers.health import Health
 from ocean_sim.reading.scene import SceneConfig, load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.state.walk import Restorer, Snapshot
+from ocean_sim.state.snapshot import Restorer, Snapshot
 from ocean_sim.verbs.check import preflight
 
 STEPS = 12

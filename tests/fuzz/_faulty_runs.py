@@ -49,7 +49,7 @@ def main(folder: Path, mode: int, stride: int) -> None:
     import ocean_sim.verbs.resume
     import ocean_sim.verbs.run  # noqa: F401  what a run imports, once for all children
     from ocean_sim.__main__ import answered
-    from ocean_sim.state import file
+    from ocean_sim.state import checkpoint_file
 
     shim = ctypes.CDLL(None)
     scene, run, before = folder / "scene.yaml", folder / "run", folder / "before"
@@ -88,8 +88,8 @@ def main(folder: Path, mode: int, stride: int) -> None:
                 yield "its manifest says done"  # on a disk that stays full it may, where the report alone is missing
         for path in run.glob("checkpoint_*.h5"):
             try:
-                file.read(path)
-            except file.Unreadable as error:
+                checkpoint_file.read_checkpoint(path)
+            except checkpoint_file.UnreadableCheckpoint as error:
                 yield f"{path.name}: {error}"
         if any(contents(before)[name] != data for name, data in whole.items()):
             yield "an earlier run is no longer what it was"

@@ -20,9 +20,9 @@ from ocean_sim.observers.checkpoint import restore, roots
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
-from ocean_sim.state import file
-from ocean_sim.state.fields import Contents
-from ocean_sim.state.walk import Mismatch, Restorer, is_ours
+from ocean_sim.state import checkpoint_file
+from ocean_sim.state.fields import FieldContents
+from ocean_sim.state.snapshot import Mismatch, Restorer, is_package_object
 
 SEA = SMALL_SEA | {"duration": 0.1, "checkpoint": {"every": 0.05}, **dict.fromkeys(("report", "frames", "timings"))}
 TALK = ("Traceback", "this should not happen", "Errno")
@@ -33,7 +33,7 @@ def kept(tmp_path_factory) -> tuple[Path, Path]:
     """The checkpoint in the midst of a run, and the folder that the tests work in."""
     folder = tmp_path_factory.mktemp("kept")
     run_scene(load(SEA), folder / "run", ())
-    newest, before = file.kept(folder / "run")
+    newest, before = checkpoint_file.checkpoint_files(folder / "run")
     manifest = folder / "run" / "manifest.json"
     manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"outcome": "running"}))
     newest.unlink()
@@ -47,15 +47,15 @@ def content_of(kept) -> bytes:
 @pytest.fixture
 def unfilled(monkeypatch) -> None:
     """Taichi fields are compared with what they would get, but not given it: that compiles for seconds each time."""
-    monkeypatch.setattr(Contents, "write", lambda *rest: None)
+    monkeypatch.setattr(FieldContents, "write", lambda *rest: None)
 
 
 def unreadable(kept, content: bytes) -> bool:
-    path = kept[1] / file.name(0.0)
+    path = kept[1] / checkpoint_file.checkpoint_name(0.0)
     path.write_bytes(content)
     try:
-        file.read(path)
-    except file.Unreadable as said:
+        checkpoint_file.read_checkpoint(path)
+    except checkpoint_file.UnreadableCheckpoint as said:
         assert path.name in str(said) and not any(talk in str(said) for talk in TALK)
         return True
     return False
@@ -68,16 +68,16 @@ def decay(data, kept) -> None:
 
 def decay_with_a_true_hash(data, kept) -> None:
     """As a program would write that knows the head but not the rest: h5py may read it, and may not fall over it."""
-    broken = data.draw(decayed(content_of(kept)[file.HEAD :]))
-    unreadable(kept, file.head(broken.content) + broken.content)
+    broken = data.draw(decayed(content_of(kept)[checkpoint_file.HEADER_BYTES :]))
+    unreadable(kept, checkpoint_file.file_header(broken.content) + broken.content)
 
 
 def another_state(data, kept, capsys) -> None:
     """The scene or the versions are not those of the run: the message of `resume`."""
-    checkpoint = file.read(kept[0])
+    checkpoint = checkpoint_file.read_checkpoint(kept[0])
     part = data.draw(st.sampled_from(["scene", "made"]))
     there = copy_of(kept)
-    file.written(checkpoint._replace(**{part: broken(data, getattr(checkpoint, part))}), there)
+    checkpoint_file.write_checkpoint(checkpoint._replace(**{part: broken(data, getattr(checkpoint, part))}), there)
     before = (there / "gauges.csv").read_bytes()
     capsys.readouterr()
     code = answered(["resume", str(there)])
@@ -89,7 +89,7 @@ def another_state(data, kept, capsys) -> None:
 def another_tree(data, kept) -> None:
     """The state itself, or an array of it, is other than any run would leave it: it is refused, and no file is touched,
     or it has the form of one, and the hash vouches for its numbers."""
-    checkpoint = file.read(kept[0])
+    checkpoint = checkpoint_file.read_checkpoint(kept[0])
     if checkpoint.arrays and data.draw(st.integers(0, 4)) == 0:
         name = data.draw(st.sampled_from(sorted(checkpoint.arrays)))
         checkpoint = checkpoint._replace(arrays={k: a for k, a in checkpoint.arrays.items() if k != name})
@@ -154,7 +154,7 @@ def test_a_checkpoint_of_another_scene_or_version_is_refused_in_a_sentence(kept,
     "name, value", [("time", "soon"), ("path", False), ("path", None), ("outcome", 3), ("simulation", 1.5)]
 )
 def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, name, value):
-    checkpoint = file.read(kept[0])
+    checkpoint = checkpoint_file.read_checkpoint(kept[0])
     spots = [path for path in paths(checkpoint.tree) if path[-2:] == ("at", name)]
     assert spots
     tree = changed(checkpoint.tree, spots[0], lambda at, key: at.__setitem__(key, value))
@@ -168,7 +168,7 @@ def test_words_for_numbers_and_nothing_for_a_path_are_no_state(kept, unfilled, n
 
 def objects(thing: Any, found: dict[int, tuple[Any, dict]]) -> dict[int, tuple[Any, dict]]:
     """All that can be reached of what a walk may change, with its attributes as they are."""
-    if is_ours(thing) and not isinstance(thing, BaseModel) and id(thing) not in found:
+    if is_package_object(thing) and not isinstance(thing, BaseModel) and id(thing) not in found:
         found[id(thing)] = thing, dict(vars(thing))
     inner = thing if isinstance(thing, list | tuple) else thing.values() if isinstance(thing, dict) else ()
     for each in inner if id(thing) not in found else found[id(thing)][1].values():
@@ -180,7 +180,7 @@ def objects(thing: Any, found: dict[int, tuple[Any, dict]]) -> dict[int, tuple[A
 @pytest.mark.parametrize("value", [None, [], "x", {}, {"list": []}], ids=str)
 def test_no_number_of_a_state_may_be_of_another_kind(kept, unfilled, value):
     """Every one of the tree, also those of which a run that has just been built has none yet."""
-    checkpoint, there = file.read(kept[0]), copy_of(kept)
+    checkpoint, there = checkpoint_file.read_checkpoint(kept[0]), copy_of(kept)
     numbers = [path for path in paths(checkpoint.tree) if isinstance(at(checkpoint.tree, path), bool | int | float)]
     assert len(numbers) > 50 and any(path[-1] == "next" for path in numbers)
     if value is None:  # which says of this one that no row was written yet
@@ -215,23 +215,25 @@ def at(whole: Any, path: tuple) -> Any:
 @pytest.mark.parametrize("part", ["scene", "made", "tree"])
 def test_a_part_of_a_checkpoint_of_another_kind_is_refused(kept, capsys, part, value):
     there = copy_of(kept)
-    for path in file.kept(there):
+    for path in checkpoint_file.checkpoint_files(there):
         path.unlink()
-    file.written(file.read(kept[0])._replace(**{part: value}), there)
+    checkpoint_file.write_checkpoint(checkpoint_file.read_checkpoint(kept[0])._replace(**{part: value}), there)
     assert answered(["resume", str(there)]) == 2
     assert "is whole, but holds no state of a run" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("part, value", [("time", float("nan")), ("time", -1.0), ("steps", -1), ("steps", "x")])
 def test_a_time_or_a_count_that_no_run_has_is_refused(kept, part, value):
-    path = file.written(file.read(kept[0])._replace(**{part: value}), copy_of(kept))
-    with pytest.raises(file.Unreadable, match="holds no state of a run"):
-        file.read(path)
+    path = checkpoint_file.write_checkpoint(
+        checkpoint_file.read_checkpoint(kept[0])._replace(**{part: value}), copy_of(kept)
+    )
+    with pytest.raises(checkpoint_file.UnreadableCheckpoint, match="holds no state of a run"):
+        checkpoint_file.read_checkpoint(path)
 
 
 @pytest.mark.parametrize("size", [-3, "long", None, 1e3])
 def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
-    checkpoint, there = file.read(kept[0]), copy_of(kept)
+    checkpoint, there = checkpoint_file.read_checkpoint(kept[0]), copy_of(kept)
     spot = next(path for path in paths(checkpoint.tree) if path[-3:] == ("file", "file", 1))
     tree = changed(checkpoint.tree, spot, lambda at, key: at.__setitem__(key, size))
     with TemporaryDirectory() as scratch:
@@ -243,8 +245,10 @@ def test_a_file_of_no_size_is_no_state(kept, unfilled, size):
 
 
 def test_a_checkpoint_without_its_backend_is_refused_in_a_sentence(kept, capsys):
-    checkpoint, there = file.read(kept[0]), copy_of(kept)
-    file.written(checkpoint._replace(made={k: v for k, v in checkpoint.made.items() if k != "backend"}), there)
+    checkpoint, there = checkpoint_file.read_checkpoint(kept[0]), copy_of(kept)
+    checkpoint_file.write_checkpoint(
+        checkpoint._replace(made={k: v for k, v in checkpoint.made.items() if k != "backend"}), there
+    )
     assert answered(["resume", str(there)]) == 2
     assert "the checkpoint was made on None, and this one on" in capsys.readouterr().err
 

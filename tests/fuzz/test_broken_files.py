@@ -254,7 +254,7 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
     from ocean_sim.pictures.frame_files import Frame
     from ocean_sim.pictures.water.sea_state import run_scene
     from ocean_sim.result import Result
-    from ocean_sim.state import file as checkpoints
+    from ocean_sim.state import checkpoint_file as checkpoints
     from ocean_sim.studies.shared import study as table
     from ocean_sim.viewer.replay import Recorded
 
@@ -275,8 +275,8 @@ def test_no_file_of_a_run_folder_is_waited_for(tmp_path, odd):
         with pytest.raises(Refused):
             read(tmp_path / "manifest.json")
     assert run_scene(tmp_path) == {} and Run(tmp_path).manifest == {}
-    with pytest.raises(checkpoints.Unreadable):
-        checkpoints.read(put(checkpoints.name(1.0)))
+    with pytest.raises(checkpoints.UnreadableCheckpoint):
+        checkpoints.read_checkpoint(put(checkpoints.checkpoint_name(1.0)))
     with pytest.raises(input_file.Unreadable):
         Frame(put("frame_00000.npz"))
     if odd != "deep":

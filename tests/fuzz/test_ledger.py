@@ -8,7 +8,7 @@ from statistics import median
 
 import pytest
 
-from ocean_sim.machine import cores
+from ocean_sim.machine import available_cores
 from ocean_sim.observers.render import PICTURE_SECONDS, SERIAL_SHARE, START_SECONDS
 from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import load
@@ -59,7 +59,7 @@ def test_pictures_take_time_as_many_as_there_are():
     drawn = preflight(load(WHOLE, {"render": {"every": 0.01, "size": [1280, 720]}}))
     seconds = START_SECONDS[3] + 2 * PICTURE_SECONDS[3]["draft"]
     assert drawn["estimated_by_part"]["pictures_s"] == pytest.approx(
-        seconds * (SERIAL_SHARE + (1.0 - SERIAL_SHARE) / cores())
+        seconds * (SERIAL_SHARE + (1.0 - SERIAL_SHARE) / available_cores())
     )
     assert preflight(load(WHOLE))["estimated_by_part"]["pictures_s"] == 0.0
 

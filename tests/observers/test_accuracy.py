@@ -3,7 +3,7 @@ import pytest
 
 import ocean_sim
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.observers import accuracy
 from tests.conftest import quickly
 
@@ -15,7 +15,7 @@ def test_sums_are_those_of_the_particles(tmp_path, watched):
     particles.density.values[0], particles.density.values[1] = 1020.0, 900.0
     simulation.observers = [accuracy.Config().build(tmp_path, simulation)]
     simulation.run(until=0.2)
-    table = columns(tmp_path / "accuracy.csv")
+    table = read_columns(tmp_path / "accuracy.csv")
     n, mass, t = particles.n, particles.mass, table["time_s"]
     np.testing.assert_allclose(table["compression_mean"], 0.02 / n)
     np.testing.assert_allclose(table["compression_max"], 0.02)
@@ -35,7 +35,7 @@ def test_sums_are_those_of_the_particles(tmp_path, watched):
 def test_impulses_come_in_one_order_and_only_those_the_fluid_keeps(tmp_path, watched):
     simulation = watched()
     accuracy.Config().build(tmp_path, simulation).close()
-    names = [name for name in columns(tmp_path / "accuracy.csv") if name.startswith("impulse") and "_x_" in name]
+    names = [name for name in read_columns(tmp_path / "accuracy.csv") if name.startswith("impulse") and "_x_" in name]
     assert names == [f"impulse_{term}_x_Ns" for term in ("pressure", "viscosity", "wind", "gravity", "walls")]
 
 
@@ -46,7 +46,7 @@ def test_rising_water_gains_potential_energy(tmp_path, watched):
     particles.position.values[:, 1] += 0.1
     observer.observe(simulation)
     observer.close()
-    gained = columns(tmp_path / "accuracy.csv")["potential_energy_J"]
+    gained = read_columns(tmp_path / "accuracy.csv")["potential_energy_J"]
     np.testing.assert_allclose(gained, particles.n * particles.mass * 9.81 * 0.1, rtol=1e-8)
 
 
@@ -58,7 +58,7 @@ def test_a_body_that_turns_has_the_angular_momentum_of_its_inertia(tmp_path, wat
     observer = accuracy.Config().build(tmp_path, simulation)
     observer.observe(simulation)
     observer.close()
-    table = columns(tmp_path / "accuracy.csv")
+    table = read_columns(tmp_path / "accuracy.csv")
     inertia = particles.mass * (np.square(x).sum() * np.eye(3) - x.T @ x)
     got = [table[f"angular_momentum_{axis}_kg_m2_s"][0] for axis in "xyz"]
     np.testing.assert_allclose(got, inertia @ spin, rtol=1e-8)
@@ -75,7 +75,7 @@ def test_work_comes_in_one_order_and_the_residual_is_what_nobody_gave(tmp_path, 
     fluid.work |= {"wind": kinetic, "walls": -7.0, "viscosity": -5.0, "pressure": -900.0, "gravity": 400.0}
     observer.observe(simulation)
     observer.close()
-    table = columns(tmp_path / "accuracy.csv")
+    table = read_columns(tmp_path / "accuracy.csv")
     assert [name for name in table if name.startswith("work")] == [
         f"work_{term}_J" for term in ("pressure", "viscosity", "wind", "gravity", "walls")
     ]
@@ -90,7 +90,7 @@ def test_particles_outside_are_counted(tmp_path, watched):
     position[:3] = [[-9.0, -1.0, 0.0], [3.01, -1.0, 0.0], [0.0, -2.5, 0.0]]
     observer.observe(simulation)
     observer.close()
-    assert columns(tmp_path / "accuracy.csv")["outside"] == [2.0]
+    assert read_columns(tmp_path / "accuracy.csv")["outside"] == [2.0]
 
 
 def test_of_water_without_particles_there_is_only_the_time_step(tmp_path):
@@ -101,7 +101,7 @@ def test_of_water_without_particles_there_is_only_the_time_step(tmp_path):
     with ocean_sim.Simulation(scene) as simulation:
         simulation.observers = [accuracy.Config().build(tmp_path, simulation)]
         simulation.run(until=0.2)
-    table = columns(tmp_path / "accuracy.csv")
+    table = read_columns(tmp_path / "accuracy.csv")
     assert list(table) == ["time_s", "time_step_s", "limited_by"] and len(table["time_s"]) >= 2
 
 
@@ -172,7 +172,7 @@ def test_a_scheme_that_iterates_tells_how_its_solvers_fared(tmp_path):
         "runtime": {"threads": 1},
     }
     ocean_sim.run(ocean_sim.load(scene), out=tmp_path)
-    table = columns(tmp_path / "accuracy.csv")
+    table = read_columns(tmp_path / "accuracy.csv")
     for solver in ("density", "divergence"):
         total, last = table[f"{solver}_iterations"], table[f"{solver}_iterations_last"]
         assert (np.diff(total) >= 0).all() and (total >= last).all()

@@ -10,7 +10,7 @@ from ocean_sim.kernel_library import impl
 from ocean_sim.observers.checkpoint import KEPT_FILES
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
-from ocean_sim.state import file
+from ocean_sim.state import checkpoint_file
 from ocean_sim.validation.shared.tables import table_path
 from ocean_sim.verbs.resume import continue_run
 from ocean_sim.verbs.shared.progress import Progress
@@ -180,7 +180,12 @@ def resumed(scene, folder: Path) -> list[str]:
     """Runs a scene without and with a stop in its midst; the files that differ."""
     folder.mkdir(exist_ok=True)
     undisturbed(scene, folder / "a", 0.4 * scene.duration, folder / "b")
-    continue_run(scene, file.read(next(file.kept(folder / "b"))), folder / "b", Progress(scene.duration, quiet=True))
+    continue_run(
+        scene,
+        checkpoint_file.read_checkpoint(next(checkpoint_file.checkpoint_files(folder / "b"))),
+        folder / "b",
+        Progress(scene.duration, quiet=True),
+    )
     return differing(folder / "a", folder / "b")
 
 
@@ -230,8 +235,8 @@ def test_checkpoints_change_nothing_and_only_the_newest_are_kept(keys, tmp_path)
         with Simulation(scene_of(keys, checkpoint=every), tmp_path / name) as simulation:
             simulation.run(simulation.scene.duration)
     assert differing(tmp_path / "without", tmp_path / "with") == []
-    kept = [*file.kept(tmp_path / "with")]
+    kept = [*checkpoint_file.checkpoint_files(tmp_path / "with")]
     assert len(kept) == KEPT_FILES
-    newest, before = (file.read(path) for path in kept)
+    newest, before = (checkpoint_file.read_checkpoint(path) for path in kept)
     assert newest.time == simulation.time >= keys["duration"] and before.steps == newest.steps - 1
     assert kept[0].name == f"checkpoint_{simulation.time:013.6f}.h5"

@@ -3,7 +3,7 @@ import pytest
 from pydantic import ValidationError
 
 import ocean_sim
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.observers import gauges
 from ocean_sim.reading.scene import observer_names
 from tests.conftest import quickly
@@ -16,7 +16,7 @@ def test_rows_do_not_depend_on_the_time_steps(tmp_path, watched, steps_of):
         gauges.Config(elevation={"centre": [0.0, 0.0], "bow": [1.0, 2.0]}).build(tmp_path, simulation)
     ]
     simulation.run(until=0.6)
-    table = columns(tmp_path / "gauges.csv")
+    table = read_columns(tmp_path / "gauges.csv")
     assert list(table) == ["time_s", "centre_m", "bow_m"]
     assert len(table["time_s"]) == 13
     np.testing.assert_allclose(table["time_s"], np.arange(13) * 0.05, rtol=0, atol=1e-15)
@@ -62,14 +62,14 @@ def test_pressure_stands_beside_elevation_or_alone(tmp_path, watched):
     both = gauges.Config(elevation={"bow": [1.0, 0.0]}, pressure={"bow": [1.0, -1.0, 0.0], "bed": [0.0, -2.0, 0.0]})
     simulation.observers = [both.build(tmp_path, simulation)]
     simulation.run(until=0.2)
-    table = columns(tmp_path / "gauges.csv")
+    table = read_columns(tmp_path / "gauges.csv")
     assert list(table) == ["time_s", "bow_m", "bow_Pa", "bed_Pa"]
     np.testing.assert_allclose(table["bow_Pa"], 9810.0 + 100.0 * table["time_s"], rtol=1e-8)
     np.testing.assert_allclose(table["bed_Pa"], 19620.0 + 100.0 * table["time_s"], rtol=1e-8)
     alone = watched(width=None)
     alone.observers = [gauges.Config(pressure={"wall": [3.0, -0.5]}).build(tmp_path, alone)]
     alone.run(until=0.1)
-    assert columns(tmp_path / "gauges.csv")["wall_Pa"][0] == pytest.approx(4905.0)
+    assert read_columns(tmp_path / "gauges.csv")["wall_Pa"][0] == pytest.approx(4905.0)
 
 
 def test_a_pressure_gauge_may_be_on_a_wall_and_above_the_water_but_not_outside(watched):
@@ -141,7 +141,7 @@ def test_a_sensor_in_waves_reads_less_the_larger_it_is(tmp_path, watched, width)
         sensors[f"s{n}"] = {"at": [0.3, -2.0, *flat], "diameter": diameter}
     simulation.observers = [gauges.Config.model_validate({"pressure": sensors}).build(tmp_path, simulation)]
     simulation.run(until=0.05)
-    table = {name: column[0] for name, column in columns(tmp_path / "gauges.csv").items()}
+    table = {name: column[0] for name, column in read_columns(tmp_path / "gauges.csv").items()}
     assert table["s0_Pa"] == table["point_Pa"] == pytest.approx(500.0 * np.cos(0.5), rel=1e-8)
     for name, diameter in (("s1", 0.1), ("s2", 0.5), ("s3", 0.9)):
         half = 0.5 * k * diameter
@@ -161,7 +161,7 @@ def test_a_sensor_half_out_of_the_water_reads_the_force_on_it(tmp_path, watched)
     sensors = {"wall": {"at": [3.0, 0.0], "diameter": 0.2}}
     simulation.observers = [gauges.Config.model_validate({"pressure": sensors}).build(tmp_path, simulation)]
     simulation.run(until=0.05)
-    assert columns(tmp_path / "gauges.csv")["wall_Pa"][0] == pytest.approx(9810.0 * 0.2 / 8.0, rel=1.0 / 80.0)
+    assert read_columns(tmp_path / "gauges.csv")["wall_Pa"][0] == pytest.approx(9810.0 * 0.2 / 8.0, rel=1.0 / 80.0)
 
 
 def test_a_sensor_is_flush_with_what_is_nearest_or_as_it_is_turned(watched):

@@ -32,7 +32,7 @@ def test_a_quiet_run_has_a_quiet_diary(tmp_path, watched):
 
 def test_it_needs_no_folder_and_writes_nothing_without_one(watched, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    simulation, _ = build(watched, loop.NOWHERE)
+    simulation, _ = build(watched, loop.NO_FOLDER)
     simulation.run(until=0.1)
     assert not list(tmp_path.iterdir())
 
@@ -221,7 +221,7 @@ def blown(faults, basin=None, fluid=None, **keys):
         "runtime": {"threads": 1},
     }
     with loop.Simulation(load(scene | keys)) as simulation:
-        observers = [health.Config().build(loop.NOWHERE, simulation) for _ in faults]
+        observers = [health.Config().build(loop.NO_FOLDER, simulation) for _ in faults]
         for observer in observers:
             observer.observe(simulation)
         fluid = simulation.fluid
@@ -265,7 +265,7 @@ def test_of_waves_in_a_patch_that_nothing_else_drives_the_steepest_gain_energy(h
         "runtime": {"threads": 1},
     }
     with loop.Simulation(load(scene)) as simulation:
-        observer = health.Config().build(loop.NOWHERE, simulation)
+        observer = health.Config().build(loop.NO_FOLDER, simulation)
         observer.observe(simulation)
         while simulation.time < 12.5:
             simulation.step()
@@ -288,7 +288,7 @@ def test_water_that_sides_absorb_towards_a_current_is_driven():
     basin = {"length": 3.0, "depth": 0.3, "walls": {"x": DRIFT}}
     scene = {"basin": basin, "fluid": {"kind": "delta_sph", "spacing": 0.05}, "render": None, "runtime": {"threads": 1}}
     with loop.Simulation(load(scene)) as simulation:
-        observer = health.Config().build(loop.NOWHERE, simulation)
+        observer = health.Config().build(loop.NO_FOLDER, simulation)
         observer.observe(simulation)
         for _ in range(health.STEPS_BETWEEN_CHECKS):
             simulation.step()
@@ -303,7 +303,7 @@ def test_a_column_in_the_middle_falls_alike_to_both_sides_and_one_that_does_not_
     fluid = {"kind": kind, "spacing": 0.05, "fill": [{"min": [-0.3, -0.5], "max": [0.3, 0.1]}]}
     scene = load({"basin": {"length": 2.0, "depth": 0.5}, "fluid": fluid, "runtime": {"threads": 1}, "render": None})
     with loop.Simulation(scene) as simulation:
-        observers = [health.Config().build(loop.NOWHERE, simulation) for _ in range(2)]
+        observers = [health.Config().build(loop.NO_FOLDER, simulation) for _ in range(2)]
         for observer in observers:
             observer.observe(simulation)
         for _ in range(health.STEPS_BETWEEN_CHECKS):
@@ -324,6 +324,6 @@ def test_a_tank_with_two_different_halves_has_no_symmetry_to_lose(basin):
     scene = {"basin": {"length": 2.0, "depth": 0.5, **basin}, "fluid": {"kind": "ballistic", "spacing": 0.1}}
     for uneven, pairs in ((scene, 0), (scene | {"basin": {"length": 2.0, "depth": 0.5}}, 1)):
         with loop.Simulation(load(uneven | {"render": None})) as simulation:
-            observer = health.Config().build(loop.NOWHERE, simulation)
+            observer = health.Config().build(loop.NO_FOLDER, simulation)
             observer.observe(simulation)
             assert len(observer.symmetry.twins) == pairs

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import waves
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import SurfaceConfig
 from ocean_sim.pictures.export.paraview import NothingToExport, export_run
@@ -30,7 +30,7 @@ def run(tmp_path_factory):
 def test_gauges_read_the_closed_form(run):
     config, folder = run
     sea = config.fluid.sea(config.basin.build())
-    table = columns(folder / "gauges.csv")
+    table = read_columns(folder / "gauges.csv")
     time, scale = table["time_s"], config.fluid.scale[0]
     assert len(time) == 21
     for name, (x, z) in config.observers["gauges"].elevation.items():
@@ -50,7 +50,7 @@ def test_every_other_file_is_there_and_says_that_there_are_no_particles(run):
     assert "closed form" in (folder / "report.html").read_text()
     grid, frame = np.load(folder / "frames/grid.npz"), np.load(folder / "frames/frame_00001.npz")
     assert grid["has_surface"] and "position" not in frame and np.abs(frame["elevation"]).max() > 0.05
-    assert len(columns(folder / "accuracy.csv")["time_step_s"]) == 11
+    assert len(read_columns(folder / "accuracy.csv")["time_step_s"]) == 11
 
 
 def test_the_final_state_is_told_apart_by_its_hash(run, tmp_path):

@@ -240,7 +240,7 @@ def test_a_film_leaves_a_row_of_small_pictures_however_long_it_is():
 
 
 def test_a_scene_is_told_as_yaml(tmp_path):
-    from ocean_sim.files.yaml_file import read
+    from ocean_sim.files.yaml_file import read_mapping
 
     scene = {
         "title": "Wind: <& water>, # not a comment",
@@ -255,7 +255,7 @@ def test_a_scene_is_told_as_yaml(tmp_path):
     }
     path = tmp_path / "scene.yaml"
     path.write_text(scene_text(scene | {"platform": None}))
-    assert read(path).plain() == scene
+    assert read_mapping(path).plain() == scene
     assert json.loads(json.dumps(scene)) == scene
 
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.observers.shared.csv_rows import CsvFile, Multiples, Sampled
 
 
@@ -48,5 +48,5 @@ def test_a_csv_is_readable_while_it_is_written(tmp_path):
     assert path.read_text() == "# frame: world\n# note: two lines\ntime_s,a_m,word\n0.3,0.333333343,acoustic\n"
     csv.file.write("0.4,0.1")  # killed within a line
     csv.close()
-    table = columns(path)
+    table = read_columns(path)
     assert table["time_s"] == pytest.approx([0.3]) and table["word"].tolist() == ["acoustic"]

@@ -11,8 +11,8 @@ from ocean_sim.observers.shared.csv_rows import CsvFile, Sampled
 from ocean_sim.platform.shared.washing import Filter
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.state import fields as state_fields
-from ocean_sim.state.fields import Contents, parted, shape
-from ocean_sim.state.walk import Mismatch, Restorer, Snapshot
+from ocean_sim.state.fields import FieldContents, array_shape, group_names
+from ocean_sim.state.snapshot import Mismatch, Restorer, Snapshot
 
 
 def through(root, fresh, folder=Path("/nowhere")):
@@ -56,20 +56,20 @@ def test_objects_with_a_law_stay_themselves():
 @pytest.mark.parametrize("longest", [2**31 - 1, 30])
 def test_fields_of_every_type_and_shape_are_written_and_read_each_in_its_place(longest, monkeypatch, taichi_cpu):
     """However few numbers a row may hold."""
-    monkeypatch.setattr(state_fields, "LONGEST", longest)
+    monkeypatch.setattr(state_fields, "MAX_ROW_LENGTH", longest)
     shapes = [(), (3, 4), (2, 3, 4), (3, 4), *[(5,)] * 33]  # more than a kernel takes
     kinds = [ti.f32] * 4 + [ti.i32] * len(shapes)
     fields = [ti.field(kind, shape) for kind, shape in zip(kinds, [*shapes[:4], *shapes])]
     held = {f"{k}": field for k, field in enumerate([*fields, ti.Vector.field(3, ti.f32, 6)])}
     given = {}
     for k, field in held.items():
-        places, first = shape(field), 1000 * int(k)
+        places, first = array_shape(field), 1000 * int(k)
         given[k] = np.arange(first, first + np.prod(places, dtype=int)).reshape(places)
         given[k] = np.asarray(given[k], dtype=to_numpy_type(field.dtype))
-    Contents().write(held, given)
+    FieldContents().write(held, given)
     for k in ("0", "3", "7", str(len(held) - 1)):
         assert np.array_equal(held[k].to_numpy(), given[k])
-    found = Contents().read(held)
+    found = FieldContents().read(held)
     for k in held:
         assert found[k].dtype == given[k].dtype and found[k].shape == given[k].shape
         assert np.array_equal(found[k], given[k])
@@ -78,7 +78,7 @@ def test_fields_of_every_type_and_shape_are_written_and_read_each_in_its_place(l
 def test_no_row_has_more_numbers_than_can_be_counted_in_32_bits():
     """The largest fields of 1.3 million particles of dfsph: together they have 1.01 times as many."""
     sizes = {"x": 367_688_512, "y": 367_688_512, "z": 367_688_512, "shape": 1_073_866_016, "density": 1_300_000}
-    assert list(parted(sizes)) == [["x", "y", "z"], ["shape", "density"]]
+    assert list(group_names(sizes)) == [["x", "y", "z"], ["shape", "density"]]
 
 
 def test_a_file_goes_on_where_it_was(tmp_path):

@@ -2,7 +2,7 @@ from time import sleep
 
 import pytest
 
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.observers import timings
 
 
@@ -23,7 +23,7 @@ def test_stages_are_timed_and_the_first_step_is_told_apart(tmp_path, watched):
     observer = timings.Config(every=0.1).build(tmp_path, simulation)
     simulation.observers = [observer]
     simulation.run(until=0.4)
-    table, summary = columns(tmp_path / "timings.csv"), observer.summary()
+    table, summary = read_columns(tmp_path / "timings.csv"), observer.summary()
     assert list(table) == [
         "time_s", "steps", "wall_s", "real_time_factor",
         "wind_ms_per_step", "fluid_ms_per_step", "observers_ms_per_step", "other_ms_per_step",

@@ -9,9 +9,9 @@ from scipy.ndimage import map_coordinates
 
 from ocean_sim.basin.points import pairs
 from ocean_sim.conventions import in_words
-from ocean_sim.files import whole_file
+from ocean_sim.files import atomic_file
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.meshes import Series
-from ocean_sim.files.whole_file import whole
 from ocean_sim.observers import frames
 from ocean_sim.pictures.export import scene_file
 from ocean_sim.pictures.export.paraview import NothingToExport, export_run, save_mesh
@@ -148,8 +148,8 @@ def test_what_changes_from_moment_to_moment_reads_back(tmp_path):
 
 def test_an_export_that_a_disk_has_no_room_for_leaves_no_file(tmp_path, monkeypatch):
     path, points = tmp_path / "s.vtkhdf", np.zeros((3, 3))
-    monkeypatch.setattr(whole_file, "disk_usage", lambda folder: SimpleNamespace(free=1000))
-    with pytest.raises(OSError) as failure, whole(path) as draft, Series(draft, "Polygons") as series:
+    monkeypatch.setattr(atomic_file, "disk_usage", lambda folder: SimpleNamespace(free=1000))
+    with pytest.raises(OSError) as failure, atomic_write(path) as draft, Series(draft, "Polygons") as series:
         series.add(0.0, points, np.array([[0, 1, 2]]))
     assert in_words(failure.value) == f"No space left on device: {path}"
     with pytest.raises(OSError) as failure:

@@ -458,7 +458,7 @@ def holding_balls(folder: Path, middles: list[tuple[float, float, float]]) -> Pa
 @pytest.mark.parametrize("of, pictures, painters", [(1, 1000, 1), (2, 1000, 2), (16, 1000, 2), (2, 10, 1)])
 def test_short_films_and_films_on_one_core_are_drawn_by_one_process(of, pictures, painters, tmp_path, monkeypatch):
     """As is a film of a run of unknown length."""
-    monkeypatch.setattr(render, "cores", lambda: of)
+    monkeypatch.setattr(render, "available_cores", lambda: of)
     assert render.order_of(tmp_path).painters == 1
     (tmp_path / "manifest.json").write_text(json.dumps({"scene": {"duration": 0.1 * pictures}}))
     assert render.order_of(tmp_path, every=0.1).painters == painters
@@ -469,7 +469,7 @@ def test_of_a_film_that_processes_draw_by_turns_no_core_idles_but_while_they_sta
     scene = load(sea | {"duration": 100.0, "frames": {"every": 0.1}, "render": {"every": 0.1, "size": [1280, 720]}})
     film, first = 1001 * render.PICTURE_SECONDS[3]["draft"], render.START_SECONDS[3]
     for of, wall in ((1, first + film), (2, 0.5 * film)):
-        monkeypatch.setattr(render, "cores", lambda: of)
+        monkeypatch.setattr(render, "available_cores", lambda: of)
         assert wall <= scene.observers["render"].picture_time(scene.preflight) <= wall + first
 
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from ocean_sim.files.csv_file import columns as read_columns
+from ocean_sim.files.csv_file import read_columns as read_columns
 from ocean_sim.platform import PLATFORM_COLUMNS
 from ocean_sim.platform.hexapod import Config
 from ocean_sim.platform.shared import motion_log

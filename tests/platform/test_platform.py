@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ocean_sim.files.csv_file import columns as read_columns
+from ocean_sim.files.csv_file import read_columns as read_columns
 from ocean_sim.parts import Preflight
 from ocean_sim.platform import LEG_ACCELERATION_LIMIT, LEG_SPEED_LIMIT, SINGULARITY_LIMIT, STROKE_LIMIT, Commands, Cue
 from ocean_sim.platform.hexapod import Config

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.input_file import Unreadable
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.fluid import Arriving
@@ -23,7 +23,7 @@ MOTIONS = ("sway", "heave", "surge", "pitch", "yaw", "roll")
 
 
 def test_a_file_of_capytaine_gives_what_the_table_of_a_finer_mesh_does():
-    found, finer = read_bem_table(str(BARGE)), columns(table_path("barge20_radiation"))
+    found, finer = read_bem_table(str(BARGE)), read_columns(table_path("barge20_radiation"))
     assert tuple(found.motions) == MOTIONS and found.scattered is not None
     for name, unit in (("heave", "kg"), ("pitch", "kg_m2")):
         k = found.motions.index(name)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import Simulation, load
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.reading.scene import SceneError
 from ocean_sim.ship.forces.damping import BY_RULE, Damping, Resistance
 from ocean_sim.ship.forces.radiation import Memory, Radiation
@@ -26,7 +26,7 @@ def test_a_hemisphere_that_heaves_at_once_takes_half_of_its_displacement_along()
 
 @pytest.mark.parametrize("file, motions", [(SPHERE, ["heave"]), (BARGE, ["heave", "pitch"])])
 def test_what_the_table_gives_comes_back(file, motions):
-    given, found = columns(file), Radiation(str(file)).impulse_response
+    given, found = read_columns(file), Radiation(str(file)).impulse_response
     omega, t = given["omega_rad_s"], found.times
     for k, motion in enumerate(motions):
         unit = "kg" if motion == "heave" else "kg_m2"
@@ -51,7 +51,7 @@ def test_a_steady_oscillation_is_held_back_by_damping_and_carried_by_added_mass(
         time += random.uniform(0.005, 0.04)
     speed, rate, force = np.array(rows).T
     (damping, added), *_ = np.linalg.lstsq(-np.stack([speed, rate], axis=1), force, rcond=None)
-    given = columns(SPHERE)
+    given = read_columns(SPHERE)
     assert damping == pytest.approx(np.interp(omega, given["omega_rad_s"], given["heave_damping_kg_s"]), rel=0.03)
     exact = np.interp(omega, given["omega_rad_s"], given["heave_added_kg"])
     assert memory.impulse_response.added[0, 0] + added == pytest.approx(exact, rel=0.03)

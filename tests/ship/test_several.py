@@ -16,7 +16,7 @@ from ocean_sim.reading import schema
 from ocean_sim.reading.scene import observer_names
 from ocean_sim.result import Result
 from ocean_sim.simulation import Simulation
-from ocean_sim.state import file
+from ocean_sim.state import checkpoint_file
 from tests.conftest import Start
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
@@ -142,7 +142,7 @@ def test_a_run_that_goes_on_from_a_checkpoint_leaves_the_same_bytes(tmp_path):
         simulation.run(1.2)
     (tmp_path / "away").mkdir()
     with Simulation(config, tmp_path / "away") as simulation:
-        restore(simulation, file.read(next(file.kept(folder))), folder)
+        restore(simulation, checkpoint_file.read_checkpoint(next(checkpoint_file.checkpoint_files(folder))), folder)
         simulation.run(config.duration)
     for name in ("motion_a.csv", "motion_b.csv", "platform.csv"):
         assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name

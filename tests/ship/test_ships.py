@@ -294,7 +294,7 @@ def ridden(barge, folder, step):
         log.observe(simulation)
         ship.acceleration, ship.turning = np.array([0.0, -4.0 * heave, 0.0]), np.array([0.0, 0.0, -4.0 * roll])
     log.close()
-    return csv_file.columns(folder / "motion.csv")
+    return csv_file.read_columns(folder / "motion.csv")
 
 
 def test_rows_are_the_same_however_many_moments_are_looked_at_together(barge, tmp_path, monkeypatch):
@@ -360,7 +360,7 @@ def test_a_spring_swings_as_its_closed_form_from_the_first_row_on(barge, tmp_pat
             ship.acceleration, ship.turning = -4.0 * body.position, np.zeros(3)
             body = rigid.advance_body(body, body.mass * ship.acceleration, np.zeros(3), step)
         log.close()
-        rows = csv_file.columns(folder / "motion.csv")
+        rows = csv_file.read_columns(folder / "motion.csv")
         t = rows["time_s"]
         exact = np.array([np.sin(2.0 * t), 2.0 * np.cos(2.0 * t)])
         found = np.array([rows["heave_m"], rows["heave_velocity_m_s"]])
@@ -432,7 +432,7 @@ def test_a_sea_a_ship_and_a_platform_run_to_their_files(tmp_path):
     keys = {"motion": {"every": 0.01, "point": "helm"}, "frames": {"every": 0.5, "spacing": 10.0}}
     run(load(calm(ship, fluid=fluid, platform=platform, duration=1.0, **keys), over), tmp_path)
     motion = Result(tmp_path).motion
-    platform_log = csv_file.columns(tmp_path / "platform.csv")
+    platform_log = csv_file.read_columns(tmp_path / "platform.csv")
     assert len(motion["time_s"]) == 101 and len(platform_log["time_s"]) >= 100
     assert np.ptp(motion["heave_m"]) > 0.02 and np.ptp(platform_log["leg1_m"]) > 1e-3
     with np.load(tmp_path / "frames" / "grid.npz") as grid, np.load(tmp_path / "frames" / "frame_00002.npz") as frame:

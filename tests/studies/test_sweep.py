@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import pytest
 
 from ocean_sim.__main__ import answered
-from ocean_sim.files.yaml_file import SceneError, mapping
+from ocean_sim.files.yaml_file import SceneError, parse_mapping
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.sweep import read_plan
@@ -122,7 +122,7 @@ def test_every_file_that_a_scene_names_is_part_of_an_address(key, tmp_path):
     if not flat:
         base["basin"]["walls"] = "periodic" if key == "components" else "none"
         base["fluid"] |= {} if key == "components" else {"height": 0.1, "period": 4.0}
-    for name, part in mapping(written, key).plain().items():
+    for name, part in parse_mapping(written, key).plain().items():
         base[name] = base.get(name, {}) | part
     Path("one.yaml").write_text(json.dumps(base))
     Path("plan.yaml").write_text("scene: one.yaml\nseeds: [1]\n")

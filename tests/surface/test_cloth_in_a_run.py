@@ -5,7 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.pictures.export.paraview import export_run
 from ocean_sim.reading.scene import load, packaged_scenes
@@ -52,7 +52,7 @@ def test_it_fits_the_water_of_a_moving_sea(tmp_path):
     out = tmp_path / "run"
     watched = QUIET | {"accuracy": {"every": 0.2}, "frames": {"every": 0.2}, "duration": 1.0, "wind": "still"}
     run(load(SEA | watched, {"fluid.initial": {"kind": "standing_wave", "amplitude": 0.6, "mode": 2}}), out)
-    table = columns(out / "accuracy.csv")
+    table = read_columns(out / "accuracy.csv")
     assert np.abs(table["surface_offset_m"]).max() < 0.05 * 1.25
     assert table["surface_fit_m"].max() < 0.15 * 1.25
     assert (table["surface_area_m2"] > 0.999 * 24.0 * 20.0).all()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from tests.figures.test_drawn_figures import draw
 
 FIGURES = ("fig3_3", "fig6_1", "fig6_2")
@@ -23,7 +23,7 @@ def test_figure_3_3_has_every_spring(figures):
 
 
 def test_figure_6_1_fits(figures):
-    table = columns(figures / "fig6_1.csv")
+    table = read_columns(figures / "fig6_1.csv")
     assert len(table["x_m"]) == 64
     assert abs(table["cloth_m"] - table["particles_m"]).max() < 0.25 * 2.5
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ocean_sim.files.csv_file import columns
+from ocean_sim.files.csv_file import read_columns
 from ocean_sim.viewer.protocol import packet
 from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Server
@@ -220,5 +220,5 @@ def test_what_is_kept_is_kept(run, live, tmp_path):  # noqa: F811
     first, second = (tmp_path / "curves.csv").read_text().split("\n\n")
     assert first.splitlines()[1] == "time_s,elevation_centre_m" and first == second.rstrip()
     (tmp_path / "one.csv").write_text(f"{first}\n")
-    kept, logged = columns(tmp_path / "one.csv"), columns(run / "gauges.csv")
+    kept, logged = read_columns(tmp_path / "one.csv"), read_columns(run / "gauges.csv")
     assert kept["elevation_centre_m"] == pytest.approx(logged["centre_m"], abs=1e-6)

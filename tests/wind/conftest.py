@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ocean_sim import basin
-from ocean_sim.files.yaml_file import read
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.kernel_library import ti, tm
 from ocean_sim.parts import config_of, library
 from tests.fluid.conftest import water
@@ -64,6 +64,6 @@ def preset_data():
     """The content of a file in configs/."""
 
     def content(folder, name):
-        return read(library("configs") / folder / f"{name}.yaml").plain()
+        return read_mapping(library("configs") / folder / f"{name}.yaml").plain()
 
     return content

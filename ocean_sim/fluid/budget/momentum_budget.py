@@ -13,7 +13,7 @@ from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.thread_tasks import ROW_PADDING, TASK_ITERATIONS
 from ocean_sim.fluid.sph.particles import Particles
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.runtime import Doubles2, Doubles3, Template, alone, in_kernels
+from ocean_sim.runtime import Doubles2, Doubles3, Template, in_kernels, runs_alone
 
 TERM_NAMES = ("pressure", "viscosity", "wind", "gravity", "walls", "ship", "diffusion", "bed", "sea")
 PRESSURE, VISCOSITY, WIND, GRAVITY, WALLS, SHIP, DIFFUSION, BED, SEA = range(len(TERM_NAMES))
@@ -136,7 +136,7 @@ class Accounts:
     @ti.kernel
     def copy_sums(self, to: Doubles3):
         """Impulse and work of each term, group by group."""
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
 

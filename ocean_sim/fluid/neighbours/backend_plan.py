@@ -10,7 +10,7 @@ from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize, Plan
 from ocean_sim.fluid.neighbours.kept_pairs import slot_bytes, slot_count
 from ocean_sim.fluid.neighbours.particle_walk import ParticleWalk, WideAccounts, WideGrid, level_sizes
 from ocean_sim.parts import LedgerRow
-from ocean_sim.runtime import CARDS, GRAPHICS
+from ocean_sim.runtime import GRAPHICS_BACKENDS, GRAPHICS_CARD_CHOICES
 
 Walk = CellWalk | ParticleWalk
 
@@ -48,7 +48,9 @@ class ParticlePlan(Plan):
 
 
 CELL_PLAN, PARTICLE_PLAN = Plan(Grid, Accounts, CellWalk), ParticlePlan(WideGrid, WideAccounts, ParticleWalk)
-PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys((*CARDS, *GRAPHICS), PARTICLE_PLAN)
+PLANS: dict[str, Plan] = {"cpu": CELL_PLAN, "auto": CELL_PLAN} | dict.fromkeys(
+    (*GRAPHICS_CARD_CHOICES, *GRAPHICS_BACKENDS), PARTICLE_PLAN
+)
 """Plans by backend. Before a backend is started, `auto` counts as the processor and `gpu` as a card."""
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array2, Doubles2, alone, in_kernels
+from ocean_sim.runtime import Array2, Doubles2, in_kernels, runs_alone
 
 NO_DRIFT = (
     "the waves are of the first order: what drifts a ship in the mean, second-order forces, is not modelled; a mean "
@@ -42,7 +42,7 @@ class PlaneWaves:
 
     @ti.kernel
     def store_waves(self, each: Array2, turns: Doubles2):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.amplitude.shape[0]):
             self.amplitude[i], self.k[i], self.speed[i] = each[i, 0], each[i, 1], each[i, 4]
             self.kx[i], self.kz[i] = each[i, 2], each[i, 3]
@@ -56,7 +56,7 @@ class PlaneWaves:
 
     @ti.kernel
     def compute_phases(self, time: ti.f64, x: ti.f64, z: ti.f64, share: float):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.phase.shape[0]):
             first = self.at_first[i]
             turns = first[0] - first[1] * time - first[2] * x - first[3] * z

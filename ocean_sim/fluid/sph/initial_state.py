@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 from ocean_sim import waves
 from ocean_sim.basin import Basin
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, arrays, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, Unreadable, display_path, read_npz
 from ocean_sim.model import Model, quantity
 from ocean_sim.random_numbers import numpy_uniform3
 
@@ -195,12 +195,12 @@ class FromFile(Start):
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of the file, each (n,), by their names without unit; raises Unreadable."""
-        found = arrays(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
+        found = read_npz(self.path) if self.path.endswith(".npz") else csv_file.Table(self.path)
         unnumbered = [name for name, column in found.items() if column.dtype.kind not in "iuf" or column.ndim > 1]
         if unnumbered:
             raise Unreadable(self.path, f"{unnumbered[0]} is not a column of numbers")
         short = {name: name.split("_")[0] for name in found}
-        if (name := csv_file.twice([*short.values()])) is not None:
+        if (name := csv_file.first_duplicate([*short.values()])) is not None:
             alike = " and ".join(long for long in short if short[long] == name)
             raise ONE_COLUMN.broken(self.path, f"it has {alike}")
         return {short[name]: np.atleast_1d(column).astype(float) for name, column in found.items()}
@@ -214,13 +214,13 @@ class FromFile(Start):
         missing = [name for name in ("xyuv" if basin.dimension == 2 else "xyzuvw") if name not in columns]
         sizes = {column.shape for column in columns.values()}
         if missing:
-            yield ("path",), f"{shown(self.path)} has no column {' and no column '.join(missing)}"
+            yield ("path",), f"{display_path(self.path)} has no column {' and no column '.join(missing)}"
         elif len(sizes) != 1 or sizes == {(0,)}:
-            yield ("path",), f"the columns of {shown(self.path)} must be of one length, and not empty"
+            yield ("path",), f"the columns of {display_path(self.path)} must be of one length, and not empty"
         elif len(wrong := np.argwhere(~np.isfinite([*columns.values()]).T)):
             (row, k), names = wrong[0], [*columns]
             found = f"{names[k]} is {columns[names[k]][row]} in row {row + 1}"
-            yield ("path",), f"{csv_file.NUMBERS.broken(self.path, found)}"
+            yield ("path",), f"{csv_file.FINITE_NUMBERS_RULE.broken(self.path, found)}"
         else:
             positions = self.positions(basin)
             rows = np.hstack([positions, column_vectors(columns, "uvw", basin)])

@@ -23,7 +23,7 @@ from ocean_sim.fluid.sph.particles import Particles, seeded, staggered_field
 from ocean_sim.fluid.sph.smoothing import Smoothing
 from ocean_sim.fluid.sph.water_keys import WaterConfig
 from ocean_sim.kernel_library import ti, tm
-from ocean_sim.runtime import Array2, alone, in_kernels
+from ocean_sim.runtime import Array2, in_kernels, runs_alone
 from ocean_sim.waves import Components
 from ocean_sim.wind import Wind
 
@@ -204,7 +204,7 @@ class ParticleWater(ParticleFluid):
     @ti.kernel
     def stage_all(self):
         """Leave all particles where they are, for the sort."""
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
             p, v = self.particles.position, self.particles.velocity
             for left in ti.static(self.grid.left):

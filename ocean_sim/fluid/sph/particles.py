@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.fluid.sph.initial_state import start_state
 from ocean_sim.fluid.sph.lattice import Lattice
 from ocean_sim.kernel_library import ScalarField, ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, Integers, alone, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, in_kernels, runs_alone
 
 PAGE_BYTES, CACHE_LINE_BYTES = 4096, 64
 GAP_TYPE = ti.i32
@@ -103,7 +103,7 @@ class Components:
 
     @ti.kernel
     def copy_to(self, rows: Array2):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.x:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
 
@@ -141,12 +141,12 @@ class Particles:
     @ti.kernel
     def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
         """All are numbered in their order, and of one density."""
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(position.shape[0]):
             self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]
             self.velocity.x[i], self.velocity.y[i], self.velocity.z[i] = velocity[i, 0], velocity[i, 1], velocity[i, 2]
             self.pressure[i], self.id[i] = pressure[i], i
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in self.density:
             self.density[i] = density
 
@@ -162,7 +162,7 @@ class Particles:
 
     @ti.kernel
     def copy_to(self, position: Array2, velocity: Array2, number: Integers, pressure: Array):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(number.shape[0]):
             x, v = self.position, self.velocity
             position[i, 0], position[i, 1], position[i, 2] = x.x[i], x.y[i], x.z[i]

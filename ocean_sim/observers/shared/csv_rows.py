@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
-from ocean_sim.files.whole_file import naming
+from ocean_sim.files.atomic_file import file_named_in_errors
 
 if TYPE_CHECKING:
     from ocean_sim.platform import Commands
@@ -53,7 +53,7 @@ class CsvFile:
     def __init__(self, path: Path, heading: Mapping[str, object], columns: Sequence[str]) -> None:
         self.columns = tuple(columns)
         self.file = path.open("w", encoding="utf-8", newline="\n")
-        with naming(path):
+        with file_named_in_errors(path):
             self.file.writelines(f"# {key}: {' '.join(cell_text(value).split())}\n" for key, value in heading.items())
         self.row(self.columns)
 
@@ -61,7 +61,7 @@ class CsvFile:
         """Write a row; returns its line."""
         cells = tuple(values)
         line = row_format(tuple(map(type, cells))) % cells
-        with naming(self.file.name):
+        with file_named_in_errors(self.file.name):
             self.file.write(line + "\n")
             self.file.flush()
         return line

@@ -78,7 +78,7 @@ def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with Image.open(io.BytesIO(input_file.content(path))) as file:
+        with Image.open(io.BytesIO(input_file.read_bytes(path))) as file:
             image = file.convert("RGB")
     except (OSError, ValueError, UnidentifiedImageError, Image.DecompressionBombError):
         return ""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.observers.shared.page import draw_curves, embedded_picture, html_page, html_table, scene_text
 
 MAX_STILLS = 6  # in a page
@@ -26,7 +26,7 @@ def write_report(folder: Path) -> Path:
     """Write report.html of a run folder, however the run ended."""
     run = Run(folder)
     path = folder / "report.html"
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text(html_page(run.title, run.parts()), encoding="utf-8")
     return path
 
@@ -36,7 +36,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.manifest: dict[str, Any] = input_file.facts(folder / "manifest.json")
+        self.manifest: dict[str, Any] = input_file.read_json_object(folder / "manifest.json")
         self.scene: dict[str, Any] = self.manifest.get("scene") or {}
         self.title = self.scene.get("title") or "Untitled scene"
         self.events = whole_lines(folder / "events.jsonl")
@@ -117,7 +117,7 @@ class Run:
 
     def table(self, name: str) -> Table:
         """Columns of a CSV file of the run, empty if there is no such file."""
-        return csv_file.columns_there(self.folder / name)
+        return csv_file.read_columns_if_any(self.folder / name)
 
     def motions(self) -> Iterator[str]:
         yield from motion_plots("Motions of the ship", self.table("motion.csv"))
@@ -226,7 +226,7 @@ class Run:
 def whole_lines(path: Path) -> list[dict[str, Any]]:
     """The objects of a JSON-lines file up to its first torn line."""
     objects = []
-    for line in input_file.text(path).splitlines() if path.is_file() else ():
+    for line in input_file.read_text(path).splitlines() if path.is_file() else ():
         try:
             objects.append(json.loads(line))
         except ValueError:

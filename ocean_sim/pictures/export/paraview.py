@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ocean_sim.conventions import Failed
-from ocean_sim.files.input_file import arrays
+from ocean_sim.files.atomic_file import atomic_write, require_disk_space
+from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Series, save_ply
-from ocean_sim.files.whole_file import must_have_room, whole
 from ocean_sim.pictures.export import scene_file
 from ocean_sim.pictures.export.scene_file import ExportShot, upright_shots
 from ocean_sim.pictures.export.wakes import RunWakes
@@ -36,8 +36,8 @@ def export_run(
     frames = frame_files(folder)[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
-    grid = arrays(folder / "frames" / "grid.npz")
-    meshes = surface is not None or scene == "glb" or (scene == "usd" and "position" not in arrays(frames[0]))
+    grid = read_npz(folder / "frames" / "grid.npz")
+    meshes = surface is not None or scene == "glb" or (scene == "usd" and "position" not in read_npz(frames[0]))
     if meshes and len(grid["z"]) < 2:
         raise NothingToExport("in 2-D the surface is a line; export its particles")
     out.mkdir(parents=True, exist_ok=True)
@@ -62,7 +62,7 @@ def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
     """Points with `velocity`, `id` and `pressure`: one file with all moments (vtkhdf), or one a moment (ply)."""
-    if "position" not in arrays(frames[0]):
+    if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
     if kind == "ply":
@@ -71,7 +71,7 @@ def export_particles(
             for k, (_, x, fields) in enumerate(kept)
         ]
     path = out / "particles.vtkhdf"
-    with whole(path) as draft, Series(draft, "Vertices") as series:
+    with atomic_write(path) as draft, Series(draft, "Vertices") as series:
         for time, x, fields in kept:
             series.add(time, x, np.arange(len(x))[:, None], **without_key(fields, "position"))
     return [path]
@@ -124,7 +124,7 @@ def save_moments(
     """A mesh at several times [s] in files of a kind."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
-        with whole(path) as draft, Series(draft, "Polygons") as series:
+        with atomic_write(path) as draft, Series(draft, "Polygons") as series:
             for time, points, faces, fields in moments:
                 series.add(time, points, faces, **fields)
         return [path]
@@ -136,7 +136,7 @@ def save_moments(
         return files
     listed = [{"name": file.name, "time": moment[0]} for file, moment in zip(files, moments)]
     index = out / f"{name}.vtp.series"
-    with whole(index) as draft:
+    with atomic_write(index) as draft:
         draft.write_text(json.dumps({"file-series-version": "1.0", "files": listed}, indent=1) + "\n", encoding="utf-8")
     return [index, *files]
 
@@ -152,7 +152,7 @@ def save_mesh(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: 
         mesh.point_data[name] = values
     if "Normals" in fields:
         mesh.point_data.active_normals = fields["Normals"]
-    with whole(path) as draft:
-        must_have_room(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
+    with atomic_write(path) as draft:
+        require_disk_space(draft, 2 * 1024 * mesh.actual_memory_size)  # VTK goes on where it cannot write
         mesh.save(draft)
     return path

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.files.input_file import arrays
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.input_file import read_npz
 from ocean_sim.files.meshes import Glb
-from ocean_sim.files.whole_file import whole
 from ocean_sim.pictures.export.wakes import RunWakes, read_cells
 from ocean_sim.pictures.frame_files import frame_files, ship_keys
 from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
@@ -56,7 +56,7 @@ class ExportShot(NamedTuple):
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
     """Read the contents of a frame: the surface of a scene that has one, else the heights of the water; at sea with
     wakes, waves of ships and the white along their hulls as pictures show them."""
-    data = arrays(frame)
+    data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
         height, data["foam"] = wakes.shown(data)
@@ -146,9 +146,9 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
         raise UsdMissing from None
-    first, last = (float(arrays(frame)["time"]) for frame in (frames[0], frames[-1]))
+    first, last = (float(read_npz(frame)["time"]) for frame in (frames[0], frames[-1]))
     per_second = frame_rate(first, last, len(frames), float(grid["every"]))
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         stage = Usd.Stage.CreateInMemory()
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if z_up else UsdGeom.Tokens.y)
         UsdGeom.SetStageMetersPerUnit(stage, 1.0)

@@ -66,10 +66,10 @@ def _survives(show: bool) -> bool:
 
 def require(show: bool) -> None:
     """Raise VulkanMissing or ScreenMissing, or Lacking if the compiler of the kernels has no window."""
-    if kernel_library.NAME != kernel_library.TAICHI:
+    if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
-            f"a preview is drawn in a window of Taichi's, and {kernel_library.NAME} has none; unset "
-            f"{kernel_library.VARIABLE}, or take `ocean-sim preview --browser`"
+            f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "
+            f"{kernel_library.LIBRARY_VARIABLE}, or take `ocean-sim preview --browser`"
         )
     if not draws(show=False):
         raise VulkanMissing

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from ocean_sim.files.yaml_file import read
+from ocean_sim.files.yaml_file import read_mapping
 from ocean_sim.model import Model
 from ocean_sim.parts import library
 from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
@@ -133,7 +133,7 @@ def build_model(
 @cache
 def style_of(name: str) -> Style:
     """Style in a file of configs/look/."""
-    return Style.model_validate(read(library("configs") / "look" / f"{name}.yaml").plain())
+    return Style.model_validate(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 
 def styled_model(hull: Hull, style: Style, helm: np.ndarray | None) -> ShipModel:

@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import extra_missing
+from ocean_sim.machine import missing_extra
 
 WINDOW_CLASSES = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
 INSTALL_COMMAND = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
@@ -29,7 +29,7 @@ class OpenGLMissing(Lacking):
 
     def __init__(self) -> None:
         missing = f"this machine has no OpenGL to draw pictures with; install it with `{INSTALL_COMMAND}`"
-        super().__init__(extra_missing("pictures") or missing)
+        super().__init__(missing_extra("pictures") or missing)
 
 
 def drawing_environment(window: str) -> dict[str, str]:
@@ -43,7 +43,7 @@ def window() -> str | None:
     """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
     from ocean_sim.machine import cache_directory
 
-    if extra_missing("pictures"):
+    if missing_extra("pictures"):
         return None
     note = cache_directory() / "opengl.json"
     signature = hashlib.sha256(repr((sys.executable, version("vtk"), version("pyvista"))).encode()).hexdigest()

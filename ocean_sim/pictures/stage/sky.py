@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from ocean_sim.basin.points import middles_of
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 
 
 def unit_vector(vectors: np.ndarray) -> np.ndarray:
@@ -149,7 +149,7 @@ def sky_directions(side: int) -> np.ndarray:
 def cloudy_sky(sun: np.ndarray = SUN_DIRECTION, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:
     """The scattered sky with clouds over a share of it, from the cache where it was made before."""
     content = json.dumps(["sky 11", [round(float(s), 9) for s in sun], side, cover, seed]).encode()
-    arrays = kept("sky", content, lambda: make_sky(sun, side, cover, seed))
+    arrays = cached_arrays("sky", content, lambda: make_sky(sun, side, cover, seed))
     return Sky(arrays["image"], sun, arrays["sunlight"])
 
 

@@ -47,7 +47,7 @@ CHECKS = (input_file.Checked("A key, `stream.key`", (KEY_RULE,)),)
 
 def read_key(file: str) -> bytes:
     """Read the key that sender and receiver share; raises Unreadable, a ValueError."""
-    key = input_file.content(file, MAX_KEY_BYTES).strip()
+    key = input_file.read_bytes(file, MAX_KEY_BYTES).strip()
     if len(key) < MIN_KEY_BYTES:
         raise KEY_RULE.broken(file, f"it has {len(key)} bytes")
     return key

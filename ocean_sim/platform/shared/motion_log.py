@@ -10,10 +10,10 @@ import numpy as np
 from ocean_sim import conventions
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files import csv_file
-from ocean_sim.files.csv_file import NAMED, Table
+from ocean_sim.files.csv_file import NAMED_COLUMNS_RULE, Table
 from ocean_sim.files.input_file import Checked, Rule
 
-TIME_COLUMN = csv_file.TIME
+TIME_COLUMN = csv_file.TIME_COLUMN
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 ANGLE_COLUMNS = ("roll_rad", "pitch_rad", "yaw_rad")
 RATE_COLUMNS = ("roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s")
@@ -125,7 +125,9 @@ def read_log(path: str | Path) -> MotionLog:
     if missing is not None:
         words = [name for name in table if name.isidentifier() and name not in REQUIRED_COLUMNS]
         other = next((name for name in words if name.startswith(UNIT_PATTERN.sub("_", missing))), None)
-        raise NAMED.broken(path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}")
+        raise NAMED_COLUMNS_RULE.broken(
+            path, f"it has no column {missing}{f', but {other}: it has another unit' if other else ''}"
+        )
     frame = table.head.get("frame", "ship")
     if frame not in LOG_FRAMES:
         raise AXES_RULE.broken(path, f"its head says frame {frame!r}")

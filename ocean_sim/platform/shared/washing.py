@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.platform import INPUT_LIMIT, TILT_RATE_LIMIT, Cue
 from ocean_sim.platform.shared.motion_log import Ride, euler_rates, turn_to_level
@@ -83,7 +83,7 @@ def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: floa
         return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
 
     asked = [np.asarray(part, dtype=complex).tolist() for part in (zeros, poles, [gain, every])]
-    return kept("filters", repr([np.__version__, scipy.__version__, asked]).encode(), design)["sections"]
+    return cached_arrays("filters", repr([np.__version__, scipy.__version__, asked]).encode(), design)["sections"]
 
 
 def second_order(frequency: float, damping: float) -> list[complex]:

@@ -205,7 +205,7 @@ class Helm(Model):
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
         times = np.array(Crew(self.controls).time)
-        return csv_file.unreached("controls", times, duration, "only its {} row holds")
+        return csv_file.unreached_times_warning("controls", times, duration, "only its {} row holds")
 
     def crew(self) -> "Crew | Helmsman":
         return Crew(self.controls) if self.helm is None else self.helm.crew()

@@ -31,7 +31,7 @@ import numpy as np
 
 from ocean_sim.conventions import Motions
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.input_file import DECLARED, WORDS, Checked, Rule, data_set, shown
+from ocean_sim.files.input_file import DATA_SET_RULE, WORD_KINDS, Checked, Rule, display_path, read_data_set
 from ocean_sim.fluid import Arriving
 from ocean_sim.ship.body.rigid_body import cross
 
@@ -52,7 +52,7 @@ END_RULE = Rule(
     f"damping has fallen below {MAX_END_DAMPING:.0%} of its most at the highest frequency; let the table go on"
 )
 CHECKS = (
-    Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DECLARED, PANEL_RULE)),
+    Checked("Added mass and damping, `ship.radiation`: a NetCDF file", (DATA_SET_RULE, PANEL_RULE)),
     Checked("Added mass and damping, `ship.radiation`: a table", (FREQUENCY_RULE, DAMPING_RULE, END_RULE)),
 )
 POINTS_A_PERIOD = 20  # points of K in a period of the highest frequency, and of B between two frequencies
@@ -103,12 +103,14 @@ def read_csv_table(file: str) -> BemTable:
     missing = [name for name in wanted + parts if name not in table]
     unread = [name for name in table if name.split("_")[0] in Motions._fields and name not in wanted + parts]
     if not names:
-        raise ValueError(f"{shown(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2")
+        raise ValueError(
+            f"{display_path(file)} has no column of added mass, such as heave_added_kg or pitch_added_kg_m2"
+        )
     if missing:
-        raise ValueError(f"{shown(file)} has no column {', '.join(missing)}")
+        raise ValueError(f"{display_path(file)} has no column {', '.join(missing)}")
     if unread:
         right = "a motion has heave_added_kg and the like, two of them heave_pitch_added_kg_m"
-        raise ValueError(f"{shown(file)}: nothing reads the column {', '.join(unread)}; {right}")
+        raise ValueError(f"{display_path(file)}: nothing reads the column {', '.join(unread)}; {right}")
     table.finite(*wanted, *scattering)
     added, damping = np.zeros((2, len(names), len(names), len(table[FREQUENCY_COLUMN])))
     for (i, a), (j, b) in product(enumerate(names), repeat=2):
@@ -138,11 +140,13 @@ def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tupl
 def read_capytaine(file: str) -> BemTable:
     import h5py
 
-    content = BytesIO(input_file.content(file))
+    content = BytesIO(input_file.read_bytes(file))
     try:
         with h5py.File(content) as data:
-            words, push = ([word.decode().lower() for word in data_set(data, name, WORDS)] for name in DOF_NAMES)
-            omega = data_set(data, "omega")
+            words, push = (
+                [word.decode().lower() for word in read_data_set(data, name, WORD_KINDS)] for name in DOF_NAMES
+            )
+            omega = read_data_set(data, "omega")
             names = [motion for motion in Motions._fields if motion in words and motion in push]
             rows, columns = [words.index(motion) for motion in names], [push.index(motion) for motion in names]
             order = np.argsort(omega, kind="stable")
@@ -152,15 +156,15 @@ def read_capytaine(file: str) -> BemTable:
             found = None
             if "diffraction_force" in data:
                 parts = in_axis_order(data, "diffraction_force", ("complex", DOF_NAMES[0], "wave_direction", "omega"))
-                headings = np.degrees(data_set(data, "wave_direction"))
+                headings = np.degrees(read_data_set(data, "wave_direction"))
                 inwards = np.argsort(headings)
                 force = np.zeros((6, len(headings), len(omega)), dtype=complex)
                 numbers = [Motions._fields.index(motion) for motion in names]
                 force[numbers] = (parts[0] + 1j * parts[1])[rows][:, inwards][:, :, order]
                 found = Scattered(headings[inwards], force)
-            speed = float(np.abs(data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
-            depth = float(data_set(data, "water_depth").item()) if "water_depth" in data else None
-            axis = float(data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
+            speed = float(np.abs(read_data_set(data, "forward_speed")).max()) if "forward_speed" in data else 0.0
+            depth = float(read_data_set(data, "water_depth").item()) if "water_depth" in data else None
+            axis = float(read_data_set(data, "rotation_center")[2]) if "rotation_center" in data else None
     except Exception as error:  # HDF5 has errors of its own
         why = f"{error}" if type(error) is ValueError else "a part of it is missing or damaged"
         raise PANEL_RULE.broken(file, why) from None
@@ -187,7 +191,7 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
     """An array of an HDF5 file with its axes in this order."""
-    numbers = data_set(data, name)
+    numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])
 

@@ -7,7 +7,7 @@ import numpy as np
 from ocean_sim.columns import Columns
 from ocean_sim.fluid import Fluid
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, Integers, Template, alone, in_kernels
+from ocean_sim.runtime import Array, Array2, Integers, Template, in_kernels, runs_alone
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.naval.hydrostatics import Hydrostatics
 from ocean_sim.ship.water.water_samples import (
@@ -92,12 +92,12 @@ class Cubes:
 
     @ti.kernel
     def upload_cubes(self, arm: Array2, area: Array2, volume: Array, box: Array2, key: Integers):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for k in range(self.n):
             self.arm[k] = tm.vec3(arm[k, 0], arm[k, 1], arm[k, 2])
             self.area[k] = tm.vec3(area[k, 0], area[k, 1], area[k, 2])
             self.volume[k], self.key[k] = volume[k], key[k]
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for b in range(2 * self.blocks):
             self.box[b // 2, b % 2] = tm.vec3(box[b, 0], box[b, 1], box[b, 2])
 
@@ -143,7 +143,7 @@ class Cubes:
 
     @ti.kernel
     def find_immersed(self, around: Template, table: Array2, found: Array2):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
             up = tm.vec3(turn[1, 0], turn[1, 1], turn[1, 2])
@@ -163,7 +163,7 @@ class Cubes:
     ):
         around.read_water(water, table)
         wind.set_clock(ti.cast(table[0, ROW_COLUMNS.since], float), ti.cast(table[0, ROW_COLUMNS.step], float))
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for block in range(self.blocks):
             position, turn = row_vector(table, pose.position), row_matrix(table)
             velocity, omega = row_vector(table, pose.velocity), row_vector(table, pose.spin)

@@ -3,7 +3,7 @@ and kept with them."""
 
 import numpy as np
 
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.runtime import in_kernels
 from ocean_sim.ship.hull.shapes import HullShape
@@ -68,7 +68,7 @@ def distance_lattice(
         return {"distance": distance, "share": share}
 
     content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTHING_CUBES} {support}".encode()
-    return kept("distances", content, made), lower + (0.5 - margin) * size, size
+    return cached_arrays("distances", content, made), lower + (0.5 - margin) * size, size
 
 
 @in_kernels

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim.files.input_file import MARK, Checked, Rule, Unreadable, marked_codec
+from ocean_sim.files.input_file import BYTE_ORDER_MARK, Checked, Rule, Unreadable, marked_codec
 
 MAX_METRES = 1.0e3  # units: a hull longer than a kilometre is taken to be drawn in millimetres
 MAX_UNITS = 1.0e30  # of a coordinate, whose powers stay finite
@@ -189,7 +189,7 @@ def read_mesh(file: str, data: bytes) -> tuple[np.ndarray, np.ndarray]:
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # what is wrong is told here
     try:  # from its bytes: materials that an OBJ names are not looked for
         if kind != "stl" and (codec := marked_codec(data)):  # an STL may be binary under any first bytes
-            data = data.decode(codec).removeprefix(MARK).encode()
+            data = data.decode(codec).removeprefix(BYTE_ORDER_MARK).encode()
         with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
             mesh: Any = trimesh.load(BytesIO(data), file_type=kind, force="mesh")
             if len(getattr(mesh, "faces", ())):

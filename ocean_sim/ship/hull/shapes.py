@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from ocean_sim.conventions import AxisName
-from ocean_sim.files.cache_file import kept
-from ocean_sim.files.input_file import FileName, Unreadable, content
+from ocean_sim.files.cache_file import cached_arrays
+from ocean_sim.files.input_file import FileName, Unreadable, read_bytes
 from ocean_sim.model import Model, Vector3, quantity
 from ocean_sim.ship.hull.mesh import BadMesh, ClosedMesh, closed_mesh
 
@@ -174,11 +174,11 @@ class MeshFile(HullShape):
     """The file's axis that points to the bow; null takes the longest."""
 
     def content(self) -> bytes:
-        return super().content() + content(self.file)
+        return super().content() + read_bytes(self.file)
 
     def closed_mesh(self) -> ClosedMesh:
         try:
-            return closed_mesh(self.file, content(self.file), self.scale, self.up, self.bow)
+            return closed_mesh(self.file, read_bytes(self.file), self.scale, self.up, self.bow)
         except Unreadable as error:
             raise BadMesh(error) from None
 
@@ -195,7 +195,7 @@ def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
-    found = kept("drawn", drawn_content(shape), lambda: convex_triangles(shape))
+    found = cached_arrays("drawn", drawn_content(shape), lambda: convex_triangles(shape))
     return found["vertices"], found["triangles"]
 
 
@@ -244,4 +244,4 @@ def convex_corners(shape: HullShape) -> np.ndarray:
         vertices = drawn_mesh(shape)[0]
         return {"corners": vertices[ConvexHull(vertices).vertices]}
 
-    return kept("outlines", drawn_content(shape), made)["corners"]
+    return cached_arrays("outlines", drawn_content(shape), made)["corners"]

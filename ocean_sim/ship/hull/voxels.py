@@ -10,7 +10,7 @@ from math import sqrt
 
 import numpy as np
 
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.hull.mesh import column_shares
 from ocean_sim.ship.hull.shapes import HullShape
@@ -103,7 +103,7 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
                 break
         return arrays
 
-    arrays = kept("hulls", content, made)
+    arrays = cached_arrays("hulls", content, made)
     return Voxels(lower, size, arrays["centre"], arrays["share"], arrays["area"])
 
 

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from ocean_sim.files.cache_file import kept
+from ocean_sim.files.cache_file import cached_arrays
 from ocean_sim.ship.body.rigid_body import RigidBody
 from ocean_sim.ship.hull.distance import distance_lattice
 from ocean_sim.ship.hull.shapes import HullShape
@@ -90,7 +90,7 @@ class Solid:
                 return self.fit_room(positions, beyond, boxes, spacing, volume)
             return self.carve_room(positions, boxes, spacing)
 
-        found = kept("rooms", content, made)
+        found = cached_arrays("rooms", content, made)
         gone, moved = np.zeros(len(positions), dtype=bool), positions.copy()
         gone[found["gone"]], moved[found["near"]] = True, found["moved"]
         return gone, moved

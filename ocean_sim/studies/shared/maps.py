@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.palette import BLUE, ORANGE, RED
 from ocean_sim.studies.shared.pareto import spread_heights
 
@@ -18,7 +18,7 @@ LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force
 
 def draw_maps(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
     """One map, as a file."""
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draw_map(name, rows).savefig(draft, dpi=110)
 
 

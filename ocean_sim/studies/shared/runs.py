@@ -23,9 +23,9 @@ from typing import Any
 
 from ocean_sim.conventions import Lacking, Refused
 from ocean_sim.files import input_file
+from ocean_sim.files.atomic_file import write_facts
 from ocean_sim.files.run_files import Claim
-from ocean_sim.files.whole_file import write_facts
-from ocean_sim.machine import installed, leash, outlive_no_parent, program, stoppable
+from ocean_sim.machine import exit_with_parent, installed_version, parent_pipe, program_hash, stoppable
 from ocean_sim.parts import PACKAGE
 
 ORDER_FILE, ANSWER_FILE = "order.json", "answer.json"
@@ -45,7 +45,7 @@ def run_address(order: dict[str, Any]) -> str:
     """The name of an order's folder: its content's and the package's hash."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
-        json.dumps([installed("ocean-sim") or "", program(), content], sort_keys=True).encode()
+        json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
     ).hexdigest()[:16]
 
 
@@ -61,7 +61,7 @@ def run_answers(
         indices.setdefault(run_address(order), []).append(k)
     waiting = {}
     for name, same in indices.items():
-        kept = input_file.facts(out / name / ANSWER_FILE)
+        kept = input_file.read_json_object(out / name / ANSWER_FILE)
         if not kept:
             waiting[name] = orders[same[0]]
         else:
@@ -89,7 +89,7 @@ def run_answers(
 def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
     """The answer of an order, computed in a child of this process unless it exists already."""
     run = Path(folder)
-    kept = input_file.facts(run / ANSWER_FILE)
+    kept = input_file.read_json_object(run / ANSWER_FILE)
     if kept:
         return kept
     if _over.is_set():
@@ -98,7 +98,7 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
     write_facts(run / ORDER_FILE, order)
     began = perf_counter()
     path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
-    with leash() as theirs:
+    with parent_pipe() as theirs:
         child = subprocess.Popen(
             [sys.executable, "-m", __name__, folder],
             env=os.environ | {"PYTHONPATH": path},  # the package that the parent has
@@ -117,7 +117,7 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
             reason = f"it was ended at its limit of {limit:g} s of wall time"
         finally:
             _running.discard(child)
-    return input_file.facts(run / ANSWER_FILE) or failure_row(reason, perf_counter() - began)
+    return input_file.read_json_object(run / ANSWER_FILE) or failure_row(reason, perf_counter() - began)
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
@@ -155,9 +155,9 @@ def _death_reason(code: int, errors: str) -> str:
 
 def _run_child(folder: Path) -> None:
     """Answer the order in a folder, in the child; its last line on standard error is the reason if it fails."""
-    outlive_no_parent()
+    exit_with_parent()
     with stoppable(), Claim(folder):
-        order = input_file.document(folder / ORDER_FILE)
+        order = input_file.read_json(folder / ORDER_FILE)
         try:
             write_facts(folder / ANSWER_FILE, import_module(order["task"]).answer(order, folder))
         except Refused as why:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import runs
 
@@ -62,7 +62,7 @@ def table_columns(rows: list[dict[str, Any]]) -> list[str]:
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
     """Write all rows atomically; what is absent is empty, what is neither a number nor a word is JSON."""
-    with whole(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, table_columns(rows), lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: cell_text(value) for key, value in row.items()} for row in rows)
@@ -70,7 +70,10 @@ def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
 
 def read_table(path: Path) -> list[dict[str, Any]]:
     """Rows of such a file; an empty cell is None."""
-    return [{key: parse_cell(text) for key, text in row.items()} for row in csv_file.records(input_file.text(path))]
+    return [
+        {key: parse_cell(text) for key, text in row.items()}
+        for row in csv_file.read_records(input_file.read_text(path))
+    ]
 
 
 def parse_cell(text: str) -> Any:

@@ -4,7 +4,7 @@ import numpy as np
 
 from ocean_sim.basin import Basin
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
-from ocean_sim.runtime import Array, Array2, Copy, alone, in_kernels
+from ocean_sim.runtime import Array, Array2, FieldCopy, in_kernels, runs_alone
 from ocean_sim.surface import Mesh, sheet
 
 
@@ -36,7 +36,7 @@ class Heights:
         self.lower, self.upper = lower, upper
         self.cells = tuple(max(1, m if wraps else n - 1) for n, m, wraps in zip(count, between, periodic, strict=True))
         self.height = ti.field(float, shape=count[0] * count[1])
-        self.copy = Copy(self.height)
+        self.copy = FieldCopy(self.height)
 
     @classmethod
     def over_basin(cls, basin: Basin, count: tuple[int, int]) -> "Heights":
@@ -67,7 +67,7 @@ class Heights:
 
     @ti.kernel
     def fill_heights(self, points: Array2, heights: Array):
-        ti.loop_config(serialize=ti.static(alone()))
+        ti.loop_config(serialize=ti.static(runs_alone()))
         for n in range(points.shape[0]):
             heights[n] = self.height_at(points[n, 0], points[n, 1])
 

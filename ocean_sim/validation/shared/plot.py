@@ -4,7 +4,7 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.validation.shared.case import Curve, Finding, Problem
 
 PANELS_IN_ROW = 4
@@ -40,7 +40,7 @@ def draw(path: Path, case: str, runs: list[tuple[Problem, str, Finding]]) -> Non
             axes.legend(fontsize="x-small")
         axes.set_title(f"{case}: {name}" if name else case)
         axes.grid(alpha=0.3)
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         figure.savefig(draft, dpi=100)
 
 

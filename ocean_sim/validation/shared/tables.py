@@ -25,7 +25,7 @@ def table(name: str) -> dict[str, np.ndarray]:
 def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
     """Tolerances of each scheme that misses its fine one at coarse resolution, by case and quantity."""
     found: dict[tuple[str, str], dict[str, float]] = {}
-    for row in csv_file.records(table_path("coarse").read_text(encoding="utf-8")):
+    for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
         found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
     return found
 
@@ -33,5 +33,5 @@ def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
 @cache
 def too_long_for_gate() -> dict[tuple[str, str], float]:
     """Processor time [s], kernels in the cache, of the set-ups too long for a gate, by case and set-up."""
-    rows = csv_file.records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
+    rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

@@ -13,17 +13,17 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ocean_sim.conventions import Failed, Lacking, Refused
-from ocean_sim.files.run_files import Claim, claimed
-from ocean_sim.files.whole_file import naming
-from ocean_sim.files.yaml_file import Node, Problem, SceneError, cut, setting
-from ocean_sim.machine import extra_missing, installed
+from ocean_sim.files.atomic_file import file_named_in_errors
+from ocean_sim.files.run_files import Claim, claim_folder
+from ocean_sim.files.yaml_file import Node, Problem, SceneError, parse_setting, shorten
+from ocean_sim.machine import installed_version, missing_extra
 
 __all__ = ["Failed", "Lacking", "Refused"]  # which verbs raise
 
 
 complaints: set[str] = set()  # what has been said once
 MAX_COMPLAINT_BYTES = 2000  # bytes of a message about what went wrong
-NAMED_OUTPUT = naming("standard output")
+NAMED_OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
@@ -57,7 +57,7 @@ class Anew(BaseException):
 
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        environment = os.environ | {kernel_library.VARIABLE: self.library}
+        environment = os.environ | {kernel_library.LIBRARY_VARIABLE: self.library}
         os.execve(sys.executable, [sys.executable, "-m", "ocean_sim", *arguments], environment)
 
 
@@ -84,7 +84,7 @@ def say(text: str = "") -> None:
 def complain(text: str) -> None:
     """Print a line about an error."""
     with suppress(OSError):  # there may be nobody to tell
-        print(cut(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
+        print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
 def escape_controls(text: str) -> str:
@@ -139,7 +139,7 @@ def set_values(sets: list[str] | None) -> dict[str, Node]:
     problems: list[Problem] = []
     for text in sets or ():
         try:
-            key, node = setting(text)
+            key, node = parse_setting(text)
             if node.data is None:
                 values = {known: value for known, value in values.items() if not known.startswith(f"{key}.")}
             values[key] = node
@@ -152,12 +152,12 @@ def set_values(sets: list[str] | None) -> dict[str, Node]:
 
 def claim(out: Path, *ours: str) -> Claim:
     """A claim on the folder that `--out` names, as `claimed`."""
-    return claimed(out, *ours, named=f"--out {out}")
+    return claim_folder(out, *ours, named=f"--out {out}")
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
     """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
-    missing = extra_missing("pictures")
+    missing = missing_extra("pictures")
     if missing is None:
         draw(*about)
     elif missing not in complaints:
@@ -182,8 +182,8 @@ def must_compute_with(
     the one that is `asked` for there is not installed. For the command line, before anything is written."""
     from ocean_sim import kernel_library
 
-    if library in (None, kernel_library.NAME) or kernel_library.VARIABLE in os.environ:
+    if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:
         return
-    if installed(library) is None:
+    if installed_version(library) is None:
         raise Lacking(f"{asked}: {library} is not installed here; pip install {library}{cure}")
     raise Anew(library)

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from ocean_sim import machine
-from ocean_sim.files.whole_file import whole, write_facts
+from ocean_sim.files.atomic_file import atomic_write, write_facts
 from ocean_sim.reading.scene import SceneConfig
 
 MAX_LINES = 1000  # of the file of `bench`; the newest are kept
@@ -26,8 +26,8 @@ def bench_file() -> Path:
 
 def processor_name() -> str:
     """Name of the processor, and how many cores this process may use."""
-    named = machine.processor().get("model name") or platform.processor() or platform.machine()
-    return f"{named}, {machine.cores()} cores"
+    named = machine.processor_facts().get("model name") or platform.processor() or platform.machine()
+    return f"{named}, {machine.available_cores()} cores"
 
 
 def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> dict[str, Any]:
@@ -74,7 +74,7 @@ def keep_measurement(conditions: dict[str, Any], row: dict[str, Any]) -> None:
             )
         lines = list(bench_lines())
         if len(lines) > MAX_LINES:
-            with whole(path) as draft:
+            with atomic_write(path) as draft:
                 draft.write_text("".join(f"{json.dumps(line)}\n" for line in lines[-MAX_LINES:]), encoding="utf-8")
 
 
@@ -107,8 +107,8 @@ def rate_conditions(config: SceneConfig) -> str:
     from ocean_sim import kernel_library
 
     runtime = config.runtime
-    threads = f"{runtime.threads or machine.cores()} threads"
-    library = runtime.library or kernel_library.NAME
+    threads = f"{runtime.threads or machine.available_cores()} threads"
+    library = runtime.library or kernel_library.LIBRARY_NAME
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
     return ", ".join((water, runtime.arch, runtime.precision, library, threads, processor_name()))
 

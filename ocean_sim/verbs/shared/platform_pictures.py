@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.platform import Commands
 from ocean_sim.platform.hexapod import Config, Moving
 from ocean_sim.platform.shared.kinematics import Hexapod
@@ -28,17 +28,17 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
     """Every picture of a ride."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
-        (draw_motion(shown), "draw_motion.png"),
-        (draw_legs(shown, config.geometry), "draw_legs.png"),
+        (draw_motion(shown), "motion.png"),
+        (draw_legs(shown, config.geometry), "legs.png"),
     ):
         if len(shown.time) < len(done.time):
-            picture.suptitle(f"the liveliest_span {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
+            picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)
     save_figure(
         draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
-        folder / "draw_workspace.png",
+        folder / "workspace.png",
     )
-    save_figure(draw_strips(machine.hexapod), folder / "draw_strips.png")
+    save_figure(draw_strips(machine.hexapod), folder / "strips.png")
     if film:
         write_film(folder / "film.gif", done, machine)
 
@@ -60,7 +60,7 @@ def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) 
 
 
 def save_figure(picture: Any, path: Path) -> None:
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         picture.savefig(draft, dpi=100)
 
 
@@ -219,7 +219,7 @@ def write_film(path: Path, done: Commands, machine: Moving) -> None:
     picture, axes = new_figure(1, 1, (5, 5))
     axis, writer = axes[0, 0], PillowWriter(fps=FRAME_RATE)
     reach, height = 1.25 * float(np.abs(machine.hexapod.base).max()), machine.hexapod.neutral_height
-    with whole(path) as draft, writer.saving(picture, str(draft), 80):
+    with atomic_write(path) as draft, writer.saving(picture, str(draft), 80):
         for k in film_rows(done, machine):
             axis.clear()
             draw_stand(axis, machine.hexapod, done.pose[k])

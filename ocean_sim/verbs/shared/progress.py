@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ocean_sim.conventions import figures
 from ocean_sim.machine import cache_directory
-from ocean_sim.simulation import Concluding
+from ocean_sim.simulation import OutcomeObserver
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
 
@@ -25,7 +25,7 @@ def kernel_notice() -> str:
     return f"compiling kernels (a first run; they are kept in {cache})"
 
 
-class Progress(Concluding):
+class Progress(OutcomeObserver):
     """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
 
     def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:

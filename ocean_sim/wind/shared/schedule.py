@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ocean_sim.files import csv_file
-from ocean_sim.files.input_file import Checked, FileName, Rule, shown
+from ocean_sim.files.input_file import Checked, FileName, Rule, display_path
 from ocean_sim.model import Model, quantity
 
 SPEEDS = Rule("a speed is not negative; turn the heading")
@@ -128,9 +128,11 @@ class Scheduled(Timed):
         if self.course is None:
             return []
         last = float(self.course.time[-1])
-        found = csv_file.unreached("the schedule", self.course.time, duration, "only its {} row blows")
+        found = csv_file.unreached_times_warning("the schedule", self.course.time, duration, "only its {} row blows")
         if not found and isinstance(self.schedule, File) and last < duration:
-            found = [f"{shown(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"]
+            found = [
+                f"{display_path(self.schedule.file)} ends at {last:.9g} s; its last row blows on until {duration:g} s"
+            ]
         return found + (self.table.like_radians() if self.table is not None else [])
 
     def unscheduled(self) -> Problems:

@@ -25,21 +25,36 @@ from typing import Any, ClassVar, Protocol, get_args, get_origin, runtime_checka
 import numpy as np
 from pydantic import BaseModel
 
-from ocean_sim.kernel_library import stashed, ti, to_numpy_type
-from ocean_sim.state.fields import Contents, shape
+from ocean_sim.kernel_library import is_library_attribute, ti, to_numpy_type
+from ocean_sim.state.fields import FieldContents, array_shape
 
-OURS = "ocean_sim"
-PLAIN = (bool, int, float, str)
-REBUILT = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
-MISSING = object()
-NUMBERS = (int, float, np.number, np.bool_)
-KINDS: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBERS, list, tuple, dict, range, np.ndarray)
-FIELD, ARRAY, NUMBER, SAME, REST, VECTOR = "field", "array", "number", "same", "left", "vector"
-LIST, TUPLE, DICT, RANGE, FILE, PATH, OBJECT = "list", "tuple", "dict", "range", "file", "path", "of"
+PACKAGE_NAME = "ocean_sim"
+PLAIN_TYPES = (bool, int, float, str)
+REBUILT_TYPES = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
+MISSING_VALUE = object()
+NUMBER_TYPES = (int, float, np.number, np.bool_)
+COMPARED_TYPES: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBER_TYPES, list, tuple, dict, range, np.ndarray)
+FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY, VECTOR_KEY = (
+    "field",
+    "array",
+    "number",
+    "same",
+    "left",
+    "vector",
+)
+LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
+    "list",
+    "tuple",
+    "dict",
+    "range",
+    "file",
+    "path",
+    "of",
+)
 
 
 @runtime_checkable
-class Partial(Protocol):
+class PartlySaved(Protocol):
     """A class that a checkpoint does not hold every attribute of."""
 
     left_out: ClassVar[tuple[str, ...]]
@@ -49,22 +64,24 @@ class Mismatch(Exception):
     """A state does not fit what it is to be put into; the message names where."""
 
 
-class Shortened(Mismatch):
+class FileShortened(Mismatch):
     """A file holds less than when the state was taken; the message is a sentence of its own."""
 
 
-def attributes(value: Any) -> dict[str, Any]:
+def saved_attributes(value: Any) -> dict[str, Any]:
     """The attributes of an object but those that its class leaves out, and what is not ours."""
-    out = value.left_out if isinstance(value, Partial) else ()
-    return {name: inner for name, inner in vars(value).items() if name not in out and not stashed(name, inner)}
+    out = value.left_out if isinstance(value, PartlySaved) else ()
+    return {
+        name: inner for name, inner in vars(value).items() if name not in out and not is_library_attribute(name, inner)
+    }
 
 
-def step(key: Any, number: int) -> str:
+def path_step(key: Any, number: int) -> str:
     """Of a path into a mapping: the key where it is a word."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
-def is_named(value: Any) -> bool:
+def is_named_tuple(value: Any) -> bool:
     return isinstance(value, tuple) and hasattr(value, "_fields")
 
 
@@ -74,7 +91,7 @@ class Snapshot:
     Raises TypeError where something is met that is neither known nor left out.
     """
 
-    def __init__(self, root: Any, folder: Path, contents: Contents | None = None) -> None:
+    def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
         """`folder`: where its files lie; their names are kept relative to it. `contents`: what has read these fields
         before."""
         self.folder = folder
@@ -83,21 +100,21 @@ class Snapshot:
         self.seen: dict[int, tuple[str, Any]] = {}
         self.stays: set[str] = set()  # paths of what must stay itself when it is put back
         self.tree = self.node(root, "")
-        self.arrays |= (contents or Contents()).read(self.fields)
+        self.arrays |= (contents or FieldContents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
         """What is written of a value; a mapping whose first key names the kind, or the value itself."""
-        if value is None or type(value) in PLAIN:
+        if value is None or type(value) in PLAIN_TYPES:
             return value
         if isinstance(value, np.generic):
-            return {NUMBER: [value.dtype.str, value.item()]}
-        if isinstance(value, REBUILT):
-            return {REST: type(value).__name__}
+            return {NUMBER_KEY: [value.dtype.str, value.item()]}
+        if isinstance(value, REBUILT_TYPES):
+            return {REBUILT_KEY: type(value).__name__}
         if isinstance(value, Path):
             inside = value.is_relative_to(self.folder)
-            return {PATH: value.relative_to(self.folder).as_posix()} if inside else {REST: "Path"}
+            return {PATH_KEY: value.relative_to(self.folder).as_posix()} if inside else {REBUILT_KEY: "Path"}
         if id(value) in self.seen:
-            return {SAME: self.seen[id(value)][0]}
+            return {SAME_KEY: self.seen[id(value)][0]}
         self.seen[id(value)] = (path, value)  # and kept alive, so that its id is not reused
         self.stays.add(path)  # until it is known
         node = self.structure(value, path)
@@ -111,40 +128,44 @@ class Snapshot:
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
             return True
-        if OBJECT in node and "at" in node:
+        if OBJECT_KEY in node and "at" in node:
             return node["data"]
-        if SAME in node:
-            return node[SAME] not in self.stays
-        return not {FIELD, REST, FILE, VECTOR} & set(node) and all(self.is_data(inner) for inner in node.values())
+        if SAME_KEY in node:
+            return node[SAME_KEY] not in self.stays
+        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY, VECTOR_KEY} & set(node) and all(
+            self.is_data(inner) for inner in node.values()
+        )
 
     def structure(self, value: Any, path: str) -> Any:
         """What is written of something that may be reached twice."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
-            return {FIELD: path}
+            return {FIELD_KEY: path}
         if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
             self.arrays[path] = value.copy()
-            return {ARRAY: path}
+            return {ARRAY_KEY: path}
         if isinstance(value, ti.Matrix):
-            return {VECTOR: value.to_numpy().tolist()}
+            return {VECTOR_KEY: value.to_numpy().tolist()}
         if isinstance(value, TextIOWrapper):
             value.flush()
             name = Path(value.name).relative_to(self.folder).as_posix()
-            return {FILE: [name, os.fstat(value.fileno()).st_size]}
+            return {FILE_KEY: [name, os.fstat(value.fileno()).st_size]}
         if isinstance(value, range):
-            return {RANGE: [value.start, value.stop, value.step]}
+            return {RANGE_KEY: [value.start, value.stop, value.step]}
         if type(value) is list or isinstance(value, tuple):
-            of = {OBJECT: name_of(value)} if is_named(value) else {}
-            kind = LIST if type(value) is list else TUPLE
+            of = {OBJECT_KEY: class_name(value)} if is_named_tuple(value) else {}
+            kind = LIST_KEY if type(value) is list else TUPLE_KEY
             return {kind: [self.node(inner, f"{path}.{k}") for k, inner in enumerate(value)], **of}
         if type(value) is dict:
-            steps = [f"{path}.{step(key, k)}" for k, key in enumerate(value)]
-            return {DICT: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]}
-        if is_ours(value):
-            inner = {name: self.node(each, f"{path}.{name}") for name, each in attributes(value).items()}
+            steps = [f"{path}.{path_step(key, k)}" for k, key in enumerate(value)]
+            return {
+                DICT_KEY: [[self.node(key, f"{at}.key"), self.node(value[key], at)] for key, at in zip(value, steps)]
+            }
+        if is_package_object(value):
+            inner = {name: self.node(each, f"{path}.{name}") for name, each in saved_attributes(value).items()}
             data = dataclasses.is_dataclass(value) and all(self.is_data(each) for each in inner.values())
-            return {OBJECT: name_of(value), "at": inner, "data": data}
-        raise TypeError(f"a checkpoint cannot keep {path.lstrip('.')}, a {type(value).__module__}.{name_of(value)}")
+            return {OBJECT_KEY: class_name(value), "at": inner, "data": data}
+        raise TypeError(f"a checkpoint cannot keep {path.lstrip('.')}, a {type(value).__module__}.{class_name(value)}")
 
 
 class Restorer:
@@ -164,7 +185,7 @@ class Restorer:
         self.fields: dict[str, ti.Field] = {}
         try:
             self.root = self.value(tree, root, "")
-            Contents().write(self.fields, self.arrays)
+            FieldContents().write(self.fields, self.arrays)
         except Mismatch:
             raise
         except Exception as error:  # a tree that no run has written can be wrong in any way
@@ -181,63 +202,63 @@ class Restorer:
     def value(self, node: Any, fresh: Any, path: str) -> Any:
         """The value that a node stands for, in which what must stay itself of the `fresh` one does."""
         found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
-        if mistaken(found, fresh):
+        if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
         """The same of a node that is not the value itself."""
         kind = next(iter(node))
-        if kind == SAME:
-            return self.made[node[SAME]]
-        if kind == REST:
-            if fresh is MISSING:
+        if kind == SAME_KEY:
+            return self.made[node[SAME_KEY]]
+        if kind == REBUILT_KEY:
+            if fresh is MISSING_VALUE:
                 raise Mismatch(f"it has {path.lstrip('.')}, which this program does not make")
             return fresh
-        if kind == OBJECT:
+        if kind == OBJECT_KEY:
             return self.thing(node, fresh, path)
         self.made[path] = value = getattr(self, f"from_{kind}")(node, fresh, path)
         return value
 
     def from_number(self, node: Any, fresh: Any, path: str) -> Any:
-        dtype, value = node[NUMBER]
+        dtype, value = node[NUMBER_KEY]
         return np.dtype(dtype).type(value)
 
     def from_path(self, node: Any, fresh: Any, path: str) -> Path:
-        found = self.folder / inside(node[PATH])
+        found = self.folder / path_inside(node[PATH_KEY])
         if isinstance(fresh, Path) and not (fresh.is_dir() if found == self.folder else fresh.name == found.name):
-            raise Mismatch(f"its {path.lstrip('.')} is {node[PATH]!r:.60}")
+            raise Mismatch(f"its {path.lstrip('.')} is {node[PATH_KEY]!r:.60}")
         if isinstance(fresh, Path) and fresh.is_dir() and not found.exists():
             self.deleted.append((fresh, found))
         return found
 
     def from_field(self, node: Any, fresh: Any, path: str) -> Any:
-        values = self.arrays[node[FIELD]]
+        values = self.arrays[node[FIELD_KEY]]
         if (
             not isinstance(fresh, ti.Field)
-            or shape(fresh) != values.shape
+            or array_shape(fresh) != values.shape
             or to_numpy_type(fresh.dtype) != values.dtype
         ):
             raise Mismatch(f"its {path.lstrip('.')} has {values.shape} numbers of type {values.dtype}")
-        self.fields[node[FIELD]] = fresh
+        self.fields[node[FIELD_KEY]] = fresh
         return fresh
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
-        return self.arrays[node[ARRAY]]
+        return self.arrays[node[ARRAY_KEY]]
 
     def from_vector(self, node: Any, fresh: Any, path: str) -> Any:
         """Kernels hold it as a constant."""
-        if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR]:
-            raise Mismatch(f"its {path.lstrip('.')} is {node[VECTOR]}")
+        if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR_KEY]:
+            raise Mismatch(f"its {path.lstrip('.')} is {node[VECTOR_KEY]}")
         return fresh
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
-        name, size = node[FILE]
+        name, size = node[FILE_KEY]
         if type(size) is not int or size < 0:
             raise Mismatch(f"{name} cannot have {size!r:.60} bytes")
-        on_disk = self.folder / inside(name)
+        on_disk = self.folder / path_inside(name)
         if not on_disk.is_file() or on_disk.stat().st_size < size:
-            raise Shortened(f"{name} is shorter than it was when the checkpoint was made, so the run cannot go on")
+            raise FileShortened(f"{name} is shorter than it was when the checkpoint was made, so the run cannot go on")
         if isinstance(fresh, TextIOWrapper):
             fresh.close()
         file = on_disk.open("r+", encoding="utf-8", newline="\n")
@@ -245,37 +266,37 @@ class Restorer:
         return file
 
     def from_range(self, node: Any, fresh: Any, path: str) -> range:
-        return range(*node[RANGE])
+        return range(*node[RANGE_KEY])
 
     def from_list(self, node: Any, fresh: Any, path: str) -> list:
-        new = self.each(node[LIST], fresh if isinstance(fresh, list) else [], path)
-        return fresh if isinstance(fresh, list) and alike(new, fresh) else new
+        new = self.each(node[LIST_KEY], fresh if isinstance(fresh, list) else [], path)
+        return fresh if isinstance(fresh, list) and are_same_things(new, fresh) else new
 
     def from_tuple(self, node: Any, fresh: Any, path: str) -> tuple:
-        new = self.each(node[TUPLE], fresh if isinstance(fresh, tuple) else (), path)
-        if isinstance(fresh, tuple) and alike(new, fresh):
+        new = self.each(node[TUPLE_KEY], fresh if isinstance(fresh, tuple) else (), path)
+        if isinstance(fresh, tuple) and are_same_things(new, fresh):
             return fresh
-        if OBJECT not in node:
+        if OBJECT_KEY not in node:
             return tuple(new)
-        named: Any = class_of(node[OBJECT])._make(new)  # type: ignore[attr-defined]
+        named: Any = find_class(node[OBJECT_KEY])._make(new)  # type: ignore[attr-defined]
         for name, inner in named._asdict().items():
             self.judge(inner, type(named), name, path)
         return named
 
     def each(self, nodes: list, fresh: Any, path: str) -> list:
-        built = [*fresh, *([MISSING] * (len(nodes) - len(fresh)))]
+        built = [*fresh, *([MISSING_VALUE] * (len(nodes) - len(fresh)))]
         return [self.value(node, built[k], f"{path}.{k}") for k, node in enumerate(nodes)]
 
     def from_dict(self, node: Any, fresh: Any, path: str) -> dict:
         new, there = {}, fresh if isinstance(fresh, dict) else {}
-        for k, (key, inner) in enumerate(node[DICT]):
-            name = self.value(key, MISSING, f"{path}.{step(key, k)}.key")
-            new[name] = self.value(inner, there.get(name, MISSING), f"{path}.{step(name, k)}")
-        return there if list(new) == list(there) and alike(new.values(), there.values()) else new
+        for k, (key, inner) in enumerate(node[DICT_KEY]):
+            name = self.value(key, MISSING_VALUE, f"{path}.{path_step(key, k)}.key")
+            new[name] = self.value(inner, there.get(name, MISSING_VALUE), f"{path}.{path_step(name, k)}")
+        return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
         """An object: data is created, what holds fields keeps its identity."""
-        made, data = class_of(node[OBJECT]), node["data"]
+        made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
         stays = type(fresh) is made and not data
@@ -286,57 +307,57 @@ class Restorer:
             )
         self.made[path] = value
         for name, inner in node["at"].items():
-            before = vars(fresh).get(name, MISSING) if type(fresh) is made else MISSING
+            before = vars(fresh).get(name, MISSING_VALUE) if type(fresh) is made else MISSING_VALUE
             object.__setattr__(value, name, self.value(inner, before, f"{path}.{name}"))
             self.judge(vars(value)[name], made, name, path)
         return value
 
     def judge(self, value: Any, made: type, name: str, path: str) -> None:
         """Raises Mismatch where an attribute is not of the type that the body of its class declares."""
-        if not fits(value, get_annotations(made).get(name, object)):
+        if not has_declared_type(value, get_annotations(made).get(name, object)):
             raise Mismatch(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
 
 
-def mistaken(found: Any, fresh: Any) -> bool:
+def has_wrong_kind(found: Any, fresh: Any) -> bool:
     """Whether what was kept is of another kind than what this program has just built. What is null at the
     start may be of any kind later; words and our own objects may become null."""
-    if fresh is None or fresh is MISSING:
+    if fresh is None or fresh is MISSING_VALUE:
         return False
-    if is_ours(fresh):
-        return not (found is None or is_ours(found))
-    kind = next((kind for kind in KINDS if isinstance(fresh, kind)), object)
+    if is_package_object(fresh):
+        return not (found is None or is_package_object(found))
+    kind = next((kind for kind in COMPARED_TYPES if isinstance(fresh, kind)), object)
     return not isinstance(found, kind) and not (found is None and kind is str)
 
 
-def fits(value: Any, declared: Any) -> bool:
+def has_declared_type(value: Any, declared: Any) -> bool:
     """Whether a value is of a declared type; what is declared in words, as a protocol or as Any fits everything."""
     if get_origin(declared) is UnionType:
-        return any(fits(value, one) for one in get_args(declared))
+        return any(has_declared_type(value, one) for one in get_args(declared))
     if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
-        return isinstance(value, tuple) and all(fits(one, get_args(declared)[0]) for one in value)
-    kind = NUMBERS if declared in (int, float, bool) else get_origin(declared) or declared
-    return isinstance(value, kind) if kind is NUMBERS or type(kind) is type else True
+        return isinstance(value, tuple) and all(has_declared_type(one, get_args(declared)[0]) for one in value)
+    kind = NUMBER_TYPES if declared in (int, float, bool) else get_origin(declared) or declared
+    return isinstance(value, kind) if kind is NUMBER_TYPES or type(kind) is type else True
 
 
-def is_ours(value: Any) -> bool:
+def is_package_object(value: Any) -> bool:
     """Whether it is an object of this package that has attributes."""
-    return type(value).__module__.split(".")[0] == OURS and hasattr(value, "__dict__")
+    return type(value).__module__.split(".")[0] == PACKAGE_NAME and hasattr(value, "__dict__")
 
 
-def alike(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
+def are_same_things(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
     """Whether two rows hold the very same things."""
     a, b = list(new), list(fresh)
     return len(a) == len(b) and all(one is other for one, other in zip(a, b))
 
 
-def name_of(value: Any) -> str:
+def class_name(value: Any) -> str:
     return f"{type(value).__module__}:{type(value).__qualname__}"
 
 
-def class_of(name: str) -> type:
+def find_class(name: str) -> type:
     """The class of a name, of those of this package that the scene has imported."""
     module, _, qualified = name.partition(":")
-    found: Any = sys.modules.get(module) if module.split(".")[0] == OURS else None
+    found: Any = sys.modules.get(module) if module.split(".")[0] == PACKAGE_NAME else None
     for step in qualified.split("."):
         found = vars(found).get(step) if found is not None else None
     if not isinstance(found, type):
@@ -344,7 +365,7 @@ def class_of(name: str) -> type:
     return found
 
 
-def inside(name: str) -> Path:
+def path_inside(name: str) -> Path:
     """A name that does not lead out of its folder."""
     path = Path(name)
     if path.is_absolute() or ".." in path.parts:

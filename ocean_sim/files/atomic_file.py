@@ -9,28 +9,28 @@ from pathlib import Path
 from shutil import disk_usage
 from typing import Any
 
-RESERVE, RESERVED = ".reserve", 1 << 20  # a file, and its size [bytes]: more than the last words of a run
-UNFINISHED = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
+RESERVE_FILE, RESERVE_BYTES = ".reserve", 1 << 20  # a file, and its size [bytes]: more than the last words of a run
+DRAFT_PATTERN = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the number of the process that writes them
 
 
-def unfinished(path: Path) -> Path:
+def draft_path(path: Path) -> Path:
     """The name of a file next to `path`, of the same suffix, while this process writes it."""
     return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """A file next to `path`, of the same suffix, to be written: renamed to `path` once that is done, removed where it
     fails. What a link leads to is replaced, not the link; what is no file, as a pipe, is written to directly."""
     if path.exists() and not path.is_file():
-        with naming(path):
+        with file_named_in_errors(path):
             yield path
         return
     if path.is_symlink():
         path = path.resolve()
-    draft = unfinished(path)
+    draft = draft_path(path)
     try:
-        with naming(path, draft):
+        with file_named_in_errors(path, draft):
             yield draft
             os.replace(draft, path)
     finally:
@@ -39,11 +39,11 @@ def whole(path: Path) -> Iterator[Path]:
 
 def write_facts(path: Path, data: dict[str, Any]) -> None:
     """Write a JSON file, in whole or not at all."""
-    with whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
-class naming:
+class file_named_in_errors:
     """What the system says of a failed write names the file: while a file is written, it names none, or its draft."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
@@ -57,7 +57,7 @@ class naming:
             failure.filename = str(self.path)
 
 
-def must_have_room(path: Path, size: int) -> None:
+def require_disk_space(path: Path, size: int) -> None:
     """Raises OSError where a disk has no room for so many bytes of a file: before a library writes that does not say
     so."""
     if disk_usage(path.parent).free < size:
@@ -65,12 +65,12 @@ def must_have_room(path: Path, size: int) -> None:
 
 
 @contextmanager
-def set_aside(folder: Path) -> Iterator[None]:
+def reserve_disk_space(folder: Path) -> Iterator[None]:
     """Room on the disk of a folder that is free again afterwards: for the words that tell of a disk that ran full."""
-    path = folder / RESERVE
+    path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long
-            file.write(bytes(RESERVED))
+            file.write(bytes(RESERVE_BYTES))
         yield
     finally:
         path.unlink(missing_ok=True)

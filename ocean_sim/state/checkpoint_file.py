@@ -18,17 +18,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.files import input_file
-from ocean_sim.files.input_file import data_set
-from ocean_sim.files.whole_file import whole
+from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.input_file import read_data_set
 
-HEAD = 512  # bytes, the least block that HDF5 leaves to its user
-MAGIC = "ocean-sim checkpoint 1"
-LARGE = 4096  # numbers that are worth packing
-MAX_PACKING = 300  # times that LZF makes anything smaller, less than that
-PATTERN = "checkpoint_*.h5"
+HEADER_BYTES = 512  # bytes, the least block that HDF5 leaves to its user
+HEADER_LINE = "ocean-sim checkpoint 1"
+COMPRESSION_MIN_SIZE = 4096  # numbers that are worth packing
+MAX_COMPRESSION_RATIO = 300  # times that LZF makes anything smaller, less than that
+CHECKPOINT_PATTERN = "checkpoint_*.h5"
 
 
-class Unreadable(Exception):
+class UnreadableCheckpoint(Exception):
     """A file is not a whole checkpoint; the message says why."""
 
 
@@ -43,63 +43,63 @@ class Checkpoint(NamedTuple):
     arrays: dict[str, np.ndarray]
 
 
-def name(time: float) -> str:
+def checkpoint_name(time: float) -> str:
     """The file name of the checkpoint at a time [s]."""
     return f"checkpoint_{time:013.6f}.h5"
 
 
-def written(checkpoint: Checkpoint, folder: Path) -> Path:
+def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
     """The file of a checkpoint: it appears whole or not at all; raises OSError where the disk is full."""
     import h5py
 
     content = BytesIO()
-    with h5py.File(content, "w", userblock_size=HEAD) as file:
+    with h5py.File(content, "w", userblock_size=HEADER_BYTES) as file:
         file.attrs["time_s"], file.attrs["steps"] = checkpoint.time, checkpoint.steps
         for key in ("scene", "made", "tree"):
             file[key] = np.frombuffer(json.dumps(getattr(checkpoint, key)).encode(), np.uint8)
         group = file.create_group("arrays")
         for key, array in checkpoint.arrays.items():
-            packed = {"compression": "lzf", "shuffle": True} if array.size >= LARGE else {}
+            packed = {"compression": "lzf", "shuffle": True} if array.size >= COMPRESSION_MIN_SIZE else {}
             group.create_dataset(key.lstrip("."), data=array, **packed)
-    data = content.getvalue()[HEAD:]
-    path = folder / name(checkpoint.time)
-    with whole(path) as draft, draft.open("wb") as file:
-        file.write(head(data) + data)
+    data = content.getvalue()[HEADER_BYTES:]
+    path = folder / checkpoint_name(checkpoint.time)
+    with atomic_write(path) as draft, draft.open("wb") as file:
+        file.write(file_header(data) + data)
         file.flush()
         os.fsync(file.fileno())
     return path
 
 
-def head(data: bytes) -> bytes:
+def file_header(data: bytes) -> bytes:
     """What stands before the data of a file."""
-    return f"{MAGIC}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEAD, b"\0")
+    return f"{HEADER_LINE}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEADER_BYTES, b"\0")
 
 
-def read(path: Path) -> Checkpoint:
+def read_checkpoint(path: Path) -> Checkpoint:
     """The checkpoint in a file; raises Unreadable."""
     import h5py
 
     try:
-        data = input_file.content(path, maxsize)
+        data = input_file.read_bytes(path, maxsize)
     except input_file.Unreadable as error:
-        raise Unreadable(f"{path.name} cannot be read: {error.reason}") from None
-    if data[:HEAD] != head(data[HEAD:]):
-        raise Unreadable(f"{path.name} is damaged, or not a checkpoint: its content does not match its hash")
+        raise UnreadableCheckpoint(f"{path.name} cannot be read: {error.reason}") from None
+    if data[:HEADER_BYTES] != file_header(data[HEADER_BYTES:]):
+        raise UnreadableCheckpoint(f"{path.name} is damaged, or not a checkpoint: its content does not match its hash")
     try:
         with h5py.File(BytesIO(data), "r") as file:
-            most = max(input_file.MOST_BYTES, MAX_PACKING * len(data))
-            texts = {key: bytes(data_set(file, key, "u", most)) for key in ("scene", "made", "tree")}
-            parts = {key: mapping(json.loads(text)) for key, text in texts.items()}
-            arrays = {f".{path}": data_set(file["arrays"], path, "biufc", most) for path in file["arrays"]}
+            most = max(input_file.MAX_FILE_BYTES, MAX_COMPRESSION_RATIO * len(data))
+            texts = {key: bytes(read_data_set(file, key, "u", most)) for key in ("scene", "made", "tree")}
+            parts = {key: require_mapping(json.loads(text)) for key, text in texts.items()}
+            arrays = {f".{path}": read_data_set(file["arrays"], path, "biufc", most) for path in file["arrays"]}
             time, steps = float(file.attrs["time_s"]), int(file.attrs["steps"])
             if not (isfinite(time) and time >= 0.0 and steps >= 0):
                 raise ValueError
             return Checkpoint(time, steps, **parts, arrays=arrays)
     except Exception:  # HDF5 has errors of its own
-        raise Unreadable(f"{path.name} is whole, but holds no state of a run") from None
+        raise UnreadableCheckpoint(f"{path.name} is whole, but holds no state of a run") from None
 
 
-def mapping(value: Any) -> dict[str, Any]:
+def require_mapping(value: Any) -> dict[str, Any]:
     """The value, which has to be a mapping; raises TypeError."""
     if not isinstance(value, dict):
         raise TypeError
@@ -111,10 +111,10 @@ def time_of(path: Path) -> float:
     return float(path.stem.removeprefix("checkpoint_"))
 
 
-def kept(folder: Path) -> Iterator[Path]:
+def checkpoint_files(folder: Path) -> Iterator[Path]:
     """The checkpoints of a run folder, newest first."""
     times = {}
-    for path in folder.glob(PATTERN):
+    for path in folder.glob(CHECKPOINT_PATTERN):
         try:
             times[path] = time_of(path)
         except ValueError:

@@ -96,8 +96,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         warnings.append(
             f"needs {memory / 1e9:.1f} GB of memory; this machine has {machine.memory_limit() / 1e9:.1f} GB"
         )
-    each, pictures = step_time(config), picture_time(config)
-    steps = None if each is None else each * config.duration / dt
+    (each, is_measured), pictures = step_time(config), picture_time(config)
+    steps = each * config.duration / dt
     return {
         "ok": True,
         "problems": [],
@@ -112,7 +112,8 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
         "limited_by": time_step.limited_by,
         "stable_time_step": stable,
         "stable_limited_by": limit,
-        "estimated_wall_s": None if steps is None else steps + pictures,
+        "estimated_wall_s": steps + pictures,
+        "estimate_is_measured": is_measured,
         "estimated_by_part": {"steps_s": steps, "pictures_s": pictures},
         "ships": ship_facts(config),
         "ledger": rows,
@@ -176,14 +177,13 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
     """Estimated wall time in a sentence, by the last run of such water on this machine."""
-    parts, whole = found["estimated_by_part"], found["estimated_wall_s"]
+    parts = found["estimated_by_part"]
     shown = {"steps": parts["steps_s"], "pictures": parts["pictures_s"]}
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
+    about = f"about {console.duration(found['estimated_wall_s'])} for {config.duration:g} s ({terms})"
     water = f"{config.fluid.kind} in {config.preflight.tank.dimension}-D"
-    if whole is None:
-        drawn = f" ({terms})" if terms else ""
-        return f"unknown{drawn} until a run of {water} has ended on this machine, or `check --time` takes some steps"
-    about = f"about {console.duration(whole)} for {config.duration:g} s ({terms})"
+    if not found["estimate_is_measured"]:
+        return f"{about}: a guess until {water} has run on this machine, or `check --time` takes some steps"
     return f"{about}, by the last run of {water} on this machine"
 
 

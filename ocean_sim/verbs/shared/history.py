@@ -12,6 +12,7 @@ from ocean_sim import machine
 from ocean_sim.files.atomic_file import atomic_write, write_facts
 from ocean_sim.reading.scene import SceneConfig
 
+ASSUMED_STEP_SECONDS, ASSUMED_PARTICLE_SECONDS = 1e-3, 1e-6  # wall time [s] of a step until one has been measured
 MAX_LINES = 1000  # of the file of `bench`; the newest are kept
 MAX_COMPARED = 10  # measurements that a new one is compared with
 MIN_COMPARED = 3  # the median of fewer says nothing
@@ -122,10 +123,12 @@ def known_rates() -> dict[str, Any]:
     return {}
 
 
-def step_time(config: SceneConfig) -> float | None:
-    """Estimated wall time of a step [s], from the last run under the same conditions; None where there was none."""
+def step_time(config: SceneConfig) -> tuple[float, bool]:
+    """Estimated wall time of a step [s], and True if a run under the same conditions has measured it."""
     rate = known_rates().get(rate_conditions(config))
-    return rate * max(config.preflight.particles, 1) if isinstance(rate, float) else None
+    if isinstance(rate, float):
+        return rate * max(config.preflight.particles, 1), True
+    return ASSUMED_STEP_SECONDS + ASSUMED_PARTICLE_SECONDS * config.preflight.particles, False
 
 
 def keep_step_time(config: SceneConfig, seconds: float) -> None:

@@ -301,7 +301,7 @@ def test_rows_are_the_same_however_many_moments_are_looked_at_together(barge, tm
     """To the last bit: nothing is summed over moments, and a run whose rows are waited for has those of any other."""
     found = []
     for moments in (2, 7, 32):
-        monkeypatch.setattr(motion_observer, "MOMENTS", moments)
+        monkeypatch.setattr(motion_observer, "MOMENTS_PER_BATCH", moments)
         folder = tmp_path / f"{moments}"
         folder.mkdir()
         ridden(barge, folder, 0.07)

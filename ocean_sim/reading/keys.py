@@ -56,7 +56,7 @@ class Key(NamedTuple):
     takes: str
     """A description of the values that may be written."""
     unit: str
-    """Unit as in `m/s`; empty for what is no quantity, `1` for a number without one."""
+    """Unit as in `m/s`; empty for a key that is no quantity, `1` for a number without one."""
     default: str
     """Default as YAML; `required` where there is none."""
     range: str
@@ -169,7 +169,7 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 
 
 def plain_meaning(node: dict[str, Any]) -> str:
-    """The description of a key, or of the model that it holds, without what editors show with it."""
+    """The description of a key, or of the model that it holds, without the parts that editors show beside it."""
     text = node.get("meaning") or node.get("description")
     return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
@@ -250,7 +250,7 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
 
 
 def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
-    """A mapping of a model: its kind and what it must have; where that is no more, its first number, or first key."""
+    """A mapping of a model: its kind and its required keys; if there are none, its first number, or first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
@@ -282,7 +282,7 @@ def by_path() -> dict[str, Key]:
 
 
 def keys_at(word: str) -> list[Key]:
-    """The keys that a path means: itself and what is directly below it; without the kind, those of every kind."""
+    """The keys that a path means: itself and those directly below it; without the kind, those of every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []

@@ -88,7 +88,7 @@ def live_files(title: str) -> dict[str, Any]:
     return {
         "/": (HTML_TYPE, lambda: page_document(f"{title} · Ocean Sim", {"mode": "live"})),
         "/sky": (BYTES_TYPE, sky_packet),
-        "/scene_schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
+        "/schema": (JSON_TYPE, lambda: json.dumps(scene_schema()).encode()),
     }
 
 

@@ -67,7 +67,7 @@ def slice_of(fuller):
     stiffness = {"heave": 9810.0 * float(breadth.sum()) * d, "pitch": 9810.0 * float((breadth * z**2).sum()) * d}
     water = {"density": 1000.0, "gravity": 9.81}
     return SimpleNamespace(
-        stations=(z, breadth, 0.0 * z + 1.0), sections=breadth, voxels=voxels, stiffness=stiffness, **water
+        stations=(z, breadth, 0.0 * z + 1.0), section_areas=breadth, voxels=voxels, stiffness=stiffness, **water
     )
 
 

@@ -86,7 +86,7 @@ def test_a_fender_sends_a_barge_back_as_fast_as_it_came():
         assert simulation.ships["ship"].body.velocity[2] == pytest.approx(-0.5, rel=5e-3)
         assert furthest == pytest.approx(2.0 + 0.5 * sqrt(whole / STIFF), rel=5e-3)
         assert simulation.ships["ship"].parts == (*PARTS, "mooring")
-        assert "force_mooring_z_N" in motion_observer.columns(simulation.ships["ship"].parts)
+        assert "force_mooring_z_N" in motion_observer.log_columns(simulation.ships["ship"].parts)
 
 
 def test_a_scene_with_moorings_is_what_its_dump_says_and_a_wrong_point_is_named():

@@ -86,7 +86,7 @@ def abreast(tmp_path_factory) -> dict[str, Result]:
 
 
 def log(result: Result, ship: str) -> bytes:
-    return (result.folder / motion.file_of(ship)).read_bytes()
+    return (result.folder / motion.log_name(ship)).read_bytes()
 
 
 def test_a_barge_rolls_in_the_waves_of_another_and_not_where_they_do_not_reach(abreast):

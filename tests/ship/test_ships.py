@@ -106,7 +106,7 @@ def test_a_ship_may_add_a_force_of_its_own_and_name_it(barge):
     load = ship.load(simulation.wind_on_ship, simulation.fluid, simulation.fluid)
     assert load.parts[-1, 0, 1] == 1000.0 and load.parts.shape == (9, 2, 3)
     assert load.force[1] == pytest.approx(1000.0 * rest.mass / (rest.mass + ship.added[1]), rel=1e-3)
-    ours, own = motion_observer.columns(PARTS), motion_observer.columns(ship.parts)
+    ours, own = motion_observer.log_columns(PARTS), motion_observer.log_columns(ship.parts)
     assert tuple(name for name in own if "lift_" not in name or "wind" in name) == ours
     assert own[own.index("torque_rudder_z_Nm") + 1] == "force_lift_x_N"
     with pytest.raises(ValueError, match="a ship with a force 'lift' must name it in `parts`"):
@@ -219,7 +219,7 @@ def logged(tmp_path_factory):
 
 def test_motion_has_its_columns_at_its_rate(logged):
     motion = logged["ship"]
-    assert tuple(motion) == motion_observer.columns(PARTS)
+    assert tuple(motion) == motion_observer.log_columns(PARTS)
     np.testing.assert_allclose(motion["time_s"], 0.05 * np.arange(121), atol=1e-9)
     np.testing.assert_array_equal(motion["seq"], np.arange(121))
 
@@ -301,7 +301,7 @@ def test_rows_are_the_same_however_many_moments_are_looked_at_together(barge, tm
     """To the last bit: nothing is summed over moments, and a run whose rows are waited for has those of any other."""
     found = []
     for moments in (2, 7, 32):
-        monkeypatch.setattr(motion_observer, "MOMENTS", moments)
+        monkeypatch.setattr(motion_observer, "MOMENTS_PER_BATCH", moments)
         folder = tmp_path / f"{moments}"
         folder.mkdir()
         ridden(barge, folder, 0.07)

@@ -240,9 +240,9 @@ class Collisions:
         """Number of the first cell along an axis that the box around the hull reaches, and the number of cells; a
         scheme that sorts in the middle of its step may have moved a particle on from its cell."""
         pose = ti.static(self.hull.pose)
-        box = ti.static(BOX_COLUMNS)
-        middle = pose[ti.static(box.position + k)] + pose[ti.static(box.middle + k)] - self.grid.lower[k]
-        half, last = pose[ti.static(box.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
+        position, centre = pose[ti.static(BOX_COLUMNS.position + k)], pose[ti.static(BOX_COLUMNS.middle + k)]
+        middle = position + centre - self.grid.lower[k]
+        half, last = pose[ti.static(BOX_COLUMNS.half + k)] + 2.0 * self.spacing, ti.static(self.grid.cells[k] - 2)
         first = int(ti.floor((middle - half) * self.grid.per_width[k])) + 1
         end = int(ti.floor((middle + half) * self.grid.per_width[k])) + 1
         if ti.static(self.hull.periods[k] > 0.0):

@@ -28,17 +28,17 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
     """Every picture of a ride."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
-        (draw_motion(shown), "draw_motion.png"),
-        (draw_legs(shown, config.geometry), "draw_legs.png"),
+        (draw_motion(shown), "motion.png"),
+        (draw_legs(shown, config.geometry), "legs.png"),
     ):
         if len(shown.time) < len(done.time):
-            picture.suptitle(f"the liveliest_span {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
+            picture.suptitle(f"the liveliest {MAX_CURVE_SECONDS:g} s of {np.ptp(done.time):.4g} s", fontsize=10)
         save_figure(picture, folder / name)
     save_figure(
         draw_workspace(done.select(slice(None, None, max(1, len(done.time) // MAX_PATH_POINTS))), machine),
-        folder / "draw_workspace.png",
+        folder / "workspace.png",
     )
-    save_figure(draw_strips(machine.hexapod), folder / "draw_strips.png")
+    save_figure(draw_strips(machine.hexapod), folder / "strips.png")
     if film:
         write_film(folder / "film.gif", done, machine)
 

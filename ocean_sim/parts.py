@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
 SEVERAL = "ships"  # the key of a mapping of named ships
-BESIDE = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
+KEYS_BESIDE_SLOTS = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
 GRAVITY_TOLERANCE = 0.1  # [m/s2] by which gravity may differ from that under a platform
 MEANT = {"sea": "linear_waves"}  # the kind of a part that names none
 PACKAGE = Path(str(files("ocean_sim")))

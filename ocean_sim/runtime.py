@@ -75,8 +75,8 @@ def in_kernels(kind: Kind) -> Kind:
 
 
 def _bound(kernel: Any) -> Any:
-    """Method that launches a kernel; from the second time on it skips the look-ups of Taichi, which take 0.2 to 1 ms of a
-    step of 2 to 4 ms with 6000 particles on one thread (2026-11-28)."""
+    """Method that launches a kernel; from the second time on it skips the look-ups of Taichi. These take 0.2 to 1 ms of
+    a step of 2 to 4 ms, with 6000 particles on one thread (2026-11-28)."""
 
     @wraps(kernel)
     def launch(self: Any, *given: Any) -> Any:

@@ -6,6 +6,8 @@ OCEAN_SIM_LIBRARY; a scene's `runtime.library` has to agree with it.
 """
 
 import os
+import sys
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ocean_sim.conventions import Lacking
@@ -40,7 +42,10 @@ if "HOME" not in os.environ:  # without it Taichi ends the process
     os.environ["HOME"] = os.path.expanduser("~")
     if os.environ["HOME"] == "~":
         raise Lacking("HOME is not set, and the system knows no folder of this user; set it: compiled kernels go there")
-os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # else Taichi asks a server for its newest version
+if LIBRARY_NAME == TAICHI:  # its check for a newer version would import urllib and ask a server
+    no_version_check = ModuleType("taichi._version_check")
+    no_version_check.start_version_check_thread = lambda: None  # type: ignore[attr-defined]
+    sys.modules.setdefault(no_version_check.__name__, no_version_check)
 
 try:
     if TYPE_CHECKING or LIBRARY_NAME == TAICHI:

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import in_yaml
-from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
+from ocean_sim.parts import KEYS_BESIDE_SLOTS, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import scene_schema
 from ocean_sim.reading.sentences import opening_sentence
 from ocean_sim.reading.translation import union_members
@@ -92,7 +92,7 @@ def scene_keys() -> tuple[Key, ...]:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
-        elif name not in (SEVERAL, *BESIDE):
+        elif name not in (SEVERAL, *KEYS_BESIDE_SLOTS):
             for key in of_value(name, node, name in whole_schema()["required"], ()):
                 found.setdefault(key.path, key)
     return tuple(found.values())
@@ -291,7 +291,7 @@ def keys_at(word: str) -> list[Key]:
         forms = [path] + ([[path[0], *path[2:]]] if path[0] in SLOTS else [])
         if path[0] == "ship":
             forms += [[SEVERAL, NAME_STEP, *form[1:]] for form in forms]
-        forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]
+        forms += [path[2:] for name, slot in KEYS_BESIDE_SLOTS.items() if path[0] == slot and path[2:3] == [name]]
         if any(is_path_match(form, steps) for form in forms):
             exact.append(key)
         elif any(len(form) == len(steps) + 1 and is_path_match(form[:-1], steps) for form in forms):

@@ -14,6 +14,7 @@ RETIRED_FUNCTIONS = set("told felt met kept made found held risen worked raised_
 RETIRED_CONSTANTS = set("MOST LEAST FEWEST APART BESIDE BENT SPENT TORN NEAR FAR KEPT FOUND MADE".split())
 VAGUE_WORD = re.compile(r"\bwhat\b", re.IGNORECASE)
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+OWNERS = (ast.Module, ast.ClassDef)
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -45,9 +46,10 @@ def constants() -> list[tuple[str, str]]:
 
 
 def functions() -> list[tuple[str, str]]:
-    """Module and name of each function and method but the special ones."""
-    nodes = [(module, node) for module, tree in sources().items() for node in ast.walk(tree)]
-    return [(m, n.name) for m, n in nodes if isinstance(n, FUNCTIONS) and not n.name.startswith("__")]
+    """Module and name of each function and method but the special ones, and but functions inside others."""
+    owners = [(module, owner) for module, tree in sources().items() for owner in ast.walk(tree)]
+    bodies = [(module, node) for module, owner in owners if isinstance(owner, OWNERS) for node in owner.body]
+    return [(m, node.name) for m, node in bodies if isinstance(node, FUNCTIONS) and not node.name.startswith("__")]
 
 
 def one_word(named: list[tuple[str, str]]) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""What a wheel holds beyond the files of the checkout: the schema of a scene, and packaged scenes that name it."""
+"""Build hook of a wheel: it adds the schema of a scene, and packaged scenes that name it."""
 
 import subprocess
 import sys

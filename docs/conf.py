@@ -1,4 +1,4 @@
-"""How Sphinx builds these pages: `./sandbox docs`. Nothing is fetched; a warning is an error."""
+"""Configuration of Sphinx for these pages: `./sandbox docs`. Nothing is fetched; a warning is an error."""
 
 import sys
 from pathlib import Path

@@ -90,7 +90,7 @@ def checked_files() -> str:
 
 
 def checks() -> list[Checked]:
-    """Of all modules that read files, the general rules of `files` first."""
+    """Rules of all modules that read files, the general ones of `files` first."""
     paths = [path.relative_to(PACKAGE) for path in sorted(PACKAGE.rglob("*.py")) if "\nCHECKS = " in path.read_text()]
     first = [Path("files", name) for name in ("input_file.py", "csv_file.py")]
     order = [*first, *(path for path in paths if path not in first)]
@@ -146,7 +146,7 @@ def top(key: Key) -> str:
 
 
 def scene() -> str:
-    """The first page of the reference: what a scene has, and where each part is described."""
+    """First page of the reference: the parts of a scene, with links to their pages."""
     heads = [key for key in scene_keys() if key.section in ("title", "seed", "duration", "resolution")]
     rows = [[f"[`{slot}`](scene_{slot}.md)", slot_sentence(slot), choices(slot)] for slot in SLOTS]
     observers = [
@@ -237,7 +237,7 @@ def sections() -> dict[str, str]:
 
 
 def own_keys(section: str) -> list[Key]:
-    """The keys of a section; what sides of a basin have alike is listed once."""
+    """Keys of a section; the keys that all sides of a basin share are listed once."""
     alike = re.compile(r"basin\.walls\.(z|x_min|x_max|z_min|z_max)\.")
     return [key for key in scene_keys() if top(key) == section and not alike.match(key.path)]
 
@@ -348,7 +348,7 @@ def validation() -> str:
 
 
 def figures() -> str:
-    """The thesis figure by figure: what it shows, our command and how long it took."""
+    """Figures of the thesis: contents, our command and its processor time."""
     from ocean_sim.verbs.figure import figure_scripts
     from ocean_sim.verbs.figure import figure_sentence as shows
 
@@ -373,7 +373,7 @@ def figures() -> str:
 
 
 def errata() -> str:
-    """What the thesis prints and what is meant, from the table that `figure errata` writes."""
+    """Table of misprints in the thesis and their corrections, as `figure errata` writes it."""
     rows = rows_of("errata")
     names = ["where", "quantity", "unit", "as_printed", "corrected", "difference", "measured", "why"]
     cells = [
@@ -417,7 +417,7 @@ def glossary() -> str:
 
 
 def literate(path: Path) -> str:
-    """A script as a page: what stands in comments after a line `# %%` is text, the rest is code."""
+    """Page of a script: comments after a line `# %%` become text, the rest code."""
     return "\n".join(f"```python\n{text}\n```\n" if is_code else f"{text}\n" for is_code, text in blocks(path))
 
 

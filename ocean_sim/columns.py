@@ -1,4 +1,4 @@
-"""Names for the columns of a row of numbers: what a pair law reads of a neighbour, or a table on the device."""
+"""Named columns of a row of numbers: the inputs of a pair law at a neighbour, or a table on the device."""
 
 from ocean_sim.kernel_library import ti, tm
 

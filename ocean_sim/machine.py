@@ -1,7 +1,6 @@
-"""What this machine has: cores, memory, packages, this program itself, and how its processes end."""
+"""Cores, memory, packages and processes of this machine, and the hashes of this program."""
 
 import hashlib
-import importlib
 import os
 import signal
 import subprocess
@@ -13,8 +12,6 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 EXTRA_PACKAGES = {
     "pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"),
@@ -73,7 +70,7 @@ def resource_limit(name: str) -> int:
 
 @cache
 def processor_facts() -> dict[str, str]:
-    """What Linux tells of the first processor, by the names in /proc/cpuinfo; elsewhere nothing."""
+    """Entries of the first processor in /proc/cpuinfo; empty on other systems than Linux."""
     try:
         first = Path("/proc/cpuinfo").read_text(encoding="utf-8").partition("\n\n")[0]
     except OSError:
@@ -82,7 +79,7 @@ def processor_facts() -> dict[str, str]:
 
 
 def max_vector_width() -> int | None:
-    """How many numbers in single precision the processor works on at once, at most; None where it does not tell."""
+    """Largest number of f32 lanes of the processor; None where it does not tell."""
     flags = processor_facts().get("flags", "").split()
     return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
 
@@ -96,7 +93,7 @@ def installed_version(package: str) -> str | None:
 
 
 def missing_extra(extra: str) -> str | None:
-    """What to install where a package of an extra is missing, in a sentence; None where all are there."""
+    """Sentence that names the missing packages of an extra and how to install them; None where all are there."""
     missing = [package for package in EXTRA_PACKAGES[extra] if installed_version(package) is None]
     if not missing:
         return None
@@ -125,23 +122,23 @@ def program_hash() -> str:
 
 
 def request_stop(*_: object) -> None:
-    """What a signal does in a `stoppable` process."""
+    """Handler of a signal in a `stoppable` process."""
     stop_requested.set()
     raise KeyboardInterrupt
 
 
 def stop_if_asked() -> None:
-    """Raises KeyboardInterrupt where one has been lost in a `stoppable` process, as in Taichi, which takes whatever is
-    raised while it looks at a kernel for an answer."""
+    """Raises KeyboardInterrupt where a `stoppable` process has lost one: Taichi swallows exceptions raised while it
+    inspects a kernel."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """What asks a process to end (Ctrl-C; SIGTERM; SIGHUP, when its terminal is closed, but under `nohup`; SIGXCPU,
-    when its processor time is spent) ends what goes on in here by a KeyboardInterrupt; only a main thread hears of
-    signals."""
+    """Turn signals that ask this process to end into a KeyboardInterrupt inside the block: SIGINT (Ctrl-C), SIGTERM,
+    SIGXCPU (processor time is spent), and SIGHUP (the terminal is closed) unless `nohup` ignores it. Only a main thread
+    receives signals; other threads pass through unchanged."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -210,7 +207,7 @@ def exit_with_parent() -> threading.Event:
 
 
 def exit_after(wait: Callable[[], object]) -> None:
-    """From now on, end this process, and the processes that it leads, as soon as `wait` returns."""
+    """End this process, and the processes that it leads, as soon as `wait` returns."""
 
     def end() -> None:
         wait()
@@ -219,25 +216,3 @@ def exit_after(wait: Callable[[], object]) -> None:
         os._exit(1)
 
     threading.Thread(target=end, daemon=True).start()
-
-
-class _Later(ModuleType):
-    """Stands in for a module until something of it is asked for, and imports it then."""
-
-    def __getattr__(self, name: str) -> Any:
-        if sys.modules.get(self.__name__) is self:
-            del sys.modules[self.__name__]
-        return getattr(importlib.import_module(self.__name__), name)
-
-
-@contextmanager
-def left_for_later(*names: str) -> Iterator[None]:
-    """While a library is imported, leave out these modules, which it imports with itself and hardly ever uses."""
-    waiting = {name: _Later(name) for name in names if name not in sys.modules}
-    sys.modules.update(waiting)
-    try:
-        yield
-    finally:
-        for name, module in waiting.items():
-            if sys.modules.get(name) is module:
-                del sys.modules[name]

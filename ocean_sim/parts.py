@@ -1,6 +1,6 @@
 """A part is one file: "kind: gusts" under "wind:" is `ocean_sim/wind/gusts.py`, imported only when a scene names it.
 
-This is the whole contract of its `Config`: what a scene asks of a part between reading and building it. What is
+This is the whole contract of its `Config`: the questions of a scene to a part between reading and building it. What is
 built of it has a protocol in the `__init__.py` of its slot.
 """
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 SLOTS = ("sea", "wind", "fluid", "surface", "ship", "platform", "time_step")
 ALONE = "ship"  # the name of a ship that has none: the only one, written under `ship`
 SEVERAL = "ships"  # the key of a mapping of named ships
-BESIDE = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
+KEYS_BESIDE_SLOTS = {"rim": "sea"}  # keys that may also stand beside the part that they belong to
 GRAVITY_TOLERANCE = 0.1  # [m/s2] by which gravity may differ from that under a platform
 MEANT = {"sea": "linear_waves"}  # the kind of a part that names none
 PACKAGE = Path(str(files("ocean_sim")))
@@ -174,7 +174,7 @@ class SeaConfig(KindConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """The water keeps what it needs of it."""
+        """Keep the parts of it that the water needs."""
         return []
 
 
@@ -237,14 +237,14 @@ class FluidConfig(KindConfig):
     counts_in_doubles: ClassVar[bool] = True
     """True if its steps add up in float64, which not every graphics card has."""
     conserves_momentum: ClassVar[bool] = False
-    """True if what its particles exchange keeps momentum and angular momentum to rounding."""
+    """True if the exchange between its particles keeps momentum and angular momentum to rounding."""
     bears_shear: ClassVar[float] = 0.0
     """Shear that its particles bear without flowing, once they have lost their rows, over the pressure; as measured in
     the validation case wind_setup."""
     joins_a_sea: ClassVar[bool] = False
     """True if its particles may be a patch of open sea."""
     bears: ClassVar[bool] = True
-    """True if it has a pressure, which bears what floats on it."""
+    """True if it has a pressure, which bears floating bodies."""
     misread: ClassVar[str] = ""
     """The fault of pressures that gauges read in it; empty where they are to be relied on."""
     carries_bodies: ClassVar[bool] = False
@@ -311,7 +311,7 @@ class FluidConfig(KindConfig):
         return []
 
     def notes(self, preflight: Preflight) -> list[str]:
-        """Sentences on what its model leaves out in this scene, which nothing need be done about."""
+        """Sentences on effects that its model leaves out in this scene; they ask for no change."""
         return []
 
     def point_spacing(self, preflight: Preflight) -> float:
@@ -339,7 +339,7 @@ class SurfaceConfig(KindConfig):
     """Keys of any surface. It follows particles."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """A copy in which what the user left open follows from the water."""
+        """Copy in which keys that the user left open follow from the water."""
         return self
 
     @abstractmethod
@@ -505,7 +505,7 @@ class Preflight:
 
     @cached_property
     def basin(self) -> Basin:
-        """The basin with what floats in it, around which the water is built."""
+        """Basin with its floating bodies, around which the water is built."""
         return replace(self.tank, afloat=self.solids) if self.solids else self.tank
 
 
@@ -538,7 +538,7 @@ class Scene(Protocol):
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:
-    """The Config class of a kind; importing its module is what makes the kind exist."""
+    """The Config class of a kind; the kind exists once its module is imported."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 

@@ -1,4 +1,4 @@
-"""A scene run into a folder, and what the run left there, read when asked for."""
+"""Run a scene into a folder, and read the files of a run on demand."""
 
 import json
 import sys
@@ -35,12 +35,12 @@ class Result:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """What was run: the resolved scene, versions, backend, seed, hashes."""
+        """Facts of the run: the resolved scene, versions, backend, seed, hashes."""
         return input_file.read_json(self.folder / "manifest.json")
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
-        """What happened on the way, one entry an event; without a last line that a killed run did not finish."""
+        """Events of the run in order, without a last line that a killed run did not finish."""
         path = self.folder / "events.jsonl"
         text = input_file.read_text(path) if path.exists() else ""
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
@@ -133,9 +133,9 @@ def run(
 def claim_run_folder(
     coming: Iterable[str], out: Path, overwrite: bool, named: str = "", cure: str = "give overwrite=True"
 ) -> Claim:
-    """A claim on the folder of a run that leaves files `coming`, cleared where it holds one that is to be overwritten;
-    raises Refused where it holds another one, or other things. `named`: what messages call it; `cure`: how they say to
-    overwrite."""
+    """Claim the folder of a run that leaves the files `coming`; an earlier run is deleted if it is to be overwritten.
+    Raises Refused where the folder holds another run, or other things. `named`: name of the folder in messages; `cure`:
+    their advice on how to overwrite."""
     claim = claim_folder(out, FIRST_FILE, named=named)
     try:
         if (out / MANIFEST_FILE).exists():
@@ -149,7 +149,7 @@ def claim_run_folder(
 
 
 def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...]) -> Result:
-    """The same into a folder that the caller has claimed."""
+    """Simulate a scene into a folder that the caller has claimed."""
     with stoppable(), Simulation(config, folder) as simulation:
         simulation.observers.extend(observers)
         stop_if_asked()

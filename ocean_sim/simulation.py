@@ -16,7 +16,7 @@ from ocean_sim.parts import LedgerRow, PartConfig, Preflight, Scene
 from ocean_sim.ship import Ship
 
 NO_FOLDER = Path()  # given as folder to observers that write nothing
-Progress = Callable[[int, int], None]  # how many pieces of a long task are done, of how many
+Progress = Callable[[int, int], None]  # pieces of a long task: done, total
 
 
 class Observer:
@@ -42,10 +42,10 @@ class Observer:
 
 
 class OutcomeObserver(Observer):
-    """One that states how a run ended: closed after the others, which may fail to close."""
+    """Observer that states how a run ended. It is closed after the others, which may fail to close."""
 
     def amend(self) -> None:
-        """Called where one that was closed later has failed: state the outcome once more."""
+        """State the outcome once more: an observer that was closed later has failed."""
 
 
 class ObserverConfig(PartConfig):
@@ -56,7 +56,7 @@ class ObserverConfig(PartConfig):
     turn: ClassVar[int] = 0
     """Observers take turns in this order, those with the same number by name."""
     writes: ClassVar[bool] = True
-    """Whether it needs a run folder; those that do not also observe a Simulation without one."""
+    """True if it needs a run folder; the others also observe a Simulation without one."""
     leaves: ClassVar[str] = ""
     """The files it leaves, as the ledger states them: by name, in which * stands for digits and dots."""
 
@@ -82,7 +82,7 @@ class ObserverConfig(PartConfig):
         return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Bytes of each particle in what its ledger states."""
+        """Bytes of each particle in its ledger."""
         return 0
 
     @abstractmethod
@@ -104,9 +104,9 @@ class PeriodicConfig(ObserverConfig):
 
 
 class Simulation:
-    """A scene that has been built and can be stepped; use it as a context manager.
+    """A built scene that can be stepped; use it as a context manager.
 
-    Raises BackendMissing where the machine lacks what `runtime` asks for. Its fields are freed when it is closed, when
+    Raises BackendMissing where the machine lacks the backend of `runtime`. Its fields are freed when it is closed, when
     another simulation starts with a different `runtime`, and when about a hundred are open.
     """
 
@@ -133,7 +133,7 @@ class Simulation:
         surface = scene.preflight.surface
         self.surface = surface.build(self.basin, self.fluid) if surface is not None else None
         self.ships = {name: ship.build(name, self.basin, self.fluid) for name, ship in scene.ships.items()}
-        self.felt = self.fluid.add_ships(list(self.ships.values()))  # the water as each ship feels it
+        self.water_at_ships = self.fluid.add_ships(list(self.ships.values()))  # as each ship feels it
         self.wind_on_ship = self.wind.on("ship")
         self.time_step = scene.time_step.build()
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
@@ -160,7 +160,7 @@ class Simulation:
         return next(iter(self.ships.values()), None)
 
     def limits(self) -> Limits:
-        """What the time step must stay a fraction of, for the water and every ship."""
+        """Limits of the time step, over the water and every ship."""
         limits = self.fluid.limits()
         for ship in self.ships.values():
             limits = limits.and_of(ship.limits())
@@ -183,7 +183,7 @@ class Simulation:
                 self.surface.follow(with_particles(self.fluid).particles, dt)  # Algorithms 3 and 5
         if self.ships:
             with self.stage("ship"):
-                afloat = list(zip(self.ships.values(), self.felt, strict=True))
+                afloat = list(zip(self.ships.values(), self.water_at_ships, strict=True))
                 loads = [ship.load(self.wind_on_ship, water, self.surface or water) for ship, water in afloat]  # (4.27)
                 for (ship, _), load in zip(afloat, loads, strict=True):
                     ship.advance(load, dt)  # (4.22) to (4.25)
@@ -211,8 +211,8 @@ class Simulation:
         self.outcome = "done"
 
     def note(self, failure: BaseException) -> None:
-        """How a run ends that does not come to its end: `stopped` where it left the physical world or a person ended
-        it, `failed` where the program or the machine did."""
+        """Set outcome and reason of an interrupted run: `stopped` if it left the physical world or a person ended it,
+        `failed` if the program or the machine failed."""
         if isinstance(failure, Diverged):
             when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
             self.outcome, self.reason = "stopped", f"{failure}{when}"
@@ -222,8 +222,8 @@ class Simulation:
             self.outcome, self.reason = "failed", in_words(failure)
 
     def _due(self, every: float, before: float) -> bool:
-        """Whether a multiple of `every` lies between the last state and the coming one: then the states on both sides
-        of it are shown, and a sampled file can be interpolated onto it."""
+        """True if a multiple of `every` lies between the last state and the coming one. The states on both sides of it
+        are observed, so that a sampled file can be interpolated onto it."""
         return every == 0.0 or floor((self.time + self.next_dt) / every) > floor(before / every)
 
     def _observe(self, observers: list[Observer]) -> None:
@@ -239,8 +239,8 @@ class Simulation:
             raise failures[0]
 
     def conclude(self) -> list[BaseException]:
-        """Close every observer whatever another raises, an interrupt included; what they raised. The first failure is
-        the outcome of a run that had come to its end."""
+        """Close every observer, even if another raises or interrupts. Returns the failures; the first one becomes the
+        outcome of a run that was done."""
         failures: list[BaseException] = []
         concluded: list[OutcomeObserver] = []
         for observer in sorted(self.observers, key=lambda observer: isinstance(observer, OutcomeObserver)):

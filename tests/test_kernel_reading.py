@@ -84,7 +84,7 @@ def test_what_is_read_is_what_python_says_the_source_is(module):
     for function in functions(module):
         expected = ast.parse(textwrap.dedent(inspect.getsource(function)))
         expected.body[0].decorator_list = []
-        assert ast.dump(reading.Source(function).parsed()) == ast.dump(expected)
+        assert ast.dump(reading.Source(function).parse()) == ast.dump(expected)
 
 
 def test_a_mistake_in_a_called_function_has_its_place():
@@ -118,7 +118,7 @@ def test_reading_leaves_nothing_of_what_a_kernel_belongs_to():
         return length(stick)
 
     assert seven() == 7.0
-    trees = [tree for source in reading._sources.values() for tree in source.trees]
+    trees = [tree for source in reading.known_sources.values() for tree in source.trees]
     assert trees
     assert [node for tree in trees for node in tree.nodes if getattr(node, "ptr", None) is not None] == []
 
@@ -153,3 +153,12 @@ def test_a_product_of_what_does_not_fit_is_told():
 
     with pytest.raises(ti.TaichiCompilationError, match=r"dimension mismatch between \(2, 2\) and \(3,\)"):
         wrong()
+
+
+def test_the_switch_leaves_taichi_as_it_is(monkeypatch):
+    monkeypatch.setenv(reading.SWITCH_VARIABLE, "0")
+    reading.install()
+    assert all(getattr(owner, name) is value for owner, name, value in reading.TAICHI_ORIGINALS)
+    monkeypatch.delenv(reading.SWITCH_VARIABLE)
+    reading.install()
+    assert all(getattr(owner, name) is value for owner, name, value in reading.REPLACEMENTS)

@@ -364,7 +364,7 @@ class Solid(Protocol):
     """A body that floats in the basin when a run begins, as the water is built around it."""
 
     @property
-    def felt(self) -> bool:
+    def is_sampled(self) -> bool:
         """True if the water's laws sum over samples of it."""
 
     @property

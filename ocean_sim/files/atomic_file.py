@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and what a full disk does to them."""
+"""Atomic writes: a file appears whole or not at all, also on a full disk."""
 
 import json
 import os
@@ -20,8 +20,8 @@ def draft_path(path: Path) -> Path:
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """A file next to `path`, of the same suffix, to be written: renamed to `path` once that is done, removed where it
-    fails. What a link leads to is replaced, not the link; what is no file, as a pipe, is written to directly."""
+    """Draft next to `path`, of the same suffix: renamed to `path` at the end of the block, removed if it fails. A link
+    stays, and its target is replaced; a pipe or a device is written to directly."""
     if path.exists() and not path.is_file():
         with file_named_in_errors(path):
             yield path
@@ -44,7 +44,7 @@ def write_facts(path: Path, data: dict[str, Any]) -> None:
 
 
 class file_named_in_errors:
-    """What the system says of a failed write names the file: while a file is written, it names none, or its draft."""
+    """Name the file in an OSError raised inside the block, in place of no file or of its draft."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))

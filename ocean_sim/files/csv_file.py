@@ -2,10 +2,10 @@
 
 Lines that begin with # are comments, some of them `key: value`; empty lines are skipped. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
-column of numbers and '' in a column of words. The reader of a table states what it should hold:
+column of numbers and '' in a column of words. Each reader states the content of its table:
 
 - `read_columns`, of a table that a run wrote: a column in which any cell is a word is a column of words, all others are
-  numbers. A last line that a killed run did not finish is left out.
+  numbers. A last line that a killed run did not finish is skipped.
 - `Table`, of a table that a person names: cells lie between commas, semicolons, tabs or spaces, numbers
   have a decimal point or, where no comma separates cells, a decimal comma, and times may be dates (ISO 8601). A column
   that is asked for holds finite numbers alone.
@@ -156,7 +156,7 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """A warning of times (n,) [s] of which a run of this duration [s] reaches none, and what holds `instead`."""
+    """Warning of times (n,) [s] of which a run of this duration [s] reaches none; `instead`: values that hold then."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]

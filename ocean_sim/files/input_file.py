@@ -1,4 +1,4 @@
-"""Files that a user names or a run left: which are read, by which rules, and where their names lead from.
+"""Read files that a user names or a run left, by rules that every refusal cites.
 
 A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
 machine. What is not a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
@@ -91,8 +91,8 @@ def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
 
 
 def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
-    """The bytes of a regular file of at most `most` bytes, and no more than its size says: what the kernel makes up may
-    never end. Raises Unreadable."""
+    """Content of a regular file of at most `most` bytes, and no more than its size says: files that the kernel makes up
+    may never end. Raises Unreadable."""
     try:
         size = size_of(path, most)
         with Path(path).open("rb") as file:
@@ -137,7 +137,7 @@ def read_json_object(path: str | Path) -> dict[str, Any]:
 
 
 def read_npz(path: str | Path) -> dict[str, np.ndarray]:
-    """What an npz file holds, by name; never objects, which would be code. Raises Unreadable."""
+    """Arrays of an npz file, by name; never objects, which would be code. Raises Unreadable."""
     data = BytesIO(read_bytes(path))
     try:
         with ZipFile(data) as archive:
@@ -151,8 +151,8 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
-    """The content of a data set in an HDF5 file, of these kinds and at most so many bytes, judged by what the file
-    declares before anything is unpacked; raises ValueError, and what HDF5 raises of a damaged file."""
+    """Content of a data set in an HDF5 file, of these kinds and at most so many bytes, judged by the file's own
+    declarations before anything is unpacked. Raises ValueError, and the errors of HDF5 at a damaged file."""
     import h5py
 
     own = isinstance(group.get(name, getlink=True), h5py.HardLink)  # a link leads to any file, or to itself

@@ -1,6 +1,6 @@
 """Meshes for other programs, one format each.
 
-PLY, binary (Turk 1994, the Stanford triangle format), of meshes and of points, with what is known at each point as
+PLY, binary (Turk 1994, the Stanford triangle format), of meshes and of points, with fields of the points as
 properties of their own names: readers take those that they know. glTF 2.0, binary (Khronos 2021), of meshes that move:
 nodes that are turned and put, and surfaces that change shape by morph targets, one a moment; y is up, metres and
 seconds, as the format has it. VTKHDF 2.2, poly data (ParaView 5.12 or newer), of points with cells at several moments.
@@ -125,8 +125,8 @@ class Glb:
             self.animate(len(self.tree["nodes"]) - 1, "weights", np.eye(len(moved), dtype=np.float32).ravel())
         return len(self.tree["nodes"]) - 1
 
-    def in_turn(self, nodes: dict[int, int], moments: int) -> None:
-        """Shows each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
+    def show_at_moments(self, nodes: dict[int, int], moments: int) -> None:
+        """Show each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
         3.5.2)."""
         for k, node in nodes.items():
             seen = np.zeros((moments, 3), np.float32)
@@ -164,7 +164,7 @@ class Series:
     """
 
     def __init__(self, path: Path, topology: str) -> None:
-        """`topology`: what the cells are, one of TOPOLOGIES."""
+        """`topology`: kind of the cells, one of CELL_CORNERS."""
         import h5py
 
         self.path, self.topology = path, topology

@@ -75,10 +75,10 @@ else:
 
 
 class Claim:
-    """A folder, made where there is none, that only this holder may write into; use it as a context manager.
+    """Folder, made where there is none, that only this holder may write into; use it as a context manager.
 
-    The lock is the kernel's, so a process that is killed holds nothing. What killed writers left unfinished is
-    removed, and so is at the end a folder that was made for nothing. Raises Claimed where another holds it, Refused
+    The lock is the kernel's, so a process that is killed holds nothing. Drafts of killed writers are removed, and so is
+    at the end a folder that has stayed empty. Raises Claimed where another holds it, Refused
     where it can be no folder, and Lacking where the file system knows no locks.
     """
 

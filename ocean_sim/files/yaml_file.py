@@ -32,7 +32,7 @@ UNQUOTED_WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no qu
 
 
 class Location(NamedTuple):
-    """The place of a text; line and column count from 1, and are absent for what came from no file."""
+    """Place of a text; line and column count from 1, and are None for a text from no file."""
 
     file: str
     line: int | None = None
@@ -40,7 +40,7 @@ class Location(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong with what a user wrote, where, and the likeliest intention."""
+    """One mistake of a user, its place, and the likeliest intention."""
 
     file: str
     line: int | None
@@ -220,8 +220,8 @@ def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's tree of a text by the first loader, or by the next, which has better words, where the first finds a
-    mistake. Raises SceneError where the text is longer or deeper than what is read."""
+    """PyYAML's tree of a text by the first loader, or by the next, which has better messages, if the first finds a
+    mistake. Raises SceneError where the text is too long or nested too deeply."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 

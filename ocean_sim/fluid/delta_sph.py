@@ -624,7 +624,7 @@ class DeltaSph(Sph):
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]; raises Diverged where there
         is no density left."""
         gamma = self.config.exponent
-        ratio = 1.0 + self.excesses.now().astype(float) / self.particles.rest_density
+        ratio = 1.0 + self.excesses.values().astype(float) / self.particles.rest_density
         if not ratio.min() > 0.0:
             least = self.particles.rest_density * ratio.min()
             raise Diverged(f"density fell to {least:.4g} kg/m^3; it must stay above 0; try a shorter time step")

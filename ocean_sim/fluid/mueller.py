@@ -222,7 +222,7 @@ class Mueller(PairSph):
 
     def internal_energy(self) -> float:
         """Work of compression, m times the integral of p / rho^2 from the rest density [J]."""
-        density = self.densities.now()[: self.particles.count.now]
+        density = self.densities.values()[: self.particles.count.now]
         ratio = density.astype(float) / self.particles.rest_density
         energy = np.log(ratio) + 1.0 / ratio - 1.0
         if self.config.minimum_pressure is not None:

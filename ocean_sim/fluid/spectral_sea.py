@@ -112,17 +112,17 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
                 sentence = f"a tile of {tile.side:.4g} m that repeats itself does not hold waves of {length:.4g} m"
                 cure = "take a multiple of their length, order 1, or a heading of 0 or 90 degrees"
                 found.append((("tile",), f"{sentence} in this direction; {cure}"))
-        if not found and self.held(basin) < MIN_HELD_ENERGY:
+        if not found and self.energy_share(basin) < MIN_HELD_ENERGY:
             sentence = (
                 f"a tile of {tile.side:.4g} m in {tile.cells} cells holds waves from {4.0 * tile.cell:.3g} m, four"
             )
-            share = f"{100.0 * self.held(basin):.2g} % of the energy of this sea"
+            share = f"{100.0 * self.energy_share(basin):.2g} % of the energy of this sea"
             found.append(
                 (("tile",), f"{sentence} cells, to {tile.side:.4g} m: {share}; take one of several of its waves")
             )
         return found
 
-    def held(self, basin: Basin) -> float:
+    def energy_share(self, basin: Basin) -> float:
         """Part of the sea's energy in waves that a tile which repeats itself holds; 1 in calm water."""
         whole = self.sea_of(basin, SPECTRUM_COMPONENTS)
         energy = float((whole.amplitude**2).sum())
@@ -138,7 +138,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
             if self.highest is None:
                 found.append("order 3 changes nothing in calm water: what ships and winds make is linear")
             else:
-                lost = 100.0 * (1.0 - self.held(preflight.tank))
+                lost = 100.0 * (1.0 - self.energy_share(preflight.tank))
                 found.append(
                     f"order 3: waves shorter than {kept:.3g} m, four cells, or far longer than the tile are left out "
                     f"of the sea: {lost:.2g} % of its energy"

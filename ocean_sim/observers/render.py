@@ -82,7 +82,7 @@ class Config(PeriodicConfig):
     eye: Vector3 | None = quantity("m", None)
     """Position of the fixed camera."""
     target: Vector3 | None = quantity("m", None)
-    """What the fixed camera looks at."""
+    """Target of the fixed camera."""
     ship: str | None = None
     """The name of the ship that a camera follows; null: the first."""
     size: tuple[int, int] = Field((1280, 720), strict=False, json_schema_extra={"unit": "pixels"})
@@ -331,7 +331,7 @@ class Drawer:
 
 
 def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """A process that draws what is asked (see `main`) and has its errors written."""
+    """Process that draws an order (see `main`), and whose errors are written."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)

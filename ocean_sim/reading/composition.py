@@ -19,7 +19,19 @@ from ocean_sim.files.yaml_file import (
     problem_at,
     read_mapping,
 )
-from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, key_of, kinds, library, named, slot_of
+from ocean_sim.parts import (
+    ALONE,
+    KEYS_BESIDE_SLOTS,
+    MEANT,
+    SEVERAL,
+    SLOTS,
+    config_of,
+    key_of,
+    kinds,
+    library,
+    named,
+    slot_of,
+)
 from ocean_sim.reading.translation import NAME_RULE, choice_sentence, dotted, likeliest
 
 DEFAULT_KINDS = {"wind": "still", "time_step": "courant"}  # any other absent slot is nothing at all
@@ -112,7 +124,7 @@ class Composition:
     def set(self, key: str, value: Node) -> None:
         """One `--set`: a slot, a key inside one, or any other key."""
         path = tuple(key.split("."))
-        path = (BESIDE[path[0]], *path) if path[0] in BESIDE else path
+        path = (KEYS_BESIDE_SLOTS[path[0]], *path) if path[0] in KEYS_BESIDE_SLOTS else path
         if "" in path:
             meant = ".".join(filter(None, path)) or None
             end = f"; did you mean {meant!r}?" if meant else ""
@@ -142,7 +154,7 @@ class Composition:
 
     def lay_beside(self, key: str, node: Node) -> None:
         """Lay what stands beside the part that it belongs to over that part."""
-        slot = BESIDE[key]
+        slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
             self.problems.append(problem_at(node.key_location, key, f"give either `{key}` or `{slot}.{key}`, not both"))
@@ -204,8 +216,10 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
     for slot in SLOTS:
         if slot in scene.data:
             result.lay(slot, scene.data[slot], None)
-    beside = {key: scene.data[key] for key in BESIDE if key in scene.data and scene.data[key].data is not None}
-    early = [key for key in beside if result.slots.get(BESIDE[key]) is not None]
+    beside = {
+        key: scene.data[key] for key in KEYS_BESIDE_SLOTS if key in scene.data and scene.data[key].data is not None
+    }
+    early = [key for key in beside if result.slots.get(KEYS_BESIDE_SLOTS[key]) is not None]
     for key in early:
         result.lay_beside(key, beside[key])
     if SEVERAL in scene.data:
@@ -227,7 +241,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
     for slot, default in DEFAULT_KINDS.items():
         if result.slots.get(slot) is None:
             result.slots[slot] = choice_of(slot, scene.with_data(default))
-    data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *BESIDE, SEVERAL)}
+    data = {key: node for key, node in result.root.data.items() if key not in (*SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL)}
     found = {place: choice.whole() for place, choice in result.slots.items() if choice is not None}
     data |= {place: node for place, node in found.items() if place in SLOTS}
     ships = {place.partition(".")[2]: node for place, node in sorted(found.items()) if place not in SLOTS}

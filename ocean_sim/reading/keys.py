@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from ocean_sim.files.yaml_file import in_yaml
-from ocean_sim.parts import BESIDE, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
+from ocean_sim.parts import KEYS_BESIDE_SLOTS, SEVERAL, SLOTS, KindConfig, config_of, kinds, slot_of
 from ocean_sim.reading.schema import scene_schema
 from ocean_sim.reading.sentences import opening_sentence
 from ocean_sim.reading.translation import union_members
@@ -56,7 +56,7 @@ class Key(NamedTuple):
     takes: str
     """A description of the values that may be written."""
     unit: str
-    """Unit as in `m/s`; empty for what is no quantity, `1` for a number without one."""
+    """Unit as in `m/s`; empty for a key that is no quantity, `1` for a number without one."""
     default: str
     """Default as YAML; `required` where there is none."""
     range: str
@@ -92,7 +92,7 @@ def scene_keys() -> tuple[Key, ...]:
             for kind in kinds(name):
                 below = of_mapping(definition(f"{name}.{kind}"), f"{name}.{kind}", ())
                 found |= {key.path: key for key in below if key.path not in found}
-        elif name not in (SEVERAL, *BESIDE):
+        elif name not in (SEVERAL, *KEYS_BESIDE_SLOTS):
             for key in of_value(name, node, name in whole_schema()["required"], ()):
                 found.setdefault(key.path, key)
     return tuple(found.values())
@@ -169,7 +169,7 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 
 
 def plain_meaning(node: dict[str, Any]) -> str:
-    """The description of a key, or of the model that it holds, without what editors show with it."""
+    """The description of a key, or of the model that it holds, without the parts that editors show beside it."""
     text = node.get("meaning") or node.get("description")
     return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
@@ -250,7 +250,7 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
 
 
 def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
-    """A mapping of a model: its kind and what it must have; where that is no more, its first number, or first key."""
+    """A mapping of a model: its kind and its required keys; if there are none, its first number, or first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
@@ -282,7 +282,7 @@ def by_path() -> dict[str, Key]:
 
 
 def keys_at(word: str) -> list[Key]:
-    """The keys that a path means: itself and what is directly below it; without the kind, those of every kind."""
+    """The keys that a path means: itself and those directly below it; without the kind, those of every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []
@@ -291,7 +291,7 @@ def keys_at(word: str) -> list[Key]:
         forms = [path] + ([[path[0], *path[2:]]] if path[0] in SLOTS else [])
         if path[0] == "ship":
             forms += [[SEVERAL, NAME_STEP, *form[1:]] for form in forms]
-        forms += [path[2:] for name, slot in BESIDE.items() if path[0] == slot and path[2:3] == [name]]
+        forms += [path[2:] for name, slot in KEYS_BESIDE_SLOTS.items() if path[0] == slot and path[2:3] == [name]]
         if any(is_path_match(form, steps) for form in forms):
             exact.append(key)
         elif any(len(form) == len(steps) + 1 and is_path_match(form[:-1], steps) for form in forms):

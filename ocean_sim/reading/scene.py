@@ -27,7 +27,7 @@ from ocean_sim.files.yaml_file import (
 from ocean_sim.model import Model
 from ocean_sim.parts import (
     ALONE,
-    BESIDE,
+    KEYS_BESIDE_SLOTS,
     SEVERAL,
     SLOTS,
     FluidConfig,
@@ -328,7 +328,7 @@ def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
 
 def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
     """Unknown keys at the top level."""
-    known, problems = (*headings, "basin", *SLOTS, *BESIDE, SEVERAL, "runtime", *observer_names()), []
+    known, problems = (*headings, "basin", *SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
             end, suggestion = _suggest_below(key, root.data)

@@ -15,7 +15,7 @@ from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 from ocean_sim import basin
 from ocean_sim.files.yaml_file import Location, node_of
 from ocean_sim.model import in_brackets
-from ocean_sim.parts import ALONE, BESIDE, MEANT, SEVERAL, SLOTS, config_of, kinds, named
+from ocean_sim.parts import ALONE, KEYS_BESIDE_SLOTS, MEANT, SEVERAL, SLOTS, config_of, kinds, named
 from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import choice_of, known_names
 from ocean_sim.reading.sentences import opening_sentence, part_sentence
@@ -36,7 +36,7 @@ def scene_schema() -> dict[str, Any]:
         "description": "Several ships by name, in place of `ship`.",
         "anyOf": [{"type": "object", "additionalProperties": properties[ALONE]}, {"type": "null"}],
     }
-    for key, slot in BESIDE.items():
+    for key, slot in KEYS_BESIDE_SLOTS.items():
         inner = definitions[f"{slot}.{MEANT[slot]}"]["properties"][key]
         properties[key] = {"description": f"As `{slot}.{key}`.", "anyOf": [{"$ref": inner["$ref"]}, {"type": "null"}]}
     properties["runtime"] = references[RuntimeConfig, "validation"]

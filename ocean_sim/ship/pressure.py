@@ -93,7 +93,7 @@ class Pressure(Vessel):
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         solid, water = basin.afloat[name], with_particles(fluid)
         assert isinstance(solid, Solid) and water.boundary is not None
-        felt = [ship for ship, other in basin.afloat.items() if other.felt]
+        felt = [ship for ship, other in basin.afloat.items() if other.is_sampled]
         self.boundary, self.number = water.boundary, len(basin.obstacles) + felt.index(name)
         actuators = Actuators(config, config.propeller, config.rudder, solid.centre)
         super().__init__(name, config, config.settled_body(solid.body, fluid), actuators, basin.lower[1])

@@ -1,1 +1,1 @@
-"""What a checkpoint holds: the whole state of a run as plain data and arrays."""
+"""Checkpoints: the whole state of a run as plain data and arrays."""

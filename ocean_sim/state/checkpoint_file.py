@@ -33,7 +33,7 @@ class UnreadableCheckpoint(Exception):
 
 
 class Checkpoint(NamedTuple):
-    """What a run needs to go on."""
+    """State of a run, and facts of the program that made it."""
 
     time: float  # [s]
     steps: int
@@ -49,7 +49,7 @@ def checkpoint_name(time: float) -> str:
 
 
 def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
-    """The file of a checkpoint: it appears whole or not at all; raises OSError where the disk is full."""
+    """Write a checkpoint atomically; returns its path. Raises OSError where the disk is full."""
     import h5py
 
     content = BytesIO()
@@ -71,7 +71,7 @@ def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
 
 
 def file_header(data: bytes) -> bytes:
-    """What stands before the data of a file."""
+    """Header of a file with this data."""
     return f"{HEADER_LINE}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEADER_BYTES, b"\0")
 
 

@@ -1,4 +1,4 @@
-"""What Taichi fields hold, many at a time: one kernel for each would take longer to compile than a run to
+"""Copy many Taichi fields to and from NumPy in one kernel: a kernel for each would take longer to compile than a run to
 start."""
 
 from collections.abc import Iterator
@@ -15,8 +15,8 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Fields of one number each, of one type, laid in a row; a loop of a kernel takes all that are of one shape, for
-    it is loops that take long to compile."""
+    """Scalar fields of one type, laid out in one row. One loop of a kernel takes all fields of one shape: loops are the
+    part that takes long to compile."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]
@@ -69,7 +69,7 @@ class FieldContents:
         self.bundles: list[tuple[list[str], FieldBundle]] = []
 
     def read(self, fields: dict[str, ti.Field]) -> dict[str, np.ndarray]:
-        """All that each field holds."""
+        """Values of each field, by its name."""
         self.bundle(fields)
         arrays = {name: field.to_numpy() for name, field in fields.items() if not isinstance(field, ti.ScalarField)}
         for names, bundle in self.bundles:

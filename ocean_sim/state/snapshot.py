@@ -1,10 +1,9 @@
-"""The state of a run: everything that its parts are made of, as plain data and arrays, and put back where it was.
+"""Walk through the state of a run, take it as plain data and arrays, and put it back.
 
-It is found by walking: every attribute of every object of this package that can be reached is taken, so a new part
-cannot forget anything. Taichi fields and NumPy arrays are taken by content; what is reached twice is taken once.
-Configs, functions and types are left alone: the same scene builds them again. A name in a class's `left_out` is left
-alone, too: what depends on a clock, and what belongs to the process. Anything else of an unknown kind is refused with
-its name: what is neither known nor left out would be lost in silence.
+Every attribute of every object of this package that can be reached is taken, so a new part cannot forget anything.
+Taichi fields and NumPy arrays are taken by content; an object that is reached twice is taken once. Configs, functions
+and types are left alone: the same scene builds them again. So are the names in a class's `left_out`, which depend on a
+clock or belong to the process. Anything of another kind is refused with its name, and not lost in silence.
 
 To put a state back, the same scene is built again; objects that hold fields keep their identity, which compiled kernels
 know them by, and data is created. No code of a file is run: data classes and tuples of this package alone are made,
@@ -61,7 +60,7 @@ class PartlySaved(Protocol):
 
 
 class Mismatch(Exception):
-    """A state does not fit what it is to be put into; the message names where."""
+    """A state does not fit the object that it is put into; the message names the place."""
 
 
 class FileShortened(Mismatch):
@@ -69,7 +68,7 @@ class FileShortened(Mismatch):
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """The attributes of an object but those that its class leaves out, and what is not ours."""
+    """Attributes of an object, without those that its class leaves out and those of the kernel library."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
     return {
         name: inner for name, inner in vars(value).items() if name not in out and not is_library_attribute(name, inner)
@@ -77,7 +76,7 @@ def saved_attributes(value: Any) -> dict[str, Any]:
 
 
 def path_step(key: Any, number: int) -> str:
-    """Of a path into a mapping: the key where it is a word."""
+    """Step of a path into a mapping: the key if it is a word, else its number."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
@@ -86,14 +85,14 @@ def is_named_tuple(value: Any) -> bool:
 
 
 class Snapshot:
-    """The state of what can be reached from `root`: a `tree` that is plain data, and the `arrays` it refers to.
+    """State of all objects reachable from `root`: a `tree` of plain data, and the `arrays` it refers to.
 
-    Raises TypeError where something is met that is neither known nor left out.
+    Raises TypeError at an object of an unknown kind that is not left out.
     """
 
     def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
-        """`folder`: where its files lie; their names are kept relative to it. `contents`: what has read these fields
-        before."""
+        """`folder`: location of its files; their names are kept relative to it. `contents`: an earlier reader of these
+        fields, with its kernels."""
         self.folder = folder
         self.arrays: dict[str, np.ndarray] = {}
         self.fields: dict[str, ti.Field] = {}
@@ -103,7 +102,7 @@ class Snapshot:
         self.arrays |= (contents or FieldContents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
-        """What is written of a value; a mapping whose first key names the kind, or the value itself."""
+        """Node of a value: a mapping whose first key names the kind, or the value itself."""
         if value is None or type(value) in PLAIN_TYPES:
             return value
         if isinstance(value, np.generic):
@@ -123,7 +122,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """Whether it is data, to be created when it is put back."""
+        """True if the node is data, which is created when it is put back."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -137,7 +136,7 @@ class Snapshot:
         )
 
     def structure(self, value: Any, path: str) -> Any:
-        """What is written of something that may be reached twice."""
+        """Node of an object that may be reached twice."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -192,7 +191,7 @@ class Restorer:
             raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Remove what was written to files after the state was taken, and make the folders that are gone."""
+        """Truncate files to their length when the state was taken, and restore the folders that are gone."""
         for begun, gone in self.deleted:
             shutil.copytree(begun, gone)
         for file, size in self.files:
@@ -200,14 +199,14 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """The value that a node stands for, in which what must stay itself of the `fresh` one does."""
+        """Value of a node; objects with fields in the `fresh` value keep their identity."""
         found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
-        """The same of a node that is not the value itself."""
+        """Value of a node that is a mapping."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -295,7 +294,7 @@ class Restorer:
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
-        """An object: data is created, what holds fields keeps its identity."""
+        """Object of a node: data is created, an object with fields keeps its identity."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
@@ -319,8 +318,8 @@ class Restorer:
 
 
 def has_wrong_kind(found: Any, fresh: Any) -> bool:
-    """Whether what was kept is of another kind than what this program has just built. What is null at the
-    start may be of any kind later; words and our own objects may become null."""
+    """True if a restored value is of another kind than the one this program has just built. A value that is null at
+    the start may be of any kind later; strings and objects of this package may become null."""
     if fresh is None or fresh is MISSING_VALUE:
         return False
     if is_package_object(fresh):
@@ -330,7 +329,7 @@ def has_wrong_kind(found: Any, fresh: Any) -> bool:
 
 
 def has_declared_type(value: Any, declared: Any) -> bool:
-    """Whether a value is of a declared type; what is declared in words, as a protocol or as Any fits everything."""
+    """True if a value is of a declared type; declarations in words, protocols and Any allow everything."""
     if get_origin(declared) is UnionType:
         return any(has_declared_type(value, one) for one in get_args(declared))
     if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
@@ -340,12 +339,12 @@ def has_declared_type(value: Any, declared: Any) -> bool:
 
 
 def is_package_object(value: Any) -> bool:
-    """Whether it is an object of this package that has attributes."""
+    """True if it is an object of this package with attributes."""
     return type(value).__module__.split(".")[0] == PACKAGE_NAME and hasattr(value, "__dict__")
 
 
 def are_same_things(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
-    """Whether two rows hold the very same things."""
+    """True if two rows hold identical objects."""
     a, b = list(new), list(fresh)
     return len(a) == len(b) and all(one is other for one, other in zip(a, b))
 

@@ -1,4 +1,4 @@
-"""Where water breaks: time steps and one more setting taken past their limits; every point ends with a verdict.
+"""Limits at which water breaks: time steps and one more setting are taken past them; every point ends with a verdict.
 
 stopped: `health`, or the scheme itself, ended the run with a reason. degraded: it went on, but the water gained more
 than 1 % of its mass times the square of its reference speed from nowhere (under a wind: beyond what the wind gave it),
@@ -201,7 +201,7 @@ def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: boo
 
 
 def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For every value of every map: the longest step that was stable, the shortest that was not, and the limits."""
+    """Summary of every value of every map: the longest stable step, the shortest unstable one, and the limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

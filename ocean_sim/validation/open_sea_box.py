@@ -170,7 +170,7 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     position[axis], velocity[axis] = moved.place, moved.speed
     ship.body = replace(ship.body, position=position, velocity=velocity)
-    if any(solid.felt for solid in simulation.basin.afloat.values()):
+    if any(solid.is_sampled for solid in simulation.basin.afloat.values()):
         pressed = cast("Pressure", ship)
         pressed.known[0, axis] = moved.acceleration
         pressed.place_hull()

@@ -94,7 +94,7 @@ def gallery_entries() -> list[Entry]:
 
 
 def stale_entries(folder: Path) -> list[Entry]:
-    """Entries whose picture is missing from a folder, or older than what draws it."""
+    """Entries whose picture is missing from a folder, or older than its sources."""
     stamps = folder / STAMP_FILE
     known = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
     return [

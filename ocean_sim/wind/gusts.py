@@ -216,7 +216,7 @@ class Config(Placed, WindConfig):
                 if any(volume.acceleration)
                 else []
             )
-            sentences += [f"{name}: {sentence}" for sentence in volume.held(preflight.duration)]
+            sentences += [f"{name}: {sentence}" for sentence in volume.end_warnings(preflight.duration)]
         if any(self.volumes[g].wind_speed > 0.0 for g in self.aimed("ship")):
             sentences += on_ships(preflight)
         return sentences

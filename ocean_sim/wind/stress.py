@@ -145,7 +145,7 @@ class Config(Scheduled, WindConfig):
             gain += f", its pressure {self.pressure_gain:g} times (pressure_gain)"
         at = f"at U10 = {u10:g} m/s by {self.law}" if self.tau is None else f"by tau, U10 = {u10:.3g} m/s by {self.law}"
         message = f"wind: a physical stress of {self.on_water(u10):.3g} Pa {at}{sheltered}"
-        found = [f"wind: {sentence}" for sentence in self.held(preflight.duration)] + self.across(preflight)
+        found = [f"wind: {sentence}" for sentence in self.end_warnings(preflight.duration)] + self.across(preflight)
         if "ship" in self.targets and u10 > 0.0:
             found += on_ships(preflight)
         return [f"{message}: {gain}", *found, *out_of_range(u10, self.law), *unresolved(self, u10, preflight)]

@@ -6,7 +6,7 @@ from tests.architecture.test_arrows import every, sources
 
 TAICHI = ("ti.func", "ti.kernel")  # compiled: Taichi reads their annotations itself
 IN_KERNELS = {  # ordinary functions, or members of a protocol, that kernels call
-    "ocean_sim.random_numbers.mixed",
+    "ocean_sim.random_numbers.pcg4d",
     "ocean_sim.wind.shared.air_load.drag_coefficient",
 }
 

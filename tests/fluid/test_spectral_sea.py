@@ -396,7 +396,7 @@ def test_a_nonlinear_sea_that_its_tile_cannot_hold_is_refused(keys, wrong):
     assert [key for key, _ in config.problems(bay)] == [("tile",)] * wrong
     if not wrong and config.order == 3:
         left_out = 1.0 - np.exp(-1.25 * (4.0 * config.tile / config.cells / 14.05) ** 2)
-        assert 1.0 - config.held(bay.tank) == pytest.approx(left_out, rel=0.25)
+        assert 1.0 - config.energy_share(bay.tank) == pytest.approx(left_out, rel=0.25)
 
 
 def test_a_file_of_components_is_the_sea_that_it_says(sea, tmp_path):

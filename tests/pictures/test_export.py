@@ -375,7 +375,7 @@ def pictured(passing):
 def foam_of(sea, places) -> np.ndarray:
     """What the sea's programs take for white at places around its ship: along her hull, at her bow and in her wake."""
     map_size = np.array(sea.gap.shape[2:0:-1])
-    low, high = sea.met("ship", *sea.frame.ships["ship"]).around()
+    low, high = sea.wetted_hull("ship", *sea.frame.ships["ship"]).around()
     at = ((places - low) / (high - low) * map_size - 0.5).T[::-1]
     gap, breaking = (map_coordinates(sea.gap[0, ..., k].astype(float), at, order=1, mode="nearest") for k in range(2))
     on = ((places > low) & (places < high)).all(axis=1)

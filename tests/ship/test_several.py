@@ -110,12 +110,12 @@ def test_her_own_waves_would_act_on_her_if_she_were_shown_the_whole_sea(abreast)
     with Simulation(load(at_sea({"a": BARGE | PUSHED, "b": BARGE | {"position": [APART, 0.0]}}))) as simulation:
         with pytest.raises(ValueError, match="several ships: a, b"):
             _ = simulation.ship
-        whole, felt = simulation.fluid, simulation.felt[0]
+        whole, felt = simulation.fluid, simulation.water_at_ships[0]
         own = next(made for made in whole.made if made.ship is simulation.ships["a"])
         for _ in range(20):
             simulation.step()
         under = np.array([[0.0, 0.0]])
-        assert own not in felt.tiles and own in simulation.felt[1].tiles
+        assert own not in felt.tiles and own in simulation.water_at_ships[1].tiles
         assert whole.elevations(under)[0] < -1.0 < -0.1 < felt.elevations(under)[0]  # her draught is in her own waves
 
 

@@ -108,7 +108,7 @@ def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
     """Bodies that float in the basin, by name, sampled in the same way."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
-        if solid.felt:
+        if solid.is_sampled:
             bodies[name] = Body(*solid.samples(lattice.spacing, support), False, solid.origin, floats=True)
     return bodies
 

@@ -184,7 +184,7 @@ class Lattice:
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
-            beyond = self.points_beyond(solid) if solid.felt else np.empty((0, 3))
+            beyond = self.points_beyond(solid) if solid.is_sampled else np.empty((0, 3))
             volume = self.mass / self.config.rest_density
             gone, moved = solid.make_room(positions + nearest, beyond, self.repeated_boxes, self.spacing, volume)
             wet &= ~gone

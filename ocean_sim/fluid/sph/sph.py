@@ -388,7 +388,7 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 def has_bodies(basin: Basin) -> bool:
     """True if the laws of the water meet solid bodies."""
-    return bool(basin.obstacles or any(solid.felt for solid in basin.afloat.values()))
+    return bool(basin.obstacles or any(solid.is_sampled for solid in basin.afloat.values()))
 
 
 def step_limits(

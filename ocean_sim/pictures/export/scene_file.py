@@ -249,7 +249,7 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     made = Glb(np.array([kept.time for kept in shots]))
     if any(not np.array_equal(kept.faces, first.faces) for kept in shots):
         waters = {k: made.mesh(f"water_{k:05d}", w.points, w.faces, water_colours(w)) for k, w in enumerate(shots)}
-        made.in_turn(waters, len(shots))
+        made.show_at_moments(waters, len(shots))
     elif len(first.points):
         moved = np.stack([kept.points for kept in shots]) if len(shots) > 1 else None
         made.mesh("water", first.points, first.faces, water_colours(first), moved)
@@ -259,7 +259,7 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
     gates = {
         k: made.mesh(f"gates_{k:05d}", *kept.gates, STONE_COLOUR) for k, kept in enumerate(shots) if len(kept.gates[0])
     }
-    made.in_turn(gates, len(shots))
+    made.show_at_moments(gates, len(shots))
     for key, model in ship_models(grid).items():
         corners = model.mesh.corners.reshape(-1, 3)
         colour = np.repeat(model.mesh.colour, 3, axis=0)

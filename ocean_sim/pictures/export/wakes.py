@@ -34,12 +34,12 @@ class RunWakes:
         points = pairs(self.x + origin[0], self.z + origin[1])
         height += self.behind(time, points, frame.get("answer"))
         if not self.answers:
-            for ship in self.met(frame, height, origin):
+            for ship in self.wetted_hull(frame, height, origin):
                 height += ship.raised(points).reshape(height.shape)
         x, z = (middles_of(*self.sides(k), white.shape[k]) for k in range(2))
         for key, vessel in self.vessels.items():
             white = np.maximum(white, Wake(vessel, self.hulls[key].beam, x, z).share(time, origin))
-        for ship in self.met(frame, height, origin):
+        for ship in self.wetted_hull(frame, height, origin):
             low, high = (ends - origin for ends in ship.around())
             near = np.ix_((x > low[0]) & (x < high[0]), (z > low[1]) & (z < high[1]))
             along = ship.white(pairs(x[near[0].ravel()] + origin[0], z[near[1].ravel()] + origin[1]))
@@ -55,11 +55,11 @@ class RunWakes:
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
-    def met(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
+    def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
         """The ships of a frame that meet water of heights (nx, nz) around an origin x, z [m]."""
         time = float(frame["time"])
         ships = [
-            hull.met(
+            hull.wetted_hull(
                 frame[f"{key}_position"],
                 frame[f"{key}_turn"],
                 self.vessels[key].speed(time),

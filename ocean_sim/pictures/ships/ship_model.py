@@ -51,7 +51,7 @@ class Cabin(Model):
     walls: str
     lid: str
     windows: list[Window] = []
-    """As `Block.panes`: the walls count from aft on port."""
+    """Panes like `Block.panes`: the walls count from aft on port."""
     aside: float = 0.0
     """Distance of its middle to port; there is one to starboard, too."""
 

@@ -208,15 +208,15 @@ class Sea(Content):
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
-    def met(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
+    def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
         """A ship in the water as it is drawn now."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
-        return self.hulls[key].met(position, turn, speed, self.heights_at)
+        return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 
     def bow_waves(self, frame: Frame) -> np.ndarray:
         """(nx, nz) [m] the waves at the bows of all ships, on the water that is there without them."""
         places = self.surface.nodes + frame.origin
-        ships = [self.met(key, *frame.ships[key]) for key in self.vessels]
+        ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
         raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
         return raised.reshape(self.height.shape)
 
@@ -268,7 +268,7 @@ class Sea(Content):
     def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
         """Set the water around ship k: foam along its waterline, no water inside it, and the place of its mirror image;
         returns the height of the water around it [m]."""
-        hull, ship = self.hulls[key], self.met(key, position, turn)
+        hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:
             low, high = ship.around()

@@ -138,7 +138,7 @@ class Hull:
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
-    def met(
+    def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
         """Hull in the water at a speed [m/s]; `heights_at`: of the water [m] at places x, z (n, 2)."""

@@ -135,7 +135,7 @@ class FloatingConfig(VesselConfig):
         still = self.hydrostatics_of(preflight)
         body = self.above_unsettled_water(self.body_at_start(still.matter, *afloat_pose(still)), preflight)
         reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
-        return Solid(self.whole_hull.shape, still.matter.centre, body, False, felt=False, reach=reach)
+        return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
         """The body raised by the height that the water will lose as it settles, so that no gap opens under it; a body

@@ -35,7 +35,7 @@ class Solid:
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
     body: RigidBody
     flat: bool
-    felt: bool = True  # whether the water's laws meet samples of it
+    is_sampled: bool = True  # by the laws of the water
     reach: float = 0.0  # of what it does else to the water [m]
 
     @property
@@ -82,11 +82,13 @@ class Solid:
             GOLDEN_RATIO,
         )
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
-        numbers = repr([spacing, volume, self.felt, self.flat, rules, *(array.tolist() for array in poses)]).encode()
+        numbers = repr(
+            [spacing, volume, self.is_sampled, self.flat, rules, *(array.tolist() for array in poses)]
+        ).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:
-            if self.felt:
+            if self.is_sampled:
                 return self.fit_room(positions, beyond, boxes, spacing, volume)
             return self.carve_room(positions, boxes, spacing)
 

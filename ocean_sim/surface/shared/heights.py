@@ -81,7 +81,7 @@ class Heights:
     def area_and_volume(self, bed: float) -> list[float]:
         """Area of `mesh` [m2], and the volume between it and a flat bed at a height [m3], without making the mesh."""
         dx, dz = (float(up - low) / (n - 1) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
-        h = self.copy.now().astype(float).reshape(self.count)
+        h = self.copy.values().astype(float).reshape(self.count)
         along_x, along_z = np.diff(h, axis=0), np.diff(h, axis=1)
         legs = ((h[:-1, :-1], along_x[:, :-1], along_z[:-1]), (h[1:, 1:], -along_x[:, 1:], -along_z[1:]))
         area = volume = 0.0
@@ -93,4 +93,4 @@ class Heights:
     def mesh(self) -> Mesh:
         """A sheet from side to side, two triangles between four columns; only without inset."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
-        return sheet(x, z, self.copy.now().astype(float).reshape(self.count))
+        return sheet(x, z, self.copy.values().astype(float).reshape(self.count))

@@ -123,7 +123,7 @@ class Scheduled(Timed):
             raise ValueError("needs at least one row")
         return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
 
-    def held(self, duration: float) -> list[str]:
+    def end_warnings(self, duration: float) -> list[str]:
         """Warn of a schedule whose rows do not reach over a run of this duration [s], or are in radians."""
         if self.course is None:
             return []

@@ -37,7 +37,7 @@ def test_what_the_process_computes_with_is_taken(unchosen):
 
 
 def test_a_library_that_is_not_there_is_named(unchosen):
-    unchosen.setattr(console, "installed", lambda package: None)
+    unchosen.setattr(console, "installed_version", lambda package: None)
     with pytest.raises(Lacking, match=f"runtime.library: {OTHER} is not installed here; pip install {OTHER}"):
         console.must_compute_with(OTHER)
 
@@ -48,7 +48,7 @@ def test_what_a_person_has_chosen_stays(monkeypatch):
 
 
 def test_the_process_begins_anew_with_the_same_words(unchosen, tmp_path):
-    unchosen.setattr(console, "installed", lambda package: "1.0")
+    unchosen.setattr(console, "installed_version", lambda package: "1.0")
     begun = []
     unchosen.setattr(os, "execve", lambda *given: begun.append(given))
     (tmp_path / "small.yaml").write_text(SCENE)

@@ -149,7 +149,7 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
     everything = machine.installed_version
-    monkeypatch.setattr(machine, "installed", lambda name: None if name in ("vtk", "pyvista") else everything(name))
+    monkeypatch.setattr(machine, "installed_version", lambda name: None if name in ("vtk", "pyvista") else everything(name))
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
     assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")
@@ -267,11 +267,11 @@ def test_doctor_looks_and_never_fails(ask, monkeypatch):
 )
 def test_doctor_tells_of_a_compiler_that_does_not_know_the_processor(monkeypatch, room, said, ok, told):
     monkeypatch.setattr(doctor, "run_probe", lambda script: {"ok": True, "detail": said})
-    monkeypatch.setattr(machine, "vector_room", lambda: room)
-    monkeypatch.setattr(machine, "installed", lambda package: None)
+    monkeypatch.setattr(machine, "max_vector_width", lambda: room)
+    monkeypatch.setattr(machine, "installed_version", lambda package: None)
     found = doctor.vector_row()
     assert found["ok"] is ok and found["detail"].endswith(told)
-    monkeypatch.setattr(machine, "installed", lambda package: "1.3")
+    monkeypatch.setattr(machine, "installed_version", lambda package: "1.3")
     assert "pip" not in doctor.vector_row()["detail"]
 
 
@@ -284,12 +284,12 @@ def test_the_width_of_a_kernel_is_read_from_what_the_compiler_makes():
 
 
 def test_processors_that_the_compiler_is_too_old_for_are_known_by_their_family(monkeypatch):
-    monkeypatch.setattr(kernel_library, "NAME", kernel_library.TAICHI)
+    monkeypatch.setattr(kernel_library, "LIBRARY_NAME", kernel_library.TAICHI)
     for vendor, family, known in (("AuthenticAMD", 25, True), ("AuthenticAMD", 26, False), ("GenuineIntel", 26, True)):
         told = {"vendor_id": vendor, "cpu family": str(family)}
-        monkeypatch.setattr(kernel_library, "processor", lambda told=told: told)
+        monkeypatch.setattr(kernel_library, "processor_facts", lambda told=told: told)
         assert kernel_library.knows_processor() is known
-    monkeypatch.setattr(kernel_library, "processor", dict)
+    monkeypatch.setattr(kernel_library, "processor_facts", dict)
     assert kernel_library.knows_processor()
 
 
@@ -430,7 +430,7 @@ def test_a_run_that_is_stopped_before_it_has_written_anything_names_no_folder(as
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("ocean_sim.verbs.run.simulated", interrupted)
+    monkeypatch.setattr("ocean_sim.verbs.run.simulate", interrupted)
     code, _, err = ask("run", "small.yaml", "--out", "early")
     assert (code, err) == (1, "stopped at t = 0.000 s; nothing was written\n") and not Path("early").exists()
     code, out, err = ask("run", "small.yaml", "--out", "early", "--json")

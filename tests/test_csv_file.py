@@ -164,7 +164,7 @@ def test_text_with_a_byte_order_mark_is_read_in_every_reader(tmp_path, codec):
     assert yaml_file.read_mapping(tmp_path / "scene.yaml").plain()["title"] == "\u00dcber"
     assert of_openfast(tmp_path / "sea.Elev")[1].tolist() == [1.0, 2.0, 3.0]
     for name in ("a.stl", "a.obj", "a.ply"):
-        assert MeshFile(kind="mesh", file=str(tmp_path / name)).closed().volume == pytest.approx(6.0)
+        assert MeshFile(kind="mesh", file=str(tmp_path / name)).closed_mesh().volume == pytest.approx(6.0)
 
 
 def test_text_that_is_not_what_its_mark_says_is_refused_by_its_codec(tmp_path):

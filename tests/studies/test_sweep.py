@@ -298,7 +298,7 @@ list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 def test_another_package_has_other_answers(monkeypatch):
     (order,) = orders(1)
     before = runs_module.run_address(order)
-    monkeypatch.setattr(runs_module, "program", lambda: "edited")
+    monkeypatch.setattr(runs_module, "program_hash", lambda: "edited")
     assert runs_module.run_address(order) != before
 
 

@@ -209,7 +209,7 @@ LARGE = [
 def test_a_scene_that_is_too_large_is_told_in_a_sentence_and_the_other_goes_on(lake, monkeypatch, order):
     playing, before, sliders = lake.simulation, lake.source, lake.sliders
     lake.step()
-    monkeypatch.setattr("ocean_sim.machine.memory_left", lambda: 100_000_000)
+    monkeypatch.setattr("ocean_sim.machine.available_memory", lambda: 100_000_000)
     ask(lake, **order)
     said = lake.desk.last("said")
     assert said["bad"] and "GB of memory, and 0.1 GB are left" in said["text"] and "\n" not in said["text"]

@@ -95,7 +95,7 @@ def test_a_mistake_in_a_called_function_has_its_place():
     with pytest.raises(ti.TaichiCompilationError) as error:
         wrong()
     line = lost.__wrapped__.__code__.co_firstlineno + 3
-    assert f'test_kernel_reading.py", line {line}, in lost:\n' in str(error.value)
+    assert f'test_reading.py", line {line}, in lost:\n' in str(error.value)
     assert "in wrong:\n        return lost(1.0)" in str(error.value)
 
 

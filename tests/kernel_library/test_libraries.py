@@ -92,7 +92,7 @@ def test_an_error_in_a_kernel_still_tells_the_place_and_the_line():
     with pytest.raises(kernel_library.ti.TaichiCompilationError) as error:
         wrong()
     line = wrong.__wrapped__.__code__.co_firstlineno + 2
-    assert f'test_kernel_library.py", line {line}, in wrong:\n' in str(error.value)
+    assert f'test_libraries.py", line {line}, in wrong:\n' in str(error.value)
     assert "return 1.0 + nowhere" in str(error.value)
 
 

@@ -8,16 +8,16 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-SCHEMA = "ocean_sim/scene.schema.json"  # in a checkout as in a wheel
+SCHEMA_FILE = "ocean_sim/scene.schema.json"  # in a checkout as in a wheel
 # Models need no kernels, so building needs no Taichi.
-MADE = """
+SCHEMA_PROGRAM = """
 import sys
 from unittest.mock import MagicMock
 
 sys.modules["ocean_sim.kernel_library"] = MagicMock(LIBRARY_NAME="taichi")
-from ocean_sim.reading.schema import text
+from ocean_sim.reading.schema import schema_text
 
-sys.stdout.buffer.write(text().encode())
+sys.stdout.buffer.write(schema_text().encode())
 """
 
 
@@ -28,11 +28,12 @@ class Schema(BuildHookInterface):
         if version == "editable":
             return
         self.kept = TemporaryDirectory(prefix="ocean-sim-")
-        made = subprocess.run([sys.executable, "-c", MADE], cwd=self.root, check=True, capture_output=True).stdout
-        self.hold(made, SCHEMA, build_data)
+        command = [sys.executable, "-c", SCHEMA_PROGRAM]
+        made = subprocess.run(command, cwd=self.root, check=True, capture_output=True).stdout
+        self.hold(made, SCHEMA_FILE, build_data)
         scenes = Path(self.root, "scenes")
         for scene in sorted(scenes.rglob("*.yaml")):
-            text = scene.read_bytes().replace(SCHEMA.encode(), Path(SCHEMA).name.encode(), 1)
+            text = scene.read_bytes().replace(SCHEMA_FILE.encode(), Path(SCHEMA_FILE).name.encode(), 1)
             self.hold(text, f"ocean_sim/scenes/{scene.relative_to(scenes).as_posix()}", build_data)
 
     def hold(self, content: bytes, name: str, build_data: dict[str, Any]) -> None:

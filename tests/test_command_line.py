@@ -149,7 +149,8 @@ def test_a_wrong_command_line_is_exit_code_2(ask):
 
 def test_what_an_extra_would_bring_is_said_in_a_sentence(monkeypatch, capsys, tmp_path):
     everything = machine.installed_version
-    monkeypatch.setattr(machine, "installed_version", lambda name: None if name in ("vtk", "pyvista") else everything(name))
+    absent = ("vtk", "pyvista")
+    monkeypatch.setattr(machine, "installed_version", lambda name: None if name in absent else everything(name))
     sentence = "pyvista and vtk are not installed; `pip install '.[pictures]'` in the checkout brings what is missing"
     assert machine.missing_extra("pictures") == sentence
     missing = ModuleNotFoundError("No module named 'vtkmodules'", name="vtkmodules.util")

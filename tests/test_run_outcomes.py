@@ -143,11 +143,11 @@ def test_a_disk_that_runs_full_is_told_on_that_disk(small_disk, capsys):
 
 
 def test_no_child_outlives_a_killed_parent(tmp_path):
-    """As the child that draws: its standard input is a leash."""
-    child = "import time; from ocean_sim.machine import outlive_no_parent; outlive_no_parent(); print(); time.sleep(60)"
+    """As the child that draws: its standard input is a pipe of its parent."""
+    child = "import time; from ocean_sim.machine import exit_with_parent; exit_with_parent(); print(); time.sleep(60)"
     parent = f"""import subprocess, sys, time
-from ocean_sim.machine import leash
-with leash() as theirs:
+from ocean_sim.machine import parent_pipe
+with parent_pipe() as theirs:
     child = subprocess.Popen([sys.executable, "-c", {child!r}], stdin=theirs, stdout=subprocess.PIPE)
     child.stdout.readline()
     print(child.pid, flush=True)

@@ -27,9 +27,9 @@ from imageio_ffmpeg import get_ffmpeg_exe
 print(subprocess.run([get_ffmpeg_exe(), "-version"], check=True, capture_output=True, text=True).stdout.split("\\n")[0])
 """
 VECTOR_PROBE = """
-from ocean_sim.kernel_library import NAME
+from ocean_sim.kernel_library import LIBRARY_NAME
 from ocean_sim.runtime import vector_width
-print(NAME, vector_width())
+print(LIBRARY_NAME, vector_width())
 """
 USUAL_VECTOR_WIDTH = 8  # numbers at once that suffice: many processors are no faster with more
 PROBE_SECONDS = 90.0  # [s] for one probe

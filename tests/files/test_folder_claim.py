@@ -99,7 +99,7 @@ def test_a_folder_is_claimed_once_whoever_asks_at_once(tmp_path):
     """Many processes ask in the same moment, again and again: never two hold it."""
     script = """import os, sys
 from pathlib import Path
-from ocean_sim.files.run_files import Claim, Claimed
+from ocean_sim.files.run_files import Claim, FolderClaimed
 folder, held = Path(sys.argv[1]), 0
 for _ in range(300):
     try:
@@ -107,7 +107,7 @@ for _ in range(300):
             os.close(os.open(folder.parent / "alone", os.O_CREAT | os.O_EXCL))
             os.unlink(folder.parent / "alone")
             held += 1
-    except Claimed:
+    except FolderClaimed:
         pass
 print(held)
 """

@@ -345,7 +345,8 @@ def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, progr
     order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
     asked = json.dumps({"goes_on": False, "orders": [order], "turn": 0})
     broken = f"ship_glsl.{program} += 'mistaken;'; sys.argv = ['', {asked!r}]; render.main()"
-    code = f"import sys; from ocean_sim.observers import render; from ocean_sim.pictures import ship_glsl; {broken}"
+    imports = "import sys; from ocean_sim.observers import render; from ocean_sim.pictures.ships import ship_glsl"
+    code = f"{imports}; {broken}"
     drawing, pipe = opengl.drawing_environment(opengl.window()), subprocess.PIPE
     with subprocess.Popen([sys.executable, "-c", code], env=drawing, stdin=pipe, stderr=pipe, text=True) as child:
         told = child.stderr.read()

@@ -5,7 +5,7 @@ import pytest
 
 from ocean_sim import basin
 from ocean_sim.random_numbers import numpy_uniform3
-from ocean_sim.wind.gusts import NOISE
+from ocean_sim.wind.gusts import NOISE_STREAM
 from ocean_sim.wind.shared.air_load import stress
 from ocean_sim.wind.shared.shapes import turned
 
@@ -91,11 +91,11 @@ def test_noise_is_uniform_on_each_axis(build, force):
 def test_noise_depends_on_seed_volume_particle_and_draw_alone(build, force):
     points, volumes = np.zeros((50, 3)), [gust(noise=[1.0, 1.0, 1.0])]
     a = force(build("gusts", volumes=volumes), points)
-    assert np.array_equal(a, numpy_uniform3(7, NOISE, np.arange(50), 0))
+    assert np.array_equal(a, numpy_uniform3(7, NOISE_STREAM, np.arange(50), 0))
     assert np.array_equal(a, force(build("gusts", volumes=volumes), POINTS[:50]))
     assert not np.array_equal(a, force(build("gusts", volumes=volumes, seed=8), points))
     twice = force(build("gusts", volumes=volumes * 2), points)
-    np.testing.assert_allclose(twice, a + numpy_uniform3(7, NOISE + 1, np.arange(50), 0), rtol=1e-12)
+    np.testing.assert_allclose(twice, a + numpy_uniform3(7, NOISE_STREAM + 1, np.arange(50), 0), rtol=1e-12)
 
 
 def test_a_draw_lasts_for_its_time_whatever_the_step(build, force):
@@ -104,7 +104,7 @@ def test_a_draw_lasts_for_its_time_whatever_the_step(build, force):
     for _ in range(12):
         wind.advance(0.005)
         seen.append(force(wind, [0.0, 0.0, 0.0])[0, 0])
-    assert seen == [x for x in numpy_uniform3(7, NOISE, 0, np.arange(3))[:, 0] for _ in range(4)]
+    assert seen == [x for x in numpy_uniform3(7, NOISE_STREAM, 0, np.arange(3))[:, 0] for _ in range(4)]
 
 
 def test_without_a_lasting_time_every_step_draws(build, force):
@@ -113,7 +113,7 @@ def test_without_a_lasting_time_every_step_draws(build, force):
     for dt in (0.001, 0.1, 0.03):
         wind.advance(dt)
         seen.append(force(wind, [0.0, 0.0, 0.0])[0, 0])
-    assert seen == numpy_uniform3(7, NOISE, 0, np.arange(3))[:, 0].tolist()
+    assert seen == numpy_uniform3(7, NOISE_STREAM, 0, np.arange(3))[:, 0].tolist()
 
 
 def test_wind_acts_on_exposed_area_relative_to_the_water(build, force):
@@ -260,7 +260,7 @@ def velocities(build, force, dt, every, n=400, until=2.0):
 @pytest.mark.parametrize("dt", [1 / 240, 1 / 100, 1 / 75, 1 / 30, 1 / 10])
 def test_noise_is_white_in_time_and_heats_alike_whatever_the_step(build, force, dt):
     """Not the variance alone: every particle ends at the same velocity, which is that of the draws."""
-    exact = 30.0 / 60.0 * numpy_uniform3(7, NOISE, np.arange(400)[:, None], np.arange(120)).sum(axis=1)
+    exact = 30.0 / 60.0 * numpy_uniform3(7, NOISE_STREAM, np.arange(400)[:, None], np.arange(120)).sum(axis=1)
     np.testing.assert_allclose(velocities(build, force, dt, 1 / 60), exact, atol=1e-9)
 
 

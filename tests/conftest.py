@@ -173,6 +173,14 @@ def taichi_of_a_module(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
+def taichi_as_released() -> Iterator[None]:
+    """Kernels read by Taichi itself, without replacements inside it; for modules that compare with closed forms."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("OCEAN_SIM_QUICK_START", "0")
+        yield
+
+
+@pytest.fixture(scope="module")
 def taichi_cpu() -> runtime.Backend:
     """Taichi on one thread in f64: bitwise repeatable, and exact enough for closed forms."""
     return runtime.start(runtime.RuntimeConfig(precision="f64", threads=1))

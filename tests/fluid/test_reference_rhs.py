@@ -1,9 +1,12 @@
 """Kernels against right-hand sides in NumPy: particles out of order between walls, over an obstacle."""
 
 import numpy as np
+import pytest
 
 from tests.fluid import reference_rhs as reference
 from tests.fluid.conftest import by_id, put
+
+pytestmark = pytest.mark.usefixtures("taichi_as_released")
 
 GRAVITY = np.array([0.0, -9.81, 0.0])
 OBSTACLE = {"min": [-0.1, -0.5], "max": [0.1, -0.4], "slip": "no_slip"}

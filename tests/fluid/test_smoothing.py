@@ -11,6 +11,8 @@ from ocean_sim.fluid import delta_sph, dfsph
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, WENDLAND, Kernel, Smoothing, Stencil
 from ocean_sim.kernel_library import ti
 
+pytestmark = pytest.mark.usefixtures("taichi_as_released")
+
 SUPPORT = 0.7
 
 

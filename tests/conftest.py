@@ -50,6 +50,8 @@ for _signal, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
 
 def module_costs() -> dict[str, float]:
     """Processor time of each test module with an empty cache of kernels [s]."""
+    if not COST_TABLE.exists():
+        return {}
     with COST_TABLE.open() as file:
         return {row["module"]: float(row["processor_s"]) for row in csv.DictReader(file)}
 

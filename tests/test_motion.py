@@ -218,7 +218,7 @@ def test_rows_that_a_run_does_not_reach_are_said(tmp_path, begin):
             (tmp_path / f"{name}.csv").write_text(f"time_s,{columns}\n{rows}")
         tank = motion(file=str(tmp_path / "tank.csv")).warnings(5.0)
         gate = Gate(file=str(tmp_path / "gate.csv")).warnings(5.0)
-        orders = Helm.model_validate({"controls": {"file": str(tmp_path / "orders.csv")}}).late(5.0)
+        orders = Helm.model_validate({"controls": {"file": str(tmp_path / "orders.csv")}}).late_orders(5.0)
         for found in (tank, gate, orders):
             assert any(said in sentence for sentence in found) if said else not found
 

@@ -55,7 +55,12 @@ def test_the_stages_of_a_step_are_those_of_algorithm_8_in_order(small, monkeypat
         advance=lambda load, dt: order.append("advance ship"),
         limits=Limits,
     )
-    for name, part in {"stage": stage, "surface": surface, "ships": {"ship": ship}, "felt": (small.fluid,)}.items():
+    for name, part in {
+        "stage": stage,
+        "surface": surface,
+        "ships": {"ship": ship},
+        "water_at_ships": (small.fluid,),
+    }.items():
         monkeypatch.setattr(small, name, part)
     small.step()
     assert order == ["wind", "fluid", "surface", "follow", "ship", "load", "advance ship"]

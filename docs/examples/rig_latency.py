@@ -70,7 +70,7 @@ def main(count: int) -> None:
     asked: list[float] = []
 
     def platform() -> None:
-        datagrams.received(url, 60.0, lambda packet: poses.append((packet.time, perf_counter())))
+        datagrams.receive_stream(url, 60.0, lambda packet: poses.append((packet.time, perf_counter())))
 
     threading.Thread(target=platform, daemon=True).start()
     source = Source.of(

@@ -92,7 +92,7 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
         x[1] = x[0]
         particles.position.from_numpy(x)
         fluid.begin()
-    before = energy.total(simulation)
+    before = energy.total_energy(simulation)
     try:
         usual = DURATIONS.get(extreme, COLUMN["duration"])
         simulation.run(until=max(usual, crossings * DEPTH / fluid.sound_speed))
@@ -105,7 +105,7 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
     assert particles.density.to_numpy().max() < 1500.0
     assert np.abs(v).max() < 10.0 * np.sqrt(GRAVITY * DEPTH)
     weight = particles.mass * particles.n * GRAVITY * DEPTH
-    assert energy.total(simulation) - before < 0.1 * weight
+    assert energy.total_energy(simulation) - before < 0.1 * weight
     return ""
 
 

@@ -98,7 +98,7 @@ Figure.savefig = lambda self, *_, **__: seen.append(" ".join(t.get_text() for t 
 sys.argv = ["stability.py", "--fast", "--study", sys.argv[2] + "/study.csv", "--out", sys.argv[2]]
 stability.main()
 [words] = seen
-assert "Where water breaks" in words and "spacing" in words and HASTY in words, words
+assert "Stability of water" in words and "spacing" in words and HASTY in words, words
 """
     here = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
     command = [sys.executable, "-c", code, str(library("figures")), str(tmp_path)]

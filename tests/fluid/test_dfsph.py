@@ -80,7 +80,7 @@ def test_shapes_that_find_no_room_are_found_anew(water, monkeypatch):
     x = fluid.particles.position.to_numpy()
     x += 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, x.shape)
     kept = moved(fluid, x)
-    monkeypatch.setattr(ListSize, "each", 0)
+    monkeypatch.setattr(ListSize, "shapes_per_particle", 0)
     without = water("dfsph", **keys)
     assert without.pairs.shape.shape[0] < 0.5 * fluid.pairs.shape.shape[0]
     found = moved(without, x)
@@ -318,9 +318,9 @@ def test_only_calm_water_goes_on_to_half_of_its_error(again):
     """Still water comes to rest by it; water that breaks stops at the tolerance."""
     solver = column(again).incompressible
     first = 0.8 * solver.tolerance
-    assert solver.enough(first, 0.01, calm=True) == pytest.approx(0.5 * first)
-    assert solver.enough(first, 0.01, calm=False) == solver.tolerance
-    assert solver.enough(1e-9, 0.01, calm=True) == pytest.approx(0.1 * solver.tolerance)
+    assert solver.error_goal(first, 0.01, calm=True) == pytest.approx(0.5 * first)
+    assert solver.error_goal(first, 0.01, calm=False) == solver.tolerance
+    assert solver.error_goal(1e-9, 0.01, calm=True) == pytest.approx(0.1 * solver.tolerance)
 
 
 def barge(position: list[float], heading: float) -> dict:

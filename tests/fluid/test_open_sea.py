@@ -200,7 +200,7 @@ def moving(until: float) -> float:
 def test_waves_too_short_for_particles_hold_no_energy_up(monkeypatch):
     """They are left out (1.16); fed, they grow too high (1.56)."""
     assert moving(20.0) < 1.25
-    monkeypatch.setattr(initial_state, "CARRIED", 4.0)
+    monkeypatch.setattr(initial_state, "MIN_WAVE_SPACINGS", 4.0)
     assert moving(20.0) > 1.45
 
 

@@ -117,7 +117,7 @@ def test_a_killed_renderer_is_told_and_the_run_is_kept(folder, tell, monkeypatch
         assert tell("run", "s.yaml", "--out", "seen")[0] == 0
     before = Path("seen/gauges.csv").read_bytes()
     monkeypatch.setattr(render.opengl, "window", lambda: "egl")
-    monkeypatch.setattr(render.opengl, "environment", lambda window: dict(os.environ))
+    monkeypatch.setattr(render.opengl, "drawing_environment", lambda window: dict(os.environ))
     monkeypatch.setattr(render.opengl, "forget", lambda: None)
     monkeypatch.setattr(render.Drawer, "follow", lambda self: self.child.kill())
     code, err = tell("render", "seen", "--quality", "draft")

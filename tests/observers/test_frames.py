@@ -219,7 +219,7 @@ def test_the_hollow_in_which_a_hull_lies_is_no_trough_beside_a_crest(tmp_path, w
     calm = 0.1 * np.sin(0.4 * x - 0.3 * z).reshape(seen.shape)
     ahead, aside = ship_coordinates(x, z, sailing.body.position, sailing.body.matrix)
     hull = ((np.abs(ahead) < 1.0) & (np.abs(aside) < 0.4)).reshape(seen.shape)
-    found = seen.crests(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
+    found = seen.breaking_heights(simulation, seen.points, calm - 2.0 * hull, np.zeros(2))
     changed = found != calm - 2.0 * hull
     assert hull.sum() >= 10 and changed[hull].all() and changed.sum() < 4 * hull.sum()
     assert np.abs(found - calm).max() < 0.03

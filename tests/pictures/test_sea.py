@@ -44,7 +44,7 @@ def spectrum(seed: int = 1) -> waves.Components:
 
 def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
     """As frames keep them."""
-    return frames.wave_arrays(SimpleNamespace(plane_waves=sea, answers=False))
+    return frames.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=False))
 
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
@@ -339,7 +339,7 @@ def test_each_part_of_the_sea_switches_off_by_itself(picture):
 
 
 @with_opengl
-@pytest.mark.parametrize("program", ["SHIP", "FUNCTIONS"])
+@pytest.mark.parametrize("program", ["SHIP_PROGRAM", "SHIP_FUNCTIONS"])
 def test_a_program_that_the_driver_refuses_is_no_picture(folder, tmp_path, program):
     """VTK would only log it, and leave out the ship."""
     order = asdict(render.order_of(folder, size=(64, 36), film=False, out=tmp_path))
@@ -435,8 +435,8 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_phase",
         "sea_ramp",
     }
-    assert frames.wave_arrays(SimpleNamespace(plane_waves=None)) == {}
-    assert frames.wave_arrays(SimpleNamespace(plane_waves=sea, answers=True))["sea_answers"]
+    assert frames.wave_arrays(SimpleNamespace(plane_waves=None, can_be_disturbed=False)) == {}
+    assert frames.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=True))["sea_answers"]
 
 
 def test_foam_covers_what_is_asked_for():

@@ -280,7 +280,7 @@ def test_no_run_outlives_the_study(sign, tmp_path):
     script = f"""
 from pathlib import Path
 from ocean_sim.studies.shared import runs as runs_module
-list(runs_module.answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
+list(runs_module.run_answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 """
     path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])
     study = subprocess.Popen([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, stderr=-1)

@@ -502,8 +502,8 @@ def compiled_kernels() -> list[str]:
 
 
 def kernels_in(module: str) -> list[str]:
-    """Names of the Taichi kernels of a kind's module and of the shared modules of its room that it is made of, and of
-    those of this module that they use; they are compiled when they are first used."""
+    """Names of all Taichi kernels that a kind uses: those of its module, of the modules below its slot that it imports,
+    and those of this module that they call. A kernel is compiled when it is first used."""
     room, found = module.rpartition(".")[0], set()
     waiting, seen = [module], set()
     while waiting:

@@ -528,7 +528,7 @@ class Basin:
 
     @property
     def gates(self) -> list[tuple[int, Gate]]:
-        """Numbers of the obstacles that move or leave, and their motions."""
+        """Index and motion of each obstacle that moves, or is taken out, during the run."""
         return [(k, box.gate) for k, box in enumerate(self.config.obstacles) if box.gate is not None]
 
     @cached_property

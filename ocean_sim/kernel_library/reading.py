@@ -68,7 +68,7 @@ class Source:
         self.trees.append(Tree(self))
 
     def parse(self) -> Any:
-        """Syntax tree without decorators."""
+        """Parse the source of the function into a syntax tree without decorators."""
         root: Any = ast.parse(self.text)
         root.body[0].decorator_list = []
         return root

@@ -340,7 +340,7 @@ def known_names(slot: str) -> list[str]:
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
-    """A name that is neither a part nor a kind: the likeliest one, and all there are."""
+    """Problem of a name that is neither a preset nor a kind: suggests the closest name and lists all valid ones."""
     choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:

@@ -287,7 +287,8 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Share exactly at the surface of flat water on a lattice; mean over all positions."""
+        """Smoothed volume fraction at the surface of flat water on a lattice of particles; mean over all places of the
+        lattice."""
         low, high = 0.05, 0.95
         for _ in range(40):
             middle = 0.5 * (low + high)

@@ -43,7 +43,7 @@ class Config(TimeStepConfig):
 
 
 class Courant:
-    """The shortest of the limits, found for every step."""
+    """Time step that is found anew for every step: a fraction of the shortest limit of the water and of the ships."""
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -90,7 +90,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """The likeliest name beside a wrong one: the key `wind.u10` for `wind.speed`, the kind `wind.stress`."""
+    """Closest key or kind to a mistyped word in its section: `wind.u10` for `wind.speed`."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()

@@ -469,7 +469,7 @@ class WaveTrain(Model):
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
     def train(self, towards: np.ndarray, depth: float, gravity: float) -> Components:
-        """Waves that travel along a unit vector in x and z."""
+        """Plane waves of this sea that travel along a unit vector in x and z."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity)
         return regular_wave(*self.scale, towards, depth, gravity)

@@ -34,7 +34,7 @@ class Orbit:
 
     @property
     def ratio(self) -> float:
-        """Height over length: 1 on deep water, 0 on the bed."""
+        """Vertical over horizontal axis of the orbit: 1 in deep water, 0 at the bed."""
         return self.up_m / self.along_m
 
 
@@ -161,7 +161,7 @@ class Frame(Protocol):
 
 @dataclass(frozen=True)
 class Grid:
-    """The points at which frames hold the surface, and the basin around them."""
+    """Points (x, z) [m] at which output frames hold the height of the surface, and the basin around them."""
 
     x: np.ndarray
     """(nx,) [m]."""

@@ -91,7 +91,8 @@ class Accounts:
 
     @ti.func
     def count_impulses(self, group, terms: Template, kick, accelerations: Template, v):
-        """Impulses of several terms, likewise: accelerations [m/s2] of a particle, each for `kick` [kg s]."""
+        """Add the impulses of several terms to the sums of a group: acceleration [m/s2] of a particle times `kick`, its
+        mass times the time of the kick [kg s]; `v` is its velocity, for the work [m/s]."""
         for term, a in ti.static(zip(terms, accelerations)):
             self.count_impulse(group, term, kick * a, v)
 

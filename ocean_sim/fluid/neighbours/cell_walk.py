@@ -152,8 +152,8 @@ class CellWalk:
     def walk(self, law: Template, find: Template):
         """Sum law.pair over the candidates of each particle i, then call law.finish. Call this at the top of a kernel.
 
-        `find`: True if the candidates are to be found anew, by the positions that law.reads holds. Images are summed
-        with the particles, or by themselves if the law wants them `apart`.
+        `find`: True if the candidates are to be found anew, by the positions that law.reads holds. Mirror images
+        of particles in walls join the same sum, or have one of their own if the law's options say `apart`.
         """
         for g in range(self.groups * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:

@@ -140,7 +140,7 @@ class RelaxationBand:
         return max(0.0, 1.0 - (self.sea.significant_height / self.requested.significant_height) ** 2)
 
     def resolution_note(self) -> str | None:
-        """Sentence on the height that the patch has of a sea with waves too short for these particles, or None."""
+        """Sentence on the wave height that is left if some waves are too short for the particles, else None."""
         share = self.unresolved_share
         if self.sea is None or self.requested is None or share < VARIANCE_ROUNDING:
             return None

@@ -114,7 +114,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def surface_bend(self, i):
-        """Change of the slope of the surface near particle i (exposure.Exposure.bend_of); zero if no wind reads it."""
+        """Change of the slope of the surface at particle i [1] (Exposure.bend_of); zero if no wind reads it."""
         return tm.vec3(0.0)
 
     @ti.func

@@ -108,7 +108,7 @@ class Components:
             rows[i, 0], rows[i, 1], rows[i, 2] = self.x[i], self.y[i], self.z[i]
 
     def from_numpy(self, values: np.ndarray) -> None:
-        """Takes (n, 3)."""
+        """Set the vectors of all particles from an array (n, 3)."""
         self.copy_from(np.ascontiguousarray(values, dtype=self.precision))
 
     @ti.kernel

@@ -71,7 +71,7 @@ class ArrowBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
-        """Set an arrow of a length at the distance of a target [m]; 0: none, only the text."""
+        """Set the arrow `length` [m] long, as seen at the distance of `target` [m], and its text; 0: the text alone."""
         self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24

@@ -316,7 +316,8 @@ def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np.ndarray:
-    """Thickness of new foam on the strongest convergence, so much that the mean with the old is the wanted cover."""
+    """Thickness of the foam that is added where convergence is strongest, so that old (`white`) and new foam together
+    cover the share `wanted` of the water."""
     if white.mean() >= wanted or np.ptp(drawn_together) == 0.0:
         return np.zeros_like(white)
     rank = np.empty_like(white)

@@ -283,7 +283,7 @@ class Receiver(SmoothPose):
         return self.drive.advance(self.pose, now)
 
     def report(self) -> bytes:
-        """Report of its legs and of the last packet that counted, as bytes."""
+        """Packet that tells the sender the lengths of the legs and the last packet that was accepted."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
         return pack_report(LegReport(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
 

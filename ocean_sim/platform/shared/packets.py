@@ -131,7 +131,7 @@ def pose_along_flu(packet: Packet) -> np.ndarray:
 
 
 def sign(data: bytes, key: bytes, began: int) -> bytes:
-    """Sign a packet of a stream that began at a time [ns]."""
+    """Packet with its keyed signature; `began` is the start of the stream [ns], which the signature covers."""
     data += START_STRUCT.pack(began)
     return data + hmac.digest(key, data, "sha256")
 

@@ -225,7 +225,7 @@ def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndar
 
 
 class Wet(NamedTuple):
-    """Wet part of a hull under a level, from integrals over its faces."""
+    """Volume, centre and waterplane of the part of a hull below a water level, from integrals over its faces."""
 
     volume: float  # [m3]
     below: float  # moment of the volume about the level, negative [m4]

@@ -84,7 +84,7 @@ class MovingHull:
 
     @ti.func
     def rotation(self):
-        """Rotation from its axes to those of the world."""
+        """Rotation matrix (3, 3) from the axes of the hull to those of the world."""
         return ti.Matrix.rows(
             [
                 self.pose_vector(BOX_COLUMNS.turn),

@@ -359,9 +359,9 @@ class Gate(Model):
     """Motion of an obstacle: from `start` on with `velocity` and `acceleration`, or as measured, in a `file`."""
 
     velocity: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
-    """Its velocity at `start`."""
+    """Velocity of the obstacle at `start`."""
     acceleration: Vector3 = quantity("m/s2", (0.0, 0.0, 0.0))
-    """Its acceleration from `start` on; that of a gate that a heavy weight pulls up is at most [0, 9.81, 0]."""
+    """Acceleration from `start` on; that of a gate that a heavy weight pulls up is at most [0, 9.81, 0]."""
     file: FileName | None = None
     """CSV file of its path, in place of both: `time_s` after `start`, and `x_m`, `y_m` or `z_m` or several of them,
     smooth between the rows (a cubic spline). It stands still before and after them."""
@@ -407,7 +407,7 @@ class Gate(Model):
         return [spline_law(times, way) for way in ways.T]
 
     def at(self, time: float) -> Moved | None:
-        """Its motion up to a time [s]; None once it has left."""
+        """Motion of the obstacle up to a time [s]; None once it has left."""
         if self.end is not None and time >= self.end:
             return None
         t = time - self.start
@@ -425,6 +425,6 @@ class Gate(Model):
         return np.linspace(0.0, last, PATH_MOMENTS, endpoint=False)
 
     def fastest(self, until: float) -> float:
-        """Its highest speed before `until` [s] [m/s]."""
+        """Highest speed [m/s] of the obstacle before the time `until` [s]."""
         seen = (self.at(float(time)) for time in self.moments(until))
         return max(float(np.linalg.norm(moved.velocity)) for moved in seen if moved is not None)

@@ -23,7 +23,7 @@ FEW_TASKS, MANY_TASKS = 16, 64  # groups of cells for few and many particles; ea
 
 @ti.func
 def whole_vectors(count):
-    """So many candidates or more, in whole vectors."""
+    """Number of candidates, rounded up to whole vectors."""
     return (count + VECTOR_LENGTH - 1) // VECTOR_LENGTH * VECTOR_LENGTH
 
 

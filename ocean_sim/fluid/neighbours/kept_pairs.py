@@ -151,7 +151,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def begin(self, group):
-        """Nothing kept yet."""
+        """Start the lists of a group empty."""
         self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func

@@ -219,12 +219,11 @@ class Server:
     # in its own thread
 
     def run_loop(self) -> None:
-        asyncio.set_event_loop(self.loop)
         try:
-            self.loop.run_until_complete(self.serve())
+            with asyncio.Runner(loop_factory=lambda: self.loop) as runner:
+                runner.run(self.serve())
         finally:
             self.ready.set()
-            self.loop.close()
 
     async def serve(self) -> None:
         from aiohttp import web

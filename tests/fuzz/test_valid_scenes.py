@@ -33,6 +33,7 @@ def drawn(count: int, number: int = 0) -> list[SceneConfig]:
     with pytest.MonkeyPatch.context() as patch:
         # Hypothesis also draws constants of the modules that are imported, which depend on what a process has tested.
         patch.setattr(providers, "_get_local_constants", lambda: providers.GLOBAL_CONSTANTS)
+        patch.setattr(providers, "CONSTANTS_CACHE", providers.LRUCache(1024))
         for first in range(0, 2 * count, PART):
             if len(found) < count:
                 seed(100_000 * number + first)(draw)()

@@ -39,6 +39,12 @@ def cache_directory() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
 
 
+def kernel_cache() -> Path:
+    """Folder of the kernels that this copy of the program has compiled; each other copy has a folder of its own."""
+    copy = hashlib.sha256(os.fsencode(Path(__file__).parent)).hexdigest()[:8]
+    return cache_directory() / "kernels" / copy
+
+
 def memory_limit() -> int:
     """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]

@@ -20,6 +20,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
 from ocean_sim.state import checkpoint_file
+from tests.processes import wait_for
 
 QUIET = ["--set", "render=null", "--set", "report=null", "--set", "runtime.threads=1"]
 SEA = """duration: 0.4
@@ -299,8 +300,7 @@ def begun(*words: str) -> "subprocess.Popen[str]":
 
 
 def waited(done, child: "subprocess.Popen[str]") -> None:
-    while not done() and child.poll() is None:
-        time.sleep(0.01)
+    wait_for("a checkpoint, or the end of the run", lambda: done() or child.poll() is not None)
 
 
 def killed(child: "subprocess.Popen[str]", folder: Path, progress: int, chance: Random) -> bool:

@@ -323,6 +323,7 @@ def last_row(path: Path) -> float:
     return float(path.read_text().rsplit("\n", 1)[0].rsplit("\n", 1)[-1].split(",")[0])
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("kills, text", [(3, LONG), pytest.param(50, TANK, marks=pytest.mark.slow)])
 def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_not(kills, text, tmp_path):
     """Without a word of warning, at random moments; no more than one interval is lost each time. 50 take minutes;

@@ -138,6 +138,7 @@ def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
     assert "libegl1" in render.probe()
 
 
+@pytest.mark.anchor
 def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     folder, forgotten = kept(), []
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")

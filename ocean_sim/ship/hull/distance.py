@@ -67,7 +67,7 @@ def distance_lattice(
         share = fftconvolve(solid, kernel / kernel.sum(), mode="same")
         return {"distance": distance, "share": share}
 
-    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTHING_CUBES} {support}".encode()
+    content = shape.content() + f"{size.tolist()} {margin.tolist()} {support}".encode()
     return cached_arrays("distances", content, made), lower + (0.5 - margin) * size, size
 
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.platform.shared.datagrams import Receiver, Sender, preset_geometry, read_key
-from ocean_sim.platform.shared.limits import COMMAND_INTERVAL
+from ocean_sim.platform.shared.datagrams import COMMAND_INTERVAL, Receiver, Sender, preset_geometry, read_key
 from ocean_sim.platform.shared.packets import POSE_STRUCT, Packet, pack, parse_report, sign, stop_packet, unpack
 from tests.platform.conftest import Receiving
 
@@ -53,7 +52,7 @@ class Watched:
         for seq in packets:
             self.receiver.accept_datagram(swinging(seq), source, 0.01 * seq)
             self.advance(0.01 * seq)
-        for moment in np.arange(self.receiver.drive.now, now, 0.5):
+        for moment in np.arange(self.receiver.commanded, now, 0.5):
             self.advance(moment)
         self.advance(now)
 

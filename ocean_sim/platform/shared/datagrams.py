@@ -19,7 +19,7 @@ import numpy as np
 from ocean_sim.files import input_file
 from ocean_sim.parts import preset
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smooth_step
-from ocean_sim.platform.shared.limits import COMMAND_INTERVAL, Drive, Judge
+from ocean_sim.platform.shared.limits import Judge, Legs
 from ocean_sim.platform.shared.packets import (
     LegReport,
     Packet,
@@ -36,6 +36,8 @@ from ocean_sim.platform.shared.packets import (
 
 MIN_KEY_BYTES, MAX_KEY_BYTES = 16, 4096  # bytes
 LOOPBACK_HOST = "127.0.0.1"
+COMMAND_INTERVAL = 0.01  # [s] between two commands to the legs
+CLOCK_RESTART_GAP = 1.0  # [s] without a call, after which the clock of the legs starts again
 BRAKE_TIME = 0.15  # [s] in which a platform that is stopped loses its speed
 USAGE = """usage: python -m ocean_sim.platform.shared.datagrams [udp://127.0.0.1:5005] [KEYFILE]
        python -m ocean_sim.platform.shared.datagrams stop udp://127.0.0.1:5005 [KEYFILE]
@@ -243,8 +245,10 @@ class Receiver(SmoothPose):
         self, geometry: Geometry, key: bytes = b"", hold: float = 0.1, ramp: float = 3.0, home: float = 2.0
     ) -> None:
         super().__init__(hold, ramp, home)
-        hexapod = Hexapod(geometry)
-        self.judge, self.drive = Judge(geometry, hexapod, hold), Drive(geometry, hexapod)
+        self.hexapod = Hexapod(geometry)
+        self.judge = Judge(geometry, self.hexapod, hold)
+        self.legs = Legs(geometry, COMMAND_INTERVAL, self.hexapod.neutral_legs)
+        self.commanded = -np.inf  # [s] time of the last command to the legs
         self.key, self.began = key, 0  # when the stream began [ns], by its signature
         self.source: object = None
         self.foreign = self.implausible = 0
@@ -279,13 +283,22 @@ class Receiver(SmoothPose):
         return packet
 
     def advance(self, now: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of the legs in the rows that are due until `now` [s]."""
-        return self.drive.advance(self.pose, now)
+        """Command the legs until `now` [s]: their lengths (n, 6) [m] and speeds (n, 6) [m/s] after each command."""
+        if now - self.commanded > CLOCK_RESTART_GAP:
+            self.commanded = now - COMMAND_INTERVAL
+        count = int((now - self.commanded) / COMMAND_INTERVAL + 1e-6)
+        if count == 0:
+            return np.zeros((0, 6)), np.zeros((0, 6))
+        times = self.commanded + COMMAND_INTERVAL * np.arange(1, count + 1)
+        wanted = self.hexapod.legs(np.array([self.pose(time) for time in times]))
+        lengths, speeds, _ = self.legs.follow(np.clip(wanted, self.hexapod.low, self.hexapod.high))
+        self.commanded = float(times[-1])
+        return lengths, speeds
 
     def report(self) -> bytes:
         """Packet that tells the sender the lengths of the legs and the last packet that was accepted."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
-        return pack_report(LegReport(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
+        return pack_report(LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 
 
 def preset_geometry(name: str) -> Geometry:

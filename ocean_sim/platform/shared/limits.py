@@ -1,7 +1,5 @@
 """Limits of a hexapod: poses are scaled back into the stroke, legs are held to their speed and acceleration. Between a
-network and a platform unreachable poses are refused, and the legs keep their limits under any commands."""
-
-from collections.abc import Callable
+network and a platform unreachable poses are refused."""
 
 import numpy as np
 
@@ -19,10 +17,8 @@ VELOCITY_BISECTIONS = 8
 TURN_MASK = np.repeat([0.0, 1.0], 3)
 USAGE_NORM = 32
 USAGE_TOLERANCE = 1e-10  # part of the stroke
-COMMAND_INTERVAL = 0.01  # [s] between two commands to the legs
 NUMBER_TOLERANCE = 1e-3  # [m] and [m/s] of a leg, lost in the number format of packets
 LEG_MARGIN = 1.02  # times the limits of the legs, beyond which a pose is refused
-CLOCK_RESTART_GAP = 1.0  # [s] without a call, after which the clock of the legs starts again
 
 
 def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np.ndarray:
@@ -321,24 +317,3 @@ class Judge:
                 self.interval = interval
         self.legs, self.velocity, self.time, self.came = legs, velocity, time, now
         return True
-
-
-class Drive:
-    """Six legs that follow a pose over time, row by row, and never exceed stroke, speed or acceleration."""
-
-    def __init__(self, geometry: Geometry, hexapod: Hexapod) -> None:
-        self.hexapod, self.legs = hexapod, Legs(geometry, COMMAND_INTERVAL, hexapod.neutral_legs)
-        self.now = -np.inf  # [s] of the last row
-
-    def advance(self, pose: Callable[[float], np.ndarray], now: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of the rows that are due until `now` [s]."""
-        if now - self.now > CLOCK_RESTART_GAP:
-            self.now = now - COMMAND_INTERVAL
-        count = int((now - self.now) / COMMAND_INTERVAL + 1e-6)
-        if count == 0:
-            return np.zeros((0, 6)), np.zeros((0, 6))
-        times = self.now + COMMAND_INTERVAL * np.arange(1, count + 1)
-        wanted = self.hexapod.legs(np.array([pose(time) for time in times]))
-        lengths, speeds, _ = self.legs.follow(np.clip(wanted, self.hexapod.low, self.hexapod.high))
-        self.now = float(times[-1])
-        return lengths, speeds

@@ -105,7 +105,7 @@ def test_a_stream_comes_from_one_source_until_the_platform_is_home():
     assert watched.receiver.accept_datagram(swinging(401), THERE, 4.0) is None and watched.receiver.foreign == 1
     assert watched.receiver.accept_datagram(swinging(401), THERE, 5.0) is None and watched.receiver.foreign == 2
     watched.until(6.5, ())
-    np.testing.assert_allclose(watched.last, watched.receiver.judge.hexapod.neutral_legs, atol=1e-9)
+    np.testing.assert_allclose(watched.last, watched.receiver.hexapod.neutral_legs, atol=1e-9)
     assert watched.receiver.accept_datagram(swinging(0), THERE, 6.5) is not None
 
 
@@ -117,7 +117,7 @@ def test_in_silence_it_brakes_then_goes_home_and_returns_within_its_limits():
     np.testing.assert_array_equal(watched.receiver.pose(4.1), held)
     assert np.abs(held).max() > 0.05 and np.abs(watched.speeds[-1]).max() < 1e-9
     watched.until(6.6, ())
-    np.testing.assert_allclose(watched.last, watched.receiver.judge.hexapod.neutral_legs, atol=1e-9)
+    np.testing.assert_allclose(watched.last, watched.receiver.hexapod.neutral_legs, atol=1e-9)
     for seq in range(700, 1200):
         watched.receiver.accept_datagram(swinging(seq), HERE, 0.01 * seq)
         watched.advance(0.01 * seq)

@@ -101,7 +101,7 @@ def test_still_pressure_under_the_mean_and_the_wave_at_the_bed(sea):
 def test_a_sea_has_no_particles_and_no_account_and_takes_a_hundred_steps_a_wave(sea):
     fluid = sea(FLUME, height=0.05, period=1.5)
     assert fluid.particles is None and fluid.impulse == {} and fluid.work == {} and fluid.internal_energy() == 0.0
-    assert Courant().build().next(fluid) == pytest.approx(0.015)
+    assert Courant().build().next(fluid.limits()) == pytest.approx(0.015)
     assert fluid.status.max_speed == pytest.approx(0.025 * GRAVITY / 1.884, rel=1e-3)  # a g k / omega = a g / c
     rows = Config(height=0.05, period=1.5).ledger(Preflight({}, BasinConfig(**FLUME).build(), 8, 1.0))
     assert "no particles" in rows[0].why

@@ -103,9 +103,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
-            sea = train.train(
-                waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
-            )
+            sea = train.sea(basin)
             wanted = snapped(sea, tile).wavevector[0]
             if np.linalg.norm(wanted - sea.wavevector[0]) > MAX_FIT_CHANGE * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]

@@ -347,14 +347,6 @@ def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> 
     return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
 
 
-def pressure(sea: Components, points: np.ndarray, time: float, density: float) -> np.ndarray:
-    """(m,) pressure [Pa] of the stretched column at points (m, 3): hydrostatic and that of the waves; 0 above."""
-    eta = elevation(sea, points, time)
-    below = np.stack([points[:, 0], stretched_height(sea, points, eta), points[:, 2]], axis=1)
-    head = pressure_head(sea, below, time) - points[:, 1]
-    return np.where(points[:, 1] < eta, density * sea.gravity * head, 0.0)
-
-
 def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
     """Unit vector of a heading along x and z: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)

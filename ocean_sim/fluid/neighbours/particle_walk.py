@@ -131,15 +131,10 @@ class WideAccounts(Accounts):
                 for k in ti.static(range(WORK_COLUMN + 1)):
                     self.blocks.given[b, term, k] = four[k]
 
-    def total_impulse(self) -> dict[str, np.ndarray]:
+    def totals(self) -> dict[str, np.ndarray]:
         if self.impulses:
             self.add_up_impulses()
-        return self.blocks.total_impulse()
-
-    def total_work(self) -> dict[str, float]:
-        if self.impulses:
-            self.add_up_impulses()
-        return self.blocks.total_work()
+        return self.blocks.totals()
 
 
 @in_kernels

@@ -146,7 +146,7 @@ class Config(SphConfig):
         numbers = 27 + self.is_enclosed(basin)
         if preflight.sums_impulses:
             numbers += 3 * len(impulse_terms(absent_terms(basin)))
-        kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
+        kept = sizes.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*scheme_ledger(preflight, sizes, numbers, what), pairs]
 

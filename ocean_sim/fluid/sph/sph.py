@@ -135,7 +135,7 @@ class SphConfig(WaterConfig):
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
         """Report more neighbours, or cells, than 32 bits can count."""
-        grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
+        grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -88,34 +88,14 @@ class Frames(Observer):
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
-        open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
-        self.white = foam.FoamField(self.shape, self.cell) if open_air else None
+        arrays = grid_arrays(simulation, x, z)
+        self.white = foam.FoamField(self.shape, self.cell) if arrays["has_surface"] else None
         self.wind_speed = simulation.scene.wind.strongest
         self.before = np.zeros(2)  # origin of the frame before [m]
-        self.ships: list[Ship] = []
-        self.sizes: list[np.ndarray] = []  # breadth and length of their hulls [m]
-        hulls: dict[str, object] = {}
-        for name, ship in simulation.ships.items():
-            drawn = ship.drawn()
-            if drawn is not None:
-                self.ships.append(ship)
-                self.sizes.append(np.ptp(drawn[0], axis=0)[[0, 2]])
-                key = key_of(name)
-                hulls |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
-        self.write(
-            "grid",
-            x=x,
-            z=z,
-            lower=np.array(basin.lower),
-            upper=np.array(basin.upper),
-            depth=basin.depth,
-            spacing=fluid.spacing,
-            every=config.every,
-            obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
-            **hulls,
-            **wave_arrays(fluid),
-            has_surface=open_air,
-        )
+        self.ships = [ship for name, ship in simulation.ships.items() if f"{key_of(name)}_vertices" in arrays]
+        hulls = [arrays[f"{key_of(ship.name)}_vertices"] for ship in self.ships]
+        self.sizes = [np.ptp(vertices, axis=0)[[0, 2]] for vertices in hulls]  # breadth and length [m]
+        self.write("grid", every=config.every, **arrays)
 
     def observe(self, simulation: Simulation) -> None:
         if not self.multiples.reached(simulation.time):
@@ -249,6 +229,26 @@ class Frames(Observer):
         np.savez(file, **arrays)  # type: ignore[arg-type]
         with atomic_write(self.folder / f"{name}.npz") as draft:
             draft.write_bytes(file.getbuffer())
+
+
+def grid_arrays(simulation: Simulation, x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
+    """Arrays that a run keeps once, with places x and z of its heights [m]: basin, plane waves, and hulls of ships."""
+    basin, fluid = simulation.basin, simulation.fluid
+    arrays: dict[str, Any] = {
+        "x": x,
+        "z": z,
+        "lower": np.array(basin.lower),
+        "upper": np.array(basin.upper),
+        "depth": basin.depth,
+        "spacing": fluid.spacing,
+        "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
+    }
+    for name, ship in simulation.ships.items():
+        key, drawn = key_of(name), ship.drawn()
+        if drawn is not None:
+            arrays |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
+    open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
+    return arrays | wave_arrays(fluid) | {"has_surface": open_air}
 
 
 def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.pictures.frame_files import ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
 from ocean_sim.pictures.ships.ship_hull import Hull
 from ocean_sim.pictures.ships.ship_model import build_model
@@ -45,24 +46,39 @@ class Vessel(NamedTuple):
     submerged: float  # share of her volume at rest
     helm: np.ndarray  # (3,) [m], or empty
 
+    @classmethod
+    def of_grid(cls, grid: Mapping[str, Any], key: str) -> "Vessel":
+        """Ship that frames keep under a key."""
+        vertices, triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
+        look, submerged = str(grid[f"{key}_look"]), float(grid[f"{key}_submerged"])
+        return cls(key.partition(".")[2] or key, vertices, triangles, look, submerged, grid[f"{key}_helm"])
 
-class Setting(NamedTuple):
+
+class Setting:
     """Water, basin and ships of a simulation or a replay, before the first moment."""
 
-    title: str
-    scene: Mapping[str, Any]  # resolved
-    lower: np.ndarray  # (3,) [m]
-    upper: np.ndarray  # (3,) [m]
-    x: np.ndarray  # (nx,) of the heights, from their origin [m]
-    z: np.ndarray  # (nz,) [m]
-    spacing: float  # [m]
-    surface: bool  # True: there are heights to show
-    obstacles: np.ndarray  # (k, 2, 3) [m]
-    waves: Components | None  # of water in closed form
-    vessels: Sequence[Vessel]
-    gauges: Mapping[str, Sequence[float]]  # x, z [m] by name
-    particles: int
-    scalars: Sequence[Mapping[str, str]]  # name, label, unit and group of each
+    def __init__(
+        self,
+        grid: Mapping[str, Any],
+        scene: Mapping[str, Any],
+        title: str,
+        waves: Components | None,
+        surface: bool,
+        particles: int,
+    ) -> None:
+        """`grid`: arrays that frames keep once; `scene`: resolved; `waves`: of water in closed form; `surface`: True if
+        there are heights to show; `particles`: number of those that are shown."""
+        self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
+        names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
+        self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
+        self.spacing = float(grid["spacing"])  # [m]
+        self.obstacles = np.asarray(grid["obstacles"], dtype=float).reshape(-1, 2, 3)  # [m]
+        self.ship_keys = [key for key in ship_keys(grid, "_vertices") if f"{key}_look" in grid]
+        self.vessels = [Vessel.of_grid(grid, key) for key in self.ship_keys]
+        named = (scene.get("gauges") or {}).get("elevation") or {}
+        places = {name: (float(at[0]), float(at[1]) if len(at) > 1 else 0.0) for name, at in named.items()}
+        self.gauges = places or {"middle": (0.0, 0.0)}  # x, z [m] by name
+        self.scalars: Sequence[Mapping[str, str]] = ()  # name, label, unit and group of each plotted number
 
     @property
     def flat(self) -> bool:

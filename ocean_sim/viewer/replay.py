@@ -1,6 +1,7 @@
 """Replay of a finished run: its static part and all of its frames in two packets, and a page that holds them."""
 
 import zlib
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -57,21 +58,22 @@ class Recorded:
 
     def still(self) -> bytes:
         """The packet `still` of this run."""
-        setting = self.setting()
-        setting.scalars = self.plotted_numbers(np.zeros(1))[0]
-        return setting.packet()
+        return self.setting.packet()
 
+    @cached_property
     def setting(self) -> Setting:
-        """Static part of the replay, but for the plotted numbers."""
+        """Static part of the replay."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
         particles = 0 if first.position is None else len(first.position)
-        return Setting(grid, self.scene, self.title, exact_waves(grid), surface, particles)
+        setting = Setting(grid, self.scene, self.title, exact_waves(grid), surface, particles)
+        setting.scalars = self.plotted_numbers(np.zeros(1))[0]
+        return setting
 
     def stream(self) -> bytes:
         """All moments: the packet `replay`, deflated."""
-        setting, (i, j) = self.setting(), self.strides
+        setting, (i, j) = self.setting, self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
         every = 1

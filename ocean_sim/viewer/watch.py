@@ -44,7 +44,7 @@ class Watch(Observer, TakesMotion):
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, MIN_TOP_SPEED
         self.setting = setting_of(simulation)
-        lengths = [float(np.ptp(vessel.vertices, axis=0).max()) for vessel in self.setting.vessels]
+        lengths = [float(np.ptp(model.hull.vertices, axis=0).max()) for model in self.setting.models.values()]
         self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
@@ -126,8 +126,8 @@ class Watch(Observer, TakesMotion):
                 arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
         else:
             heights = np.zeros(1)
-        if self.setting.vessels:
-            bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
+        if self.setting.models:
+            bodies = [simulation.ships[name].body for name in self.setting.models]
             arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
         if simulation.fluid.particles is not None:
             arrays |= self.particle_arrays(simulation.fluid.particles)

@@ -246,7 +246,9 @@ def test_a_record_that_cannot_be_written_ends_and_the_scene_begins_again(lake):
     lake.speed = 0.0
     for _ in range(10):
         lake.advance(0.05)
-    assert lake.claim is None and "the record ends" in lake.server.last("said")["text"] and lake.server.last("said")["bad"]
+    assert (
+        lake.claim is None and "the record ends" in lake.server.last("said")["text"] and lake.server.last("said")["bad"]
+    )
     lake.step()
     assert lake.simulation.steps == 1
 

@@ -156,10 +156,7 @@ class Setting:
         else:
             rows = synthetic_waves(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
-        uniforms = water_glsl.neutral_uniforms(len(self.models)) | water_glsl.term_uniforms(
-            water_shading.ShadingTerms()
-        )
-        uniforms |= {
+        uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
             "rippleVariance": water_shading.slope_variance(wind.speed),

@@ -1,7 +1,7 @@
 """Frames for pictures and exports: particles, height and surface of the water, and poses of ships, one file a frame.
 The names of a ship's arrays begin with the key of the ship."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -213,10 +213,7 @@ class Frames(Observer):
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m]: on a sea that answers to ships, whole cells near their middle,
         since they may sail away; else, and in 2-D, the middle of the basin."""
-        if not (self.ships and self.cell.all()):
-            return np.zeros(2)
-        middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
-        return self.cell * np.round(middle / self.cell)
+        return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
         """Delete frames later than the state from which the run continues."""
@@ -229,6 +226,12 @@ class Frames(Observer):
         np.savez(file, **arrays)  # type: ignore[arg-type]
         with atomic_write(self.folder / f"{name}.npz") as draft:
             draft.write_bytes(file.getbuffer())
+
+
+def middle_cell(ships: Collection[Ship], cell: np.ndarray) -> np.ndarray:
+    """(2,) x and z of the middle between ships [m], in whole cells (2,) [m]."""
+    middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
+    return cell * np.round(middle / cell)
 
 
 def grid_arrays(simulation: Simulation, x: np.ndarray, z: np.ndarray) -> dict[str, Any]:

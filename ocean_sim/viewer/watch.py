@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
-from ocean_sim.observers.frames import grid_arrays
+from ocean_sim.observers.frames import grid_arrays, middle_cell
 from ocean_sim.observers.shared.csv_rows import TakesMotion
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
@@ -159,9 +159,7 @@ class Watch(Observer, TakesMotion):
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
-        cell = np.array([self.setting.x[1] - self.setting.x[0], self.setting.z[1] - self.setting.z[0]])
-        middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
-        return cell * np.round(middle / cell)
+        return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
         """Positions in the box and speeds, in the order of ids, since storage order changes."""

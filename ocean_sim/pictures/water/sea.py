@@ -201,7 +201,7 @@ class Sea(Content):
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
-        traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
+        traits = np.stack([white, self.crest(now.height), np.zeros_like(white)], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 

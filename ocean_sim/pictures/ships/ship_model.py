@@ -111,7 +111,8 @@ def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> 
         block = Block(*(origin + scale * (outline + [aside, 0.0, 0.0]) for outline in outlines))
         mesh = block.mesh(PAINTS[cabin["walls"]], PAINTS[cabin["lid"]])
         parts.append(mirrored_pair(mesh) if aside else mesh)
-        parts += [block.panes(*window, colour=PAINTS["glass"]) for window in cabin.get("windows", [])]
+        for wall, count, low, high, post in cabin.get("windows", []):
+            parts.append(block.panes(wall, count, low, high, post, PAINTS["glass"]))
     for pole in style["poles"]:
         start, end = (origin + scale * np.array(pole[name]) for name in ("start", "end"))
         thick, thin = (unit * radius for radius in pole["radii"])

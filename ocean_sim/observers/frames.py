@@ -1,11 +1,11 @@
 """Frames for pictures and exports: particles, height and surface of the water, and poses of ships, one file a frame.
 The names of a ship's arrays begin with the key of the ship."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,14 +13,13 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.atomic_file import atomic_write
-from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
+from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.waterline import ship_coordinates
-from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
@@ -228,43 +227,6 @@ class Frames(Observer):
             draft.write_bytes(file.getbuffer())
 
 
-def middle_cell(ships: Collection[Ship], cell: np.ndarray) -> np.ndarray:
-    """(2,) x and z of the middle between ships [m], in whole cells (2,) [m]."""
-    middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
-    return cell * np.round(middle / cell)
-
-
-def grid_arrays(simulation: Simulation, x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run keeps once, with places x and z of its heights [m]: basin, plane waves, and hulls of ships."""
-    basin, fluid = simulation.basin, simulation.fluid
-    arrays: dict[str, Any] = {
-        "x": x,
-        "z": z,
-        "lower": np.array(basin.lower),
-        "upper": np.array(basin.upper),
-        "depth": basin.depth,
-        "spacing": fluid.spacing,
-        "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
-    }
-    for name, ship in simulation.ships.items():
-        key, drawn = key_of(name), ship.drawn()
-        if drawn is not None:
-            arrays |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
-    open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
-    return arrays | wave_arrays(fluid) | {"has_surface": open_air}
-
-
-def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:
-    """Arrays of a ship for pictures, apart from her hull: look, helm from the centre of mass in body axes [m] (empty if
-    none is named), and share of her volume under water at rest."""
-    scene, key = simulation.scene, key_of(ship.name)
-    look = scene.ships[ship.name].look(scene.preflight)
-    if look is None:
-        return {}
-    helm = ship.points.get("helm", np.zeros(0))
-    return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
-
-
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
     """A surface between periodic sides, each triangle moved by periods to be nearest to an origin x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
@@ -305,20 +267,6 @@ def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)
-
-
-def wave_arrays(fluid: Fluid) -> dict[str, np.ndarray]:
-    """Arrays of the waves of water in closed form, for pictures beyond the basin."""
-    sea = fluid.plane_waves
-    if sea is None:
-        return {}
-    exact = {
-        "sea_amplitude": sea.amplitude,
-        "sea_wavevector": sea.wavevector,
-        "sea_phase": sea.phase,
-        "sea_ramp": np.array(sea.ramp),
-    }
-    return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})
 
 
 def single_precision(array: np.ndarray) -> np.ndarray:

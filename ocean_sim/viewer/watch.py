@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
-from ocean_sim.observers.frames import grid_arrays, middle_cell
 from ocean_sim.observers.shared.csv_rows import TakesMotion
+from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of

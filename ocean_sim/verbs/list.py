@@ -10,21 +10,17 @@ from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
+from ocean_sim.verbs.shared.options import Json, completion
 
 SECTION_NAMES = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
-
-
-def complete_section(begun: str) -> list[str]:
-    """Sections that begin so."""
-    return [name for name in SECTION_NAMES if name.startswith(begun)]
 
 
 def list_choices(
     slot: Annotated[
         str | None,
         typer.Argument(
-            help="scenes, observers, cases, figures, or a slot such as wind.", autocompletion=complete_section
+            help="scenes, observers, cases, figures, or a slot such as wind.",
+            autocompletion=completion(lambda: SECTION_NAMES),
         ),
     ] = None,
     as_json: Json = False,

@@ -20,14 +20,9 @@ from ocean_sim.validation import case_names, problems
 from ocean_sim.validation.shared.case import ROW_KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Sets
+from ocean_sim.verbs.shared.options import Json, Sets, completion
 
 TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
-
-
-def complete_case(begun: str) -> list[str]:
-    """Cases that begin so."""
-    return [name for name in case_names() if name.startswith(begun)]
 
 
 def validate(
@@ -35,7 +30,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
-            autocompletion=complete_case,
+            autocompletion=completion(case_names),
         ),
     ] = None,
     schemes: Annotated[

@@ -129,12 +129,11 @@ def test_a_run_is_timed_three_times_over():
     assert seen.costs() == [] and seen.cost()["wall_per_s"] is None
 
 
-def test_surfaces_are_run_coarse_and_fine_and_peers_are_marks():
+def test_surfaces_are_run_coarse_and_fine():
     of_surfaces = [point for point in study_points(quick=True) if point.trial.case == "surface_slab"]
     assert {(point.scheme, point.settings.get("resolution", 1.0)) for point in of_surfaces if not point.changed} == {
         (kind, factor) for kind in ("cloth", "marching_cubes") for factor in (1.0, 0.5)
     }
-    assert all(trial.peers for trial in TRIAL_CASES if trial.case in ("hydrostatic", "taylor_green"))
 
 
 def test_a_table_is_read_as_it_was_written(tmp_path):

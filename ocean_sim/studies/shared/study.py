@@ -1,13 +1,11 @@
 """Study: many runs, each of which gives lines of one table, kept as a CSV file."""
 
-import csv
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import runs
 
@@ -55,17 +53,11 @@ class Study:
         return [row for k in sorted(self.found) for row in self.found[k]]
 
 
-def table_columns(rows: list[dict[str, Any]]) -> list[str]:
-    """Every key of the rows, in the order in which they first stand."""
-    return list(dict.fromkeys(key for row in rows for key in row))
-
-
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write all rows atomically; what is absent is empty, what is neither a number nor a word is JSON."""
-    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, table_columns(rows), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({key: cell_text(value) for key, value in row.items()} for row in rows)
+    """Write all rows, with their keys as columns in the order in which they first stand; what is absent is empty, what
+    is neither a number nor a word is JSON."""
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    csv_file.write_table(path, columns, ([cell_text(row.get(name)) for name in columns] for row in rows))
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:

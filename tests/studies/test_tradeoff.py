@@ -15,7 +15,6 @@ from ocean_sim.studies import reads_key, tradeoff
 from ocean_sim.studies.scene_tradeoff import (
     SEED_COUNTS,
     Budget,
-    Repeat,
     best_setting,
     clocks_differ,
     errors_against,
@@ -240,7 +239,6 @@ def test_a_setting_has_its_seeds_a_gauge_and_a_line_to_paste():
     assert plan[0].line() == "--set fluid.height=0.2 --set runtime.precision=f32"
     assert [scene.seed for scene in plan[0].scenes] == [0, 1, 2]
     assert "gauges" in plan[0].scenes[0].observers
-    assert runs.run_address(Repeat(plan[0], 0).order()) != runs.run_address(Repeat(plan[0], 0, again=True).order())
 
 
 def test_a_line_can_be_pasted_whatever_the_values():

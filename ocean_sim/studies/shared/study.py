@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -20,23 +21,17 @@ class Point(Protocol):
         """Lines of the table; `run`: the folder of the run, which may hold nothing."""
 
 
+@dataclass
 class Study:
     """Points, and the rows of those that have been run; each point has a folder below `folder`."""
 
-    def __init__(
-        self,
-        points: Sequence[Point],
-        folder: Path,
-        workers: int,
-        table: Path | None = None,
-        scheduler: str | None = None,
-        limit: float | None = None,
-    ) -> None:
-        """`table`: a file that is whole after every run; `scheduler`: a Dask cluster elsewhere; `limit`: wall time
-        [s] after which a run is ended."""
-        self.points, self.folder, self.workers, self.table = points, folder, workers, table
-        self.scheduler, self.limit = scheduler, limit
-        self.found: dict[int, list[dict[str, Any]]] = {}
+    points: Sequence[Point]
+    folder: Path
+    workers: int
+    table: Path | None = None  # a file that is whole after every run
+    scheduler: str | None = None  # address of a Dask cluster elsewhere
+    limit: float | None = None  # wall time [s] after which a run is ended
+    found: dict[int, list[dict[str, Any]]] = field(default_factory=dict)  # rows by number of the point
 
     def run(self) -> Iterator[int]:
         """Run all points that have no answer yet; yields the number of those that are done, after each."""

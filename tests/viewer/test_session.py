@@ -92,7 +92,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
                 desk = Desk()
                 watch = Watch(simulation, desk)
                 simulation.observers.append(watch)
-                watch.observe = lambda simulation, watch=watch: watch.show(0.0)  # after every step
+                watch.observe = lambda simulation, watch=watch: watch.show(perf_counter())  # after every step
             simulation.run(0.12)
             particles, body = simulation.fluid.particles, simulation.ships["ship"].body
             found.append(
@@ -104,7 +104,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
 
 def test_a_frame_says_where_everything_is(session):
     simulation, desk = session.simulation, session.desk
-    session.watch.show(0.0)
+    session.watch.show(perf_counter())
     head, arrays = page_packets.unpack(desk.frames[-1])
     assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
     heights = simulation.surface.elevations(session.watch.points)

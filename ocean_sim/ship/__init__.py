@@ -1,5 +1,6 @@
 """Ships: every module of this folder is a kind that a scene may name."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -111,16 +112,10 @@ class Outline(NamedTuple):
 
 
 class Ship(Protocol):
-    """A floating body; `ship.body.vessel.Vessel` is the base class that has all of this."""
+    """A floating body; `ship.body.vessel.Vessel`, the base class of all kinds, derives from it."""
 
-    @property
-    def name(self) -> str:
-        """Its name in the scene."""
-
-    @property
-    def parts(self) -> tuple[str, ...]:
-        """Names of the parts of its load: PARTS first, then those of the kind; columns of motion.csv."""
-
+    name: str  # in the scene
+    parts: tuple[str, ...] = PARTS  # names of the parts of its load, then those of the kind; columns of motion.csv
     body: "RigidBody"
     points: dict[str, np.ndarray]  # named points, body axes from the centre of mass [m]
     last: Load  # what acted in the last step
@@ -134,6 +129,7 @@ class Ship(Protocol):
     def orders(self) -> tuple[float, float]:
         """Throttle and rudder [rad] as they are now."""
 
+    @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
         """(4.27), now."""
 
@@ -156,6 +152,7 @@ class Ship(Protocol):
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that it displaces, as in its last load; m is
         0 if its law of motion does not say."""
+        return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":
         """Upper bounds of the time step, by the fastest motion."""

@@ -83,20 +83,13 @@ class Wind(ABC):
     """
 
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
+    needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
+    needs_bend: bool  # True if `force` reads `bend`: the fluid then finds how its surface bends
 
     def __init__(self, config: WindKeys, clock: Clock | None = None) -> None:
         self.config, self.gain = config, 1.0
+        self.needs_area, self.needs_bend = config.needs_area, config.needs_bend
         self.clock = Clock() if clock is None else clock
-
-    @property
-    def needs_area(self) -> bool:
-        """True if `force` reads `area`: the fluid then finds the exposed area of its particles."""
-        return self.config.needs_area
-
-    @property
-    def needs_bend(self) -> bool:
-        """True if `force` reads `bend`: the fluid then finds how its surface bends."""
-        return self.config.needs_bend
 
     @property
     def since(self) -> float:

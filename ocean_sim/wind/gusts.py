@@ -254,7 +254,6 @@ class Gusts(Wind):
         self.n, self.shapes = len(self.volumes), max(len(v.shapes) for v in self.volumes)
         self.rows = np.zeros((self.n, row_size(self.volumes)))
         self.half = [0.0] * self.n  # half the thickness of the slabs [m]
-        self.outlines = [(np.zeros((0, 2, 3)), np.zeros((0, 3)))] * self.n  # lines and tails that show them [m]
         self.row = ti.field(float, shape=self.rows.shape)
         self.noise = Noise(seed, config.noise_every, DeviceRow(DRAWS.size))
         self.blown = [volume.blows(0.0) for volume in self.volumes]
@@ -280,8 +279,8 @@ class Gusts(Wind):
         """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
         drawings = []
         strongest = max(v.strongest for v in self.volumes)
-        for p, volume, (part, turn), outline in zip(self.passages, self.volumes, self.blown, self.outlines):
-            centre, (lines, tails) = p.centre + self.patch.origin, outline
+        for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
+            centre, (lines, tails) = p.centre + self.patch.origin, volume.outline(p.turn)
             pushes = any(volume.acceleration)
             push = volume.acceleration if pushes else np.multiply(volume.wind_speed, volume.ahead)
             arrow = self.gain * part * p.strength / (strongest or 1.0) * turned(push, p.turn + turn)
@@ -316,7 +315,6 @@ class Gusts(Wind):
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
-        self.outlines[g] = volume.outline(turn)
         self.rows[g, VOLUME.normal : VOLUME.half_thickness] = *normal, middle
         numbers: list[float] = []
         for shape, sign in volume.shapes:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.files.input_file import Unreadable
-from ocean_sim.platform.shared.datagrams import Receiver, Sender, preset_geometry, read_key
-from ocean_sim.platform.shared.limits import COMMAND_INTERVAL
+from ocean_sim.platform.shared.datagrams import COMMAND_INTERVAL, Receiver, Sender, preset_geometry, read_key
 from ocean_sim.platform.shared.packets import POSE_STRUCT, Packet, pack, parse_report, sign, stop_packet, unpack
 from tests.platform.conftest import Receiving
 
@@ -53,7 +52,7 @@ class Watched:
         for seq in packets:
             self.receiver.accept_datagram(swinging(seq), source, 0.01 * seq)
             self.advance(0.01 * seq)
-        for moment in np.arange(self.receiver.drive.now, now, 0.5):
+        for moment in np.arange(self.receiver.commanded, now, 0.5):
             self.advance(moment)
         self.advance(now)
 
@@ -106,7 +105,7 @@ def test_a_stream_comes_from_one_source_until_the_platform_is_home():
     assert watched.receiver.accept_datagram(swinging(401), THERE, 4.0) is None and watched.receiver.foreign == 1
     assert watched.receiver.accept_datagram(swinging(401), THERE, 5.0) is None and watched.receiver.foreign == 2
     watched.until(6.5, ())
-    np.testing.assert_allclose(watched.last, watched.receiver.judge.hexapod.neutral_legs, atol=1e-9)
+    np.testing.assert_allclose(watched.last, watched.receiver.hexapod.neutral_legs, atol=1e-9)
     assert watched.receiver.accept_datagram(swinging(0), THERE, 6.5) is not None
 
 
@@ -118,7 +117,7 @@ def test_in_silence_it_brakes_then_goes_home_and_returns_within_its_limits():
     np.testing.assert_array_equal(watched.receiver.pose(4.1), held)
     assert np.abs(held).max() > 0.05 and np.abs(watched.speeds[-1]).max() < 1e-9
     watched.until(6.6, ())
-    np.testing.assert_allclose(watched.last, watched.receiver.judge.hexapod.neutral_legs, atol=1e-9)
+    np.testing.assert_allclose(watched.last, watched.receiver.hexapod.neutral_legs, atol=1e-9)
     for seq in range(700, 1200):
         watched.receiver.accept_datagram(swinging(seq), HERE, 0.01 * seq)
         watched.advance(0.01 * seq)

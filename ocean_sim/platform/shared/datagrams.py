@@ -19,7 +19,7 @@ import numpy as np
 from ocean_sim.files import input_file
 from ocean_sim.parts import preset
 from ocean_sim.platform.shared.kinematics import Geometry, Hexapod, smooth_step
-from ocean_sim.platform.shared.limits import COMMAND_INTERVAL, Drive, Judge
+from ocean_sim.platform.shared.limits import Legs
 from ocean_sim.platform.shared.packets import (
     LegReport,
     Packet,
@@ -36,6 +36,11 @@ from ocean_sim.platform.shared.packets import (
 
 MIN_KEY_BYTES, MAX_KEY_BYTES = 16, 4096  # bytes
 LOOPBACK_HOST = "127.0.0.1"
+COMMAND_INTERVAL = 0.01  # [s] between two commands to the legs
+CLOCK_RESTART_GAP = 1.0  # [s] without a call, after which the clock of the legs starts again
+NUMBER_TOLERANCE = 1e-3  # [m] and [m/s] of a leg, lost in the number format of packets
+UNKNOWN_SPEEDS = np.full(6, np.nan)  # [m/s] of legs in a pose that is compared with no other
+LEG_MARGIN = 1.02  # times the limits of the legs, beyond which a pose is refused
 BRAKE_TIME = 0.15  # [s] in which a platform that is stopped loses its speed
 USAGE = """usage: python -m ocean_sim.platform.shared.datagrams [udp://127.0.0.1:5005] [KEYFILE]
        python -m ocean_sim.platform.shared.datagrams stop udp://127.0.0.1:5005 [KEYFILE]
@@ -243,8 +248,11 @@ class Receiver(SmoothPose):
         self, geometry: Geometry, key: bytes = b"", hold: float = 0.1, ramp: float = 3.0, home: float = 2.0
     ) -> None:
         super().__init__(hold, ramp, home)
-        hexapod = Hexapod(geometry)
-        self.judge, self.drive = Judge(geometry, hexapod, hold), Drive(geometry, hexapod)
+        self.hexapod = Hexapod(geometry)
+        self.speeds = UNKNOWN_SPEEDS  # (6,) of the legs, from the last pose but one to the last [m/s]
+        self.interval = 0.0  # [s] between these two
+        self.legs = Legs(geometry, COMMAND_INTERVAL, self.hexapod.neutral_legs)
+        self.commanded = -np.inf  # [s] time of the last command to the legs
         self.key, self.began = key, 0  # when the stream began [ns], by its signature
         self.source: object = None
         self.foreign = self.implausible = 0
@@ -271,21 +279,55 @@ class Receiver(SmoothPose):
         if self.key and (again or (began > self.began and not silent)):
             self.reordered += 1  # a signed stream goes on, or gives way to a later one; none is played again
             return None
-        if (silent or not old) and not self.judge.is_plausible(pose, packet.time, now, silent):
+        if (silent or not old) and not self.is_plausible(pose, packet.time, now, silent):
             self.implausible += 1
             return None
         self.source, self.began = source, began
         self.accept(packet._replace(pose=tuple(pose)), now)
         return packet
 
+    @np.errstate(all="ignore")
+    def is_plausible(self, pose: np.ndarray, time: float, now: float, silent: bool) -> bool:
+        """True for a pose (6,) of a time [s] that came at `now` [s] within the limits; after a silence, without
+        comparison with the one before."""
+        lengths, speeds = self.hexapod.legs(pose[None])[0], UNKNOWN_SPEEDS
+        low, high = self.hexapod.low - NUMBER_TOLERANCE, self.hexapod.high + NUMBER_TOLERANCE
+        if not ((lengths > low) & (lengths < high)).all():
+            return False
+        if self.last is not None and not silent:
+            interval, before = time - self.last.time, self.hexapod.legs(self.line[-1][1][None])[0]
+            if not 0.0 <= interval <= self.silent_time(now) + self.hold:
+                return False
+            moved = np.abs(lengths - before).max()
+            if moved > LEG_MARGIN * self.legs.speed * interval + NUMBER_TOLERANCE:
+                return False
+            if interval > 0.0:
+                speeds = (lengths - before) / interval
+                turned = np.abs(speeds - self.speeds).max() - NUMBER_TOLERANCE / interval
+                most = LEG_MARGIN * self.legs.acceleration * 0.5 * (interval + self.interval)
+                if turned > most + NUMBER_TOLERANCE:  # never where the last pose has no speed
+                    return False
+                self.interval = interval
+        self.speeds = speeds
+        return True
+
     def advance(self, now: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of the legs in the rows that are due until `now` [s]."""
-        return self.drive.advance(self.pose, now)
+        """Command the legs until `now` [s]: their lengths (n, 6) [m] and speeds (n, 6) [m/s] after each command."""
+        if now - self.commanded > CLOCK_RESTART_GAP:
+            self.commanded = now - COMMAND_INTERVAL
+        count = int((now - self.commanded) / COMMAND_INTERVAL + 1e-6)
+        if count == 0:
+            return np.zeros((0, 6)), np.zeros((0, 6))
+        times = self.commanded + COMMAND_INTERVAL * np.arange(1, count + 1)
+        wanted = self.hexapod.legs(np.array([self.pose(time) for time in times]))
+        lengths, speeds, _ = self.legs.follow(np.clip(wanted, self.hexapod.low, self.hexapod.high))
+        self.commanded = float(times[-1])
+        return lengths, speeds
 
     def report(self) -> bytes:
         """Packet that tells the sender the lengths of the legs and the last packet that was accepted."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
-        return pack_report(LegReport(seq, moment, tuple(self.drive.legs.length.tolist()), self.glide is not None))
+        return pack_report(LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 
 
 def preset_geometry(name: str) -> Geometry:

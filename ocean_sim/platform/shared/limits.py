@@ -1,7 +1,4 @@
-"""Limits of a hexapod: poses are scaled back into the stroke, legs are held to their speed and acceleration. Between a
-network and a platform unreachable poses are refused, and the legs keep their limits under any commands."""
-
-from collections.abc import Callable
+"""Limits of a hexapod: poses are scaled back into the stroke, legs are held to their speed and acceleration."""
 
 import numpy as np
 
@@ -19,10 +16,6 @@ VELOCITY_BISECTIONS = 8
 TURN_MASK = np.repeat([0.0, 1.0], 3)
 USAGE_NORM = 32
 USAGE_TOLERANCE = 1e-10  # part of the stroke
-COMMAND_INTERVAL = 0.01  # [s] between two commands to the legs
-NUMBER_TOLERANCE = 1e-3  # [m] and [m/s] of a leg, lost in the number format of packets
-LEG_MARGIN = 1.02  # times the limits of the legs, beyond which a pose is refused
-CLOCK_RESTART_GAP = 1.0  # [s] without a call, after which the clock of the legs starts again
 
 
 def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np.ndarray:
@@ -282,63 +275,3 @@ class Legs:
         )
         self.length, self.velocity = self.length + new * dt, new
         return held or LEG_ACCELERATION_LIMIT
-
-
-class Judge:
-    """Judge of the poses of a stream, one after the other, by the abilities of its platform."""
-
-    def __init__(self, geometry: Geometry, hexapod: Hexapod, hold: float) -> None:
-        """`hold`: how much later than sent a packet may come [s], compared with the one before."""
-        self.geometry, self.hexapod, self.hold = geometry, hexapod, hold
-        self.legs = hexapod.neutral_legs  # (6,) [m] of the last pose, and
-        self.velocity: np.ndarray | None = None  # (6,) [m/s]
-        self.time, self.came = 0.0, -np.inf  # of it, by its own clock and by ours [s]
-        self.interval = 0.0  # between it and the one before [s]
-
-    @np.errstate(all="ignore")
-    def is_plausible(self, pose: np.ndarray, time: float, now: float, anew: bool) -> bool:
-        """True for a pose (6,) of a time [s] that came at `now` [s] within the limits; `anew`: after a silence, without
-        comparison with the one before."""
-        legs, velocity, geometry = self.hexapod.legs(pose[None])[0], None, self.geometry
-        if not ((legs > self.hexapod.low - NUMBER_TOLERANCE) & (legs < self.hexapod.high + NUMBER_TOLERANCE)).all():
-            return False
-        interval = time - self.time
-        if not anew:
-            if not 0.0 <= interval <= now - self.came + self.hold:
-                return False
-            moved = np.abs(legs - self.legs).max()
-            if moved > LEG_MARGIN * geometry.leg_speed * interval + NUMBER_TOLERANCE:
-                return False
-            if interval > 0.0:
-                velocity = (legs - self.legs) / interval
-                if self.velocity is not None:
-                    turned = np.abs(velocity - self.velocity).max() - NUMBER_TOLERANCE / interval
-                    if (
-                        turned
-                        > LEG_MARGIN * geometry.leg_acceleration * 0.5 * (interval + self.interval) + NUMBER_TOLERANCE
-                    ):
-                        return False
-                self.interval = interval
-        self.legs, self.velocity, self.time, self.came = legs, velocity, time, now
-        return True
-
-
-class Drive:
-    """Six legs that follow a pose over time, row by row, and never exceed stroke, speed or acceleration."""
-
-    def __init__(self, geometry: Geometry, hexapod: Hexapod) -> None:
-        self.hexapod, self.legs = hexapod, Legs(geometry, COMMAND_INTERVAL, hexapod.neutral_legs)
-        self.now = -np.inf  # [s] of the last row
-
-    def advance(self, pose: Callable[[float], np.ndarray], now: float) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of the rows that are due until `now` [s]."""
-        if now - self.now > CLOCK_RESTART_GAP:
-            self.now = now - COMMAND_INTERVAL
-        count = int((now - self.now) / COMMAND_INTERVAL + 1e-6)
-        if count == 0:
-            return np.zeros((0, 6)), np.zeros((0, 6))
-        times = self.now + COMMAND_INTERVAL * np.arange(1, count + 1)
-        wanted = self.hexapod.legs(np.array([pose(time) for time in times]))
-        lengths, speeds, _ = self.legs.follow(np.clip(wanted, self.hexapod.low, self.hexapod.high))
-        self.now = float(times[-1])
-        return lengths, speeds

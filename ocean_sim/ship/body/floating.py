@@ -127,13 +127,17 @@ class FloatingConfig(VesselConfig):
     def outline(self, preflight: Preflight) -> Outline:
         still = self.hydrostatics_of(preflight)
         corners = convex_corners(self.whole_hull.shape) - still.matter.centre
-        return placed_outline(corners, self.body_at_start(still.matter, *afloat_pose(still)))
+        return placed_outline(corners, self.resting_body(still))
+
+    def resting_body(self, still: Hydrostatics) -> RigidBody:
+        """The body at the beginning; where no height or attitude is given, afloat at rest."""
+        return self.body_at_start(still.matter, *afloat_pose(still))
 
     def solid(self, preflight: Preflight) -> Solid | None:
         if self.contact is None or preflight.spacing is None:
             return None
         still = self.hydrostatics_of(preflight)
-        body = self.above_unsettled_water(self.body_at_start(still.matter, *afloat_pose(still)), preflight)
+        body = self.above_unsettled_water(self.resting_body(still), preflight)
         reach = max(SAG_RIM, preflight.fluid.support_asked or SAG_RIM) * preflight.spacing
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
@@ -159,25 +163,23 @@ class FloatingConfig(VesselConfig):
         large = self.oversize(basin) if preflight.fluid.made_of_particles else ""
         if large:
             return [(("hull",), large)]
+        still = self.hydrostatics_of(preflight)
         if solid is not None:
-            if (
-                lattice_memory(solid.shape, spacing / CUBES_A_SPACING, max(solid.reach, SAG_RIM * spacing), 8)[0]
-                > MAX_LATTICE_NODES
-            ):
+            reach = max(solid.reach, SAG_RIM * spacing)
+            if lattice_memory(solid.shape, spacing / CUBES_A_SPACING, reach, 8)[0] > MAX_LATTICE_NODES:
                 size = " x ".join(f"{x:.3g}" for x in np.ptp(solid.shape.bounds(), axis=0))
                 message = f"a hull of {size} m is too small for particles {spacing:g} m apart"
                 return [(("hull",), f"{message}; take a smaller fluid.spacing")]
-            for axis, _, depth in Sides(solid.shape, solid.centre, basin).penetrations(solid.body):
-                if depth.max() > 1e-6:
-                    side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
-                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
-        if not preflight.fluid.made_of_particles:
-            still = self.hydrostatics_of(preflight)
-            body = self.body_at_start(still.matter, *afloat_pose(still))
+            sides, body = Sides(solid.shape, solid.centre, basin), solid.body
+        elif not preflight.fluid.made_of_particles and not isinf(still.draught):
             sides = Sides(self.whole_hull.shape, still.matter.centre, basin, axes=(1,))
-            for _, _, depth in sides.penetrations(body):
-                if depth.max() > 1e-6 and not isinf(still.draught):
-                    found.append((("position",), f"the hull reaches {depth.max():.3g} m through the bed"))
+            body = self.resting_body(still)
+        else:
+            return []
+        for axis, _, depth in sides.penetrations(body):
+            if depth.max() > 1e-6:
+                side = "the bed" if axis == 1 else f"a wall across {'xyz'[axis]}"
+                found.append((("position",), f"the hull reaches {depth.max():.3g} m through {side}"))
         return found
 
     def unfollowable_orders(self) -> Problems:
@@ -287,10 +289,11 @@ class FloatingConfig(VesselConfig):
             + self.missing_water(preflight)
             + self.start_height_warnings(hull, preflight)
         )
-        orders = [(1.0, 0.0)] if isinstance(self.controls, Autopilot) else Crew(self.controls).orders
-        for order, lacks, moved in zip(("throttle", "rudder"), ("propeller", "rudder"), np.abs(orders).max(axis=0)):
-            if moved and getattr(self, lacks) is None:
-                found.append(f"controls: the {order} that they ask for has no effect: she has no {lacks}")
+        crew = Crew(self.controls)
+        if self.propeller is None and (isinstance(self.controls, Autopilot) or crew.throttle.any()):
+            found.append("controls: the throttle that they ask for has no effect: she has no propeller")
+        if self.rudder is None and crew.rudder.any():
+            found.append("controls: the rudder that they ask for has no effect: she has no rudder")
         if (
             self.helm is not None
             and self.propeller is not None

@@ -16,7 +16,7 @@ from ocean_sim.fluid import Contact, Fluid, Limits
 from ocean_sim.parts import called
 from ocean_sim.ship import Load
 from ocean_sim.ship.body import small_linalg
-from ocean_sim.ship.body.floating import FloatingConfig, afloat_pose
+from ocean_sim.ship.body.floating import FloatingConfig
 from ocean_sim.ship.body.rigid_body import RigidBody, to_world
 from ocean_sim.ship.body.vessel import Actuators, Vessel
 from ocean_sim.ship.forces.added_mass import Slamming
@@ -71,7 +71,7 @@ class FloatingShip(Vessel):
             if contact is not None and particles is not None:
                 hollow = (contact.hull.distance, contact.rim, particles.contacts)
             self.water = SurroundingWater(length, width, height, *hollow)
-        body = self.carried_along(config.settled_body(config.body_at_start(matter, *afloat_pose(still)), fluid), fluid)
+        body = self.carried_along(config.settled_body(config.resting_body(still), fluid), fluid)
         self.first_body = body  # at the beginning
         if contact is not None and particles is not None:
             contact.hull.water = self.water

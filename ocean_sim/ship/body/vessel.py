@@ -1,7 +1,6 @@
 """Base of every kind of ship: its keys, its propeller and rudder with the crew that orders them, and its motion step by
 step."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -16,7 +15,7 @@ from ocean_sim.conventions import Diverged, Motions
 from ocean_sim.fluid import Fluid, Limits
 from ocean_sim.model import Vector2, Vector3, quantity
 from ocean_sim.parts import Preflight, Problems, ShipConfig, called
-from ocean_sim.ship import PARTS, Load, Outline
+from ocean_sim.ship import Load, Outline, Ship
 from ocean_sim.ship.body import small_linalg
 from ocean_sim.ship.body.rigid_body import (
     RigidBody,
@@ -34,8 +33,6 @@ from ocean_sim.ship.hull.shapes import HullShape, convex_corners, drawn_mesh
 from ocean_sim.ship.naval.hydrostatics import Matter
 from ocean_sim.ship.water.wall_contact import Sides
 from ocean_sim.ship.water.wave_contact import WaveContact
-from ocean_sim.surface import Surface
-from ocean_sim.wind import Wind
 
 SPEED_ROUNDING = 1e-9  # [m/s], [rad/s] of rounding
 MAX_SPEED = 1.0e3  # [m/s] no ship moves like this
@@ -178,12 +175,11 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
     return Outline(plan[ConvexHull(plan).vertices], float(at[:, 1].min()), float(at[:, 1].max()))
 
 
-class Vessel(ABC):
+class Vessel(Ship):
     """A ship under way: body, actuators, last load, and its named points. A kind gives `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
-    parts: tuple[str, ...] = PARTS
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
         """`bed`: its height [m]; contact with a bed of another shape is not modelled."""
@@ -249,13 +245,6 @@ class Vessel(ABC):
         if of is not body:
             return body
         return replace(body, velocity=body.velocity + faster, angular_momentum=body.angular_momentum + more)
-
-    @abstractmethod
-    def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """(4.27), now."""
-
-    def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> Limits:
         return Limits()

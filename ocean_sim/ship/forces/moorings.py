@@ -66,8 +66,3 @@ class Moorings:
                 force = self.pulls[k] * held * along
                 total += [force, cross(body.matrix @ self.arm[k], force)]
         return total
-
-    def stored_energy(self, body: RigidBody) -> float:
-        """Elastic energy [J]."""
-        stretched = self.pulls * (np.linalg.norm(self.line_spans(body), axis=1) - self.slack)
-        return 0.5 * float((self.stiffness * np.maximum(stretched, 0.0) ** 2).sum())

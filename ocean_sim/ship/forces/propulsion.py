@@ -7,7 +7,6 @@ of the leg less atan((e + s) / D), with e the distance from the leg and s the in
 rudder is K (error + integral of it / T_i - T_d times the yaw rate), the throttle a PI of the speed ahead.
 """
 
-from bisect import bisect_right
 from itertools import groupby, pairwise
 from math import atan, atan2, cos, hypot, pi, radians, remainder, sin, sqrt
 from typing import Annotated, Self
@@ -204,7 +203,7 @@ class Helm(Model):
         """Warnings of orders that come after the end of a run of this duration [s]."""
         if self.helm is not None or isinstance(self.controls, Autopilot) or self.controls == []:
             return []
-        times = np.array(Crew(self.controls).time)
+        times = Crew(self.controls).time
         return csv_file.unreached_times_warning("controls", times, duration, "only its {} row holds")
 
     def crew(self) -> "Crew | Helmsman":
@@ -216,28 +215,16 @@ class Crew:
 
     def __init__(self, controls: Controls) -> None:
         self.course = controls.autopilot if isinstance(controls, Autopilot) else None
-        self.time, self.orders = [0.0], [(0.0, 0.0)]  # [s]; throttle and rudder [rad] at each
+        self.time, self.throttle, self.rudder = np.zeros((3, 1))  # (n,) each [s], [rad]
         if isinstance(controls, Track):
-            self.time, *orders = (column.tolist() for column in csv_file.Table(controls.file).series(*ORDER_COLUMNS))
-            self.orders = list(zip(*orders, strict=True))
+            self.time, self.throttle, self.rudder = csv_file.Table(controls.file).series(*ORDER_COLUMNS)
         elif isinstance(controls, list) and controls:
-            self.time = [row.time for row in controls]
-            self.orders = [(row.throttle, row.rudder) for row in controls]
-
-    def interpolated_orders(self, time: float) -> tuple[float, float]:
-        """Throttle and rudder [rad] at a time [s], on straight lines between the rows."""
-        later = bisect_right(self.time, time)
-        throttle, rudder = self.orders[max(later - 1, 0)]
-        if later in (0, len(self.time)):
-            return throttle, rudder
-        since, step = time - self.time[later - 1], self.time[later] - self.time[later - 1]
-        next_throttle, next_rudder = self.orders[later]
-        return throttle + (next_throttle - throttle) / step * since, rudder + (next_rudder - rudder) / step * since
+            self.time, self.throttle, self.rudder = np.array([[r.time, r.throttle, r.rudder] for r in controls]).T
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Ordered throttle and rudder [rad]."""
+        """Ordered throttle and rudder [rad]; those of a scene lie on straight lines between its rows."""
         if self.course is None:
-            return self.interpolated_orders(time)
+            return float(np.interp(time, self.time, self.throttle)), float(np.interp(time, self.time, self.rudder))
         error = remainder(radians(self.course.heading_deg) - body.angles[1], 2.0 * pi)
         rudder = self.course.gain * (error - self.course.rate_time * float(body.angular_velocity[1]))
         return self.course.throttle, rudder

@@ -14,23 +14,18 @@ MAX_LATTICE_NODES = 1e7  # around a hull far smaller than a spacing, whose cubes
 SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
-def lattice_side(shape: HullShape, side: float, reach: float) -> float:
-    """The side asked for [m], or that of a lattice of USUAL_CUBES, if larger."""
+def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """Side of the cubes [m], that asked for or, if larger, that of a lattice of USUAL_CUBES; their (3,) sides as they
+    fill the box around a hull [m]; and (3,) cubes that are added on each side of it."""
     lower, upper = shape.bounds()
-    return max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
-
-
-def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) sides of a cube [m], and (3,) cubes that are added on each side of a hull."""
-    lower, upper = shape.bounds()
-    side = lattice_side(shape, side, reach)
+    side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
-    return size, np.ceil(reach / size).astype(int) + 1
+    return side, size, np.ceil(reach / size).astype(int) + 1
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
     """Nodes of a lattice, and their memory [bytes]."""
-    size, margin = lattice_shape(shape, side, reach)
+    _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
     return n, 2 * word * n
@@ -43,8 +38,8 @@ def distance_lattice(
     position of the first node in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
     over the hull [m]."""
     lower, upper = shape.bounds()
-    size, margin = lattice_shape(shape, side, reach)
-    cubes = voxels(shape, lattice_side(shape, side, reach), 1.0)
+    side, size, margin = lattice_shape(shape, side, reach)
+    cubes = voxels(shape, side, 1.0)
 
     def made() -> dict[str, np.ndarray]:
         from scipy.ndimage import distance_transform_edt, gaussian_filter
@@ -67,7 +62,7 @@ def distance_lattice(
         share = fftconvolve(solid, kernel / kernel.sum(), mode="same")
         return {"distance": distance, "share": share}
 
-    content = shape.content() + f"{size.tolist()} {margin.tolist()} {SMOOTHING_CUBES} {support}".encode()
+    content = shape.content() + f"{size.tolist()} {margin.tolist()} {support}".encode()
     return cached_arrays("distances", content, made), lower + (0.5 - margin) * size, size
 
 

@@ -195,13 +195,8 @@ def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces
-    found = cached_arrays("drawn", drawn_content(shape), lambda: convex_triangles(shape))
+    found = cached_arrays("drawn", shape.content(), lambda: convex_triangles(shape))
     return found["vertices"], found["triangles"]
-
-
-def drawn_content(shape: HullShape) -> bytes:
-    """Bytes that the drawn shape depends on."""
-    return shape.content() + f" {DRAWN_STATIONS} {DRAWN_WATERLINES} {SIDE_HALVINGS}".encode()
 
 
 def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
@@ -244,4 +239,4 @@ def convex_corners(shape: HullShape) -> np.ndarray:
         vertices = drawn_mesh(shape)[0]
         return {"corners": vertices[ConvexHull(vertices).vertices]}
 
-    return cached_arrays("outlines", drawn_content(shape), made)["corners"]
+    return cached_arrays("outlines", shape.content(), made)["corners"]

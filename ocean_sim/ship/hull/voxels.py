@@ -92,7 +92,7 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
             f"a hull of {' x '.join(f'{x:.3g}' for x in upper - lower)} m in cubes of {side:.3g} m needs "
             f"{counts.prod():.3g} of them (at most {MAX_CUBES:g}); take fewer cells_per_draught"
         )
-    content = shape.content() + f"{counts.tolist()} {EDGE_SAMPLES} {SAMPLES_OF_MESH} {MISSED_SHARE}".encode()
+    content = shape.content() + f"{counts.tolist()}".encode()
     size = (upper - lower) / counts
 
     def made() -> dict[str, np.ndarray]:

@@ -70,21 +70,8 @@ class Solid:
         it move. Returned are (n,) True for those that are gone, and (n, 3) positions of the others. Kept in the user's
         cache, because it takes longer than any other preparation of a run.
         """
-        rules = (
-            CUBES_A_SPACING,
-            START_GAP,
-            ROW_TOLERANCE,
-            PACKING_SWEEPS,
-            PACKING_PUSH,
-            FIT_SUPPORT,
-            FIT_REACH,
-            FIT_ITERATIONS,
-            GOLDEN_RATIO,
-        )
         poses = [self.centre, self.origin, self.turn, *(corner for box in boxes for corner in box)]
-        numbers = repr(
-            [spacing, volume, self.is_sampled, self.flat, rules, *(array.tolist() for array in poses)]
-        ).encode()
+        numbers = repr([spacing, volume, self.is_sampled, self.flat, *(array.tolist() for array in poses)]).encode()
         content = self.shape.content() + numbers + positions.tobytes() + beyond.tobytes()
 
         def made() -> dict[str, np.ndarray]:

@@ -151,22 +151,26 @@ class Contact(Model):
     """Share of the collisions' impulse that the ship feels; below 1 momentum is lost."""
 
 
+@in_kernels
 class WaveContact:
-    """The hull among the particles: `collide_step` in every step."""
+    """The hull among the particles: `collide_step` in every step. Particles that meet it are found cell by cell of the
+    grid that they are sorted into."""
 
     def __init__(
         self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
     ) -> None:
         """`centre` of mass from the hull's origin [m]."""
-        spacing, reach = fluid.particles.spacing, float(fluid.grid.support)
-        self.config, self.mass = config, fluid.particles.mass
+        self.config, self.particles, self.grid, self.walls = config, fluid.particles, fluid.grid, fluid.walls
+        self.mass, self.spacing, self.quantum = self.particles.mass, self.particles.spacing, self.grid.quantum
+        self.gravity, spacing, reach = tm.vec3(basin.gravity), self.spacing, float(self.grid.support)
         self.margin = CONTACT_MARGIN * spacing  # [m]
         self.rim = SAG_RIM * spacing  # [m] around the hull, where the water's height cannot be asked
         distance = Distance(shape, centre, spacing / CUBES_A_SPACING, reach, max(reach, self.rim))
         self.hull = MovingHull(distance, np.array(shape.bounds()) - centre, reach, basin.periods, gravity)
-        self.collisions = Collisions(config, self.hull, basin, fluid)
+        self.layers, self.serial = self.grid.cells[2], self.particles.n <= SERIAL_PARTICLES
+        self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
         # One table: each costs a kernel its time.
-        self.table = np.zeros((1 + self.collisions.layers, max(CONTACT_COLUMNS.size, FOUND_COLUMNS.size)))
+        self.table = np.zeros((1 + self.layers, max(CONTACT_COLUMNS.size, FOUND_COLUMNS.size)))
         self.impulse = np.zeros((2, 3))  # on the ship by collisions, and its moments about its positions [N s], [N m s]
         self.lost = np.zeros((2, 3))  # what the water gave beyond that
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
@@ -175,14 +179,14 @@ class WaveContact:
         """Put the hull at its first pose, by a push that moves nothing: it is compiled now, not at the first collision
         of a run."""
         write_pose(self.table[0], body)
-        self.collisions.push_particles(self.table)
+        self.push_particles(self.table)
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
         """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body after
         a load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
-        self.collisions.find_touching(table)
+        self.find_touching(table)
         touching = table[1:, FOUND_COLUMNS.touching].sum()
         if touching == 0.0:
             return load, trial
@@ -198,7 +202,7 @@ class WaveContact:
         table[0, CONTACT_COLUMNS.velocity_before : CONTACT_COLUMNS.spin_before] = trial.velocity
         table[0, CONTACT_COLUMNS.spin_before : CONTACT_COLUMNS.slip] = trial.angular_velocity
         table[0, CONTACT_COLUMNS.slip] = trial.mass / (trial.mass + self.mass * touching)
-        self.collisions.push_particles(table)
+        self.push_particles(table)
         pushed = table[1, : PUSH_COLUMNS.size]
         met = -pushed[: PUSH_COLUMNS.work].reshape(2, 3)
         self.impulse += response * met
@@ -207,20 +211,6 @@ class WaveContact:
         self.work += float(pushed[PUSH_COLUMNS.work])
         load = load.plus("wave", response * met / dt)
         return load, after(load)
-
-
-@in_kernels
-class Collisions:
-    """Particles that meet the hull, found cell by cell of the grid that they are sorted into."""
-
-    def __init__(self, config: Contact, hull: MovingHull, basin: Basin, fluid: ParticleFluid) -> None:
-        self.config, self.hull, self.particles, self.grid = config, hull, fluid.particles, fluid.grid
-        self.gravity, self.walls = tm.vec3(basin.gravity), fluid.walls
-        self.quantum, self.spacing = fluid.grid.quantum, self.particles.spacing
-        self.margin, self.mass = CONTACT_MARGIN * self.spacing, self.particles.mass
-        self.layers = fluid.grid.cells[2]
-        self.serial = self.particles.n <= SERIAL_PARTICLES
-        self.near, self.count = ti.field(int, shape=self.particles.n), ti.field(int, shape=self.layers)
 
     @ti.kernel
     def find_touching(self, table: Array2):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -77,23 +77,12 @@ class File(Model):
     """CSV with columns `time_s`, `speed_m_s` and `heading_deg`."""
 
 
-class Schedule:
-    """Speed [m/s] and heading [deg] over time: straight lines between rows, held before the first and after the last.
+class Schedule(NamedTuple):
+    """Speed and heading over time: straight lines between rows, held before the first and after the last."""
 
-    Headings turn the shorter way.
-    """
-
-    def __init__(self, time: np.ndarray, speed: np.ndarray, heading: np.ndarray) -> None:
-        """(n,) each; raises ValueError where they are no schedule."""
-        if not np.isfinite([time, speed, heading]).all():
-            raise ValueError("holds what is not a number")
-        if not (steps := np.diff(time) > 0.0).all():
-            row = int(np.argmin(steps))
-            order = f"{time[row + 1]:g} s follows {time[row]:g} s in row {row + 2}"
-            raise ValueError(f"rows must be in the order of time, each time once; {order}")
-        if (speed < 0.0).any():
-            raise ValueError(f"speed is {speed.min():g} m/s in row {int(speed.argmin()) + 1}; {SPEEDS}")
-        self.time, self.speed, self.heading = time, speed, np.unwrap(heading, period=360.0)
+    time: np.ndarray  # (n,) [s], rising
+    speed: np.ndarray  # (n,) [m/s]
+    heading: np.ndarray  # (n,) [deg], each the shorter way from the one before
 
     def at(self, time: float) -> tuple[float, float]:
         """Speed [m/s] and heading [deg] at a time [s]."""
@@ -117,11 +106,19 @@ class Scheduled(Timed):
         if self.schedule is None:
             return None
         if self.table is not None:
-            return Schedule(*self.table.series("speed_m_s", "heading_deg"))
-        assert not isinstance(self.schedule, File)
-        if not self.schedule:
-            raise ValueError("needs at least one row")
-        return Schedule(*(np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T))
+            time, speed, heading = self.table.series("speed_m_s", "heading_deg")
+            if (speed < 0.0).any():
+                raise ValueError(f"speed is {speed.min():g} m/s in row {int(speed.argmin()) + 1}; {SPEEDS}")
+        else:
+            assert not isinstance(self.schedule, File)
+            if not self.schedule:
+                raise ValueError("needs at least one row")
+            time, speed, heading = np.array([[r.time, r.speed, r.heading_deg] for r in self.schedule], dtype=float).T
+            if not (steps := np.diff(time) > 0.0).all():
+                row = int(np.argmin(steps))
+                order = f"{time[row + 1]:g} s follows {time[row]:g} s in row {row + 2}"
+                raise ValueError(f"rows must be in the order of time, each time once; {order}")
+        return Schedule(time, speed, np.unwrap(heading, period=360.0))
 
     def end_warnings(self, duration: float) -> list[str]:
         """Warn of a schedule whose rows do not reach over a run of this duration [s], or are in radians."""

@@ -1,5 +1,8 @@
 """Live frames of a simulation for the watchers of a page; an observer that only reads."""
 
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
@@ -8,8 +11,6 @@ import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
 from ocean_sim.observers.shared.csv_rows import TakesMotion
-from ocean_sim.observers.timings import Config as TimingsConfig
-from ocean_sim.observers.timings import Timings
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
@@ -75,12 +76,25 @@ class Watch(Observer, TakesMotion):
             self.platform = scene.platform.build(motion.every)
             self.commands[6:] = self.platform.neutral_legs
             self.ridden = scene.platform.ridden([*simulation.ships])
-        kept = (observer for observer in simulation.observers if isinstance(observer, Timings))
-        self.clock = next(kept, None) or Timings(TimingsConfig(), None, simulation)
+        self.stage_times: dict[str, float] = defaultdict(float)  # since the last frame [s]
         self.stage_costs = dict.fromkeys(STAGE_NAMES, 0.0)  # [ms] a step
-        self.mark = self.clock.take_mark(perf_counter())  # at the last frame
+        self.mark = (perf_counter(), simulation.time, simulation.steps)
         self.pace = 0.0
+        self.measure_stages(simulation)
         audience.begin(self.setting.packet())
+
+    def measure_stages(self, simulation: Simulation) -> None:
+        """Measure the wall time of stages, inside of any measurement that goes on."""
+        inner, taken = simulation.stage, self.stage_times
+
+        @contextmanager
+        def stage(name: str) -> Iterator[None]:
+            with inner(name):
+                entered = perf_counter()
+                yield
+                taken[name] += perf_counter() - entered
+
+        simulation.stage = stage  # type: ignore[method-assign, assignment]
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
         if ship == self.ridden and self.platform is not None:
@@ -101,10 +115,13 @@ class Watch(Observer, TakesMotion):
 
     def update_pace(self, now: float) -> None:
         """Real-time factor and wall time of each stage since the last frame."""
-        before, self.mark = self.mark, self.clock.take_mark(now)
-        if self.mark.steps > before.steps:
-            self.pace, means = self.clock.stage_means(before, self.mark)
-            self.stage_costs = {name: means.get(name, 0.0) for name in STAGE_NAMES}
+        wall, time, steps = self.mark
+        done = self.simulation.steps - steps
+        if done:
+            self.pace = (self.simulation.time - time) / max(now - wall, 1e-9)
+            self.stage_costs = {name: 1e3 * self.stage_times[name] / done for name in STAGE_NAMES}
+        self.stage_times.clear()
+        self.mark = (now, self.simulation.time, self.simulation.steps)
 
     def frame(self) -> bytes:
         """The packet `frame` of the present moment."""

@@ -31,18 +31,14 @@ from ocean_sim.state.fields import FieldContents, array_shape
 
 PACKAGE_NAME = "ocean_sim"
 PLAIN_TYPES = (bool, int, float, str)
-REBUILT_TYPES = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
+REBUILT_TYPES = (
+    *(BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc),
+    ti.Matrix,  # kernels hold one as a constant
+)
 MISSING_VALUE = object()
 NUMBER_TYPES = (int, float, np.number, np.bool_)
 COMPARED_TYPES: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBER_TYPES, list, tuple, dict, range, np.ndarray)
-FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY, VECTOR_KEY = (
-    "field",
-    "array",
-    "number",
-    "same",
-    "left",
-    "vector",
-)
+FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY = "field", "array", "number", "same", "left"
 LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
     "list",
     "tuple",
@@ -137,7 +133,7 @@ class Snapshot:
             return node["data"]
         if SAME_KEY in node:
             return node[SAME_KEY] not in self.stays
-        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY, VECTOR_KEY} & set(node) and all(
+        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node) and all(
             self.is_data(inner) for inner in node.values()
         )
 
@@ -149,8 +145,6 @@ class Snapshot:
         if isinstance(value, np.ndarray) and value.dtype.kind in "biufc":
             self.arrays[path] = value.copy()
             return {ARRAY_KEY: path}
-        if isinstance(value, ti.Matrix):
-            return {VECTOR_KEY: value.to_numpy().tolist()}
         if isinstance(value, TextIOWrapper):
             value.flush()
             name = Path(value.name).relative_to(self.folder).as_posix()
@@ -250,12 +244,6 @@ class Restorer:
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
         return self.arrays[node[ARRAY_KEY]]
-
-    def from_vector(self, node: Any, fresh: Any, path: str) -> Any:
-        """Kernels hold it as a constant."""
-        if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR_KEY]:
-            raise Mismatch(f"its {path.lstrip('.')} is {node[VECTOR_KEY]}")
-        return fresh
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
         name, size = node[FILE_KEY]

@@ -22,11 +22,6 @@ from ocean_sim.files.atomic_file import DRAFT_PATTERN, RESERVE_FILE, write_facts
 LOCK_FILE, MANIFEST_FILE = ".lock", "manifest.json"
 MAX_FILES_NAMED = 3  # of those that are in the way
 MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it is claimed
-UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
-    *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
-    *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
-    *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST_FILE),
-]
 
 
 def is_unfinished(name: str) -> bool:
@@ -149,11 +144,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 def listed_files(manifest: dict[str, Any]) -> list[str]:
     """The entries of a manifest."""
     files = manifest.get("files")
-    return (
-        [MANIFEST_FILE, *(name for name in files if isinstance(name, str))]
-        if isinstance(files, list)
-        else UNLISTED_FILES
-    )
+    return [MANIFEST_FILE, *(name for name in (files if isinstance(files, list) else []) if isinstance(name, str))]
 
 
 def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:

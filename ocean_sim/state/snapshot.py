@@ -2,8 +2,9 @@
 
 Every attribute of every object of this package that can be reached is taken, so a new part cannot forget anything.
 Taichi fields and NumPy arrays are taken by content; an object that is reached twice is taken once. Configs, functions
-and types are left alone: the same scene builds them again. So are the names in a class's `left_out`, which depend on a
-clock or belong to the process. Anything of another kind is refused with its name, and not lost in silence.
+and types are left alone: the same scene builds them again. So are cached properties, computed again when asked for, and
+the names in a class's `left_out`, which depend on a clock or belong to the process. Anything of another kind is refused
+with its name, and not lost in silence.
 
 To put a state back, the same scene is built again; objects that hold fields keep their identity, which compiled kernels
 know them by, and data is created. No code of a file is run: data classes and tuples of this package alone are made,
@@ -15,6 +16,7 @@ import os
 import shutil
 import sys
 from collections.abc import Iterable
+from functools import cached_property
 from inspect import get_annotations
 from io import TextIOWrapper
 from pathlib import Path
@@ -64,11 +66,15 @@ class FileShortened(Mismatch):
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """Attributes of an object, without those that its class leaves out and those of the kernel library."""
+    """Attributes of an object, without those that its class leaves out or computes, and those of the kernel library."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
-    return {
-        name: inner for name, inner in vars(value).items() if name not in out and not is_library_attribute(name, inner)
-    }
+    kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
+    return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
+
+
+def is_computed(value: Any, name: str) -> bool:
+    """True if an attribute is a cached property of the object."""
+    return isinstance(getattr(type(value), name, None), cached_property)
 
 
 def path_step(key: Any, number: int) -> str:
@@ -136,7 +142,7 @@ class Snapshot:
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
-        if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        if isinstance(value, np.ndarray) and value.dtype.kind in "biufc":
             self.arrays[path] = value.copy()
             return {ARRAY_KEY: path}
         if isinstance(value, TextIOWrapper):

@@ -70,7 +70,7 @@ def set_state(
     if pressure is not None:
         particles.pressure.from_numpy(pressure[order].astype(particles.position.precision))
     water.begin()
-    simulation.next_dt = simulation.time_step.next(simulation.fluid)
+    simulation.next_dt = simulation.time_step.next(simulation.fluid.limits())
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:

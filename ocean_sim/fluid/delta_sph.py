@@ -26,7 +26,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
 from ocean_sim.fluid.neighbours.grid import STATE_COLUMNS
-from ocean_sim.fluid.neighbours.grid_size import ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_row_free_slip, row_at
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
@@ -127,7 +127,7 @@ class Config(SphConfig):
         sizes = self.list_sizes(self.start_lattice(preflight), preflight.arch)
         return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
-    def list_sizes(self, lattice: Lattice, arch: str) -> ListSize:
+    def list_sizes(self, lattice: Lattice, arch: str) -> GridSize:
         """Sizes of grid and lists on a backend."""
         if self.is_enclosed(lattice.basin):
             return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
@@ -499,7 +499,7 @@ class DeltaSph(Sph):
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         if not self.shifting:
             self.shear = Shear(self)
-        self.lower_particles(sizes.grid.lattice.column_ends()[0])
+        self.lower_particles(sizes.lattice.column_ends()[0])
         self.begin()
 
     def lower_particles(self, bed: np.ndarray) -> None:

@@ -22,7 +22,7 @@ where crests break and then fades (Monahan & Zietlow 1969, J. Geophys. Res. 74).
 from dataclasses import replace
 from functools import cached_property
 from math import exp, pi
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,8 +55,6 @@ class SurfaceState(NamedTuple):
 
 class Breaking:
     """Breaking crests of a sea, the energy that they lost, and the foam that they left."""
-
-    left_out: ClassVar[tuple[str, ...]] = ("mode_signs",)
 
     def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
         """`ahead`: unit vector of the direction of the waves along x and z; `period` of the highest of them [s]."""
@@ -125,8 +123,6 @@ class Breaking:
 
 class HighOrder:
     """Elevation and surface potential of a nonlinear sea that repeats itself."""
-
-    left_out: ClassVar[tuple[str, ...]] = ("vertical_factor", "resolved_modes", "rate_cache")
 
     def __init__(self, tile: Tile, onset: float, breaking: Breaking | None = None) -> None:
         """`onset`: time scale on which the nonlinear terms set in [s]; 0: from the beginning."""

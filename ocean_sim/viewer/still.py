@@ -198,9 +198,9 @@ def shader_sources(ships: int) -> dict[str, str]:
 
 
 @cache
-def sky_packet(side: int = SKY_SIDE) -> bytes:
+def sky_packet() -> bytes:
     """The sky with its smaller copies and its haze in shared-exponent colours, deflated."""
-    seen = sky.cloudy_sky(side=side)
+    seen = sky.cloudy_sky(SKY_SIDE)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
     lit = {name: json_numbers(value) for name, value in water_glsl.sky_uniforms(seen).items()}
     return zlib.compress(packet("sky", {name: shared_exponent(image) for name, image in images.items()}, lit=lit), 6)

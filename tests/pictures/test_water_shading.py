@@ -255,9 +255,7 @@ def test_calm_water_has_no_foam_by_either_rule():
 
 
 def test_the_scattered_sky_is_blue_above_and_brightest_at_the_sun():
-    sky = sky_module.Sky(
-        **{k: v for k, v in sky_module.make_sky(sky_module.SUN_DIRECTION, 128, 0.5, 3).items() if k == "image"}
-    )
+    sky = sky_module.Sky(**{k: v for k, v in sky_module.make_sky(128).items() if k == "image"})
     assert np.isfinite(sky.image).all() and (sky.image >= 0.0).all()
     away = sky_module.unit_vector(np.array([[-sky_module.SUN_DIRECTION[0], 1.0, -sky_module.SUN_DIRECTION[2]]]))
     clear = sky_module.scattered_light(away, sky_module.SUN_DIRECTION)[0][0]

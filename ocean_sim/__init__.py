@@ -6,6 +6,7 @@
 """
 
 import os
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -16,6 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Simulation", "load", "run", "view", "wave_field"]
 
+PUBLIC_MODULES = {  # modules of the public names
+    "Simulation": "simulation",
+    "load": "reading.scene",
+    "run": "result",
+    "view": "viewer.notebook",
+    "wave_field": "result",
+}
+
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "False")  # before Taichi is imported, or its fork
 os.environ.setdefault("ENABLE_QUADRANTS_HEADER_PRINT", "False")
 os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server once a day, with a number of this machine
@@ -23,24 +32,6 @@ os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server on
 
 def __getattr__(name: str) -> Any:
     """The public names, imported when they are first used: `ocean-sim list` needs no Taichi."""
-    if name == "load":
-        from ocean_sim.reading.scene import load
-
-        return load
-    if name == "run":
-        from ocean_sim.result import run
-
-        return run
-    if name == "Simulation":
-        from ocean_sim.simulation import Simulation
-
-        return Simulation
-    if name == "view":
-        from ocean_sim.viewer.notebook import view
-
-        return view
-    if name == "wave_field":
-        from ocean_sim.result import wave_field
-
-        return wave_field
+    if name in PUBLIC_MODULES:
+        return getattr(import_module(f"ocean_sim.{PUBLIC_MODULES[name]}"), name)
     raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

@@ -36,8 +36,8 @@ MAX_FIELD_SETS = 512  # sets of fields that Taichi 1.7 holds; it crashes beyond
 FIELD_SET_MARGIN = 128  # sets of fields of one simulation, at most
 OPTIMISE_VARIABLE = "OCEAN_SIM_OPTIMISE"  # where it is "0", kernels compile sooner and run slower: for tests
 CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
-# Without the second, Taichi 1.7.4 reads a field once before a serial loop that writes it, and not again in each turn.
-UNOPTIMISED_OPTIONS = {"opt_level": 0, "cache_loop_invariant_global_vars": False}
+# Without the last, Taichi 1.7.4 reads a field once before a serial loop that writes it, and not again in each turn.
+UNOPTIMISED_OPTIONS = {"opt_level": 0, "cfg_optimization": False, "cache_loop_invariant_global_vars": False}
 UNUSED_CACHE_AGE = 30 * 86_400.0  # [s] after which the kernels of another copy of the program are removed
 STALE_LOCK_AGE = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
 FREEING_BACKENDS = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
@@ -408,7 +408,6 @@ def _start(config: RuntimeConfig) -> Backend:
             offline_cache_file_path=str(_kernel_cache()),
             offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.CRITICAL,  # an error is raised, and not printed as well
-            cfg_optimization=False,  # the same bytes and speed; it takes a quarter to half of the time to compile
             **(UNOPTIMISED_OPTIONS if os.environ.get(OPTIMISE_VARIABLE) == "0" else {}),
         )
     obtained = impl.current_cfg().arch.name

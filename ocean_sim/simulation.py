@@ -139,7 +139,7 @@ class Simulation:
         self.stage: Callable[[str], AbstractContextManager] = lambda name: nullcontext()
         self.time, self.steps = 0.0, 0
         self.begun = False  # whether observers have seen the first state
-        self.next_dt = self.time_step.next(self)  # [s] the coming step is known before it is taken
+        self.next_dt = self.time_step.next(self.limits())  # [s] the coming step is known before it is taken
         self.outcome, self.reason = "running", ""
         self.observers: list[Observer] = []
         try:
@@ -189,7 +189,7 @@ class Simulation:
                     ship.advance(load, dt)  # (4.22) to (4.25)
         self.time += dt
         self.steps += 1
-        self.next_dt = self.time_step.next(self)
+        self.next_dt = self.time_step.next(self.limits())
 
     def run(self, until: float) -> None:
         """Step until this time [s] is reached; raises Diverged where the run leaves the physical world."""

@@ -58,7 +58,7 @@ def test_a_run_never_writes_over_another_unless_asked(ask):
     with run_folder("sea", None, False) as folder:
         assert folder == Path("runs/sea")
     Path("runs/sea").mkdir(parents=True)
-    Path("runs/sea/manifest.json").write_text("{}")
+    Path("runs/sea/manifest.json").write_text('{"files": ["film.mp4"]}')
     Path("runs/sea/film.mp4").write_text("old")
     Path("runs/sea/mine.txt").write_text("mine")
     with run_folder("sea", None, False) as folder:

@@ -53,13 +53,15 @@ def test_other_scenes_threads_settings_and_machines_are_not_compared(monkeypatch
 
 
 def test_the_newest_are_kept_and_what_cannot_be_read_is_left_out(cache, monkeypatch):
-    monkeypatch.setattr(history, "MAX_LINES", 5)
+    monkeypatch.setattr(history, "MAX_COMPARED", 5)
     times([1.0e6] * 4)
-    with (cache / "bench.jsonl").open("a") as file:
-        file.write('{"half a li\n[1, 2]\n')
     times([2.0e6] * 3)
-    lines = [json.loads(line) for line in (cache / "bench.jsonl").read_text().splitlines()]
-    assert [line["particle_steps_per_cpu_s"] for line in lines] == [1.0e6, 1.0e6, 2.0e6, 2.0e6, 2.0e6]
+    [speeds] = json.loads(history.bench_file().read_text()).values()
+    assert speeds == [1.0e6, 1.0e6, 2.0e6, 2.0e6, 2.0e6]
+    [conditions] = json.loads(history.bench_file().read_text())
+    for text in ('{"half a li', "[1, 2]", json.dumps({conditions: 3.0}), json.dumps({conditions: ["x", None]})):
+        history.bench_file().write_text(text)
+        assert times([1.0e6]) == [None]
 
 
 def test_a_cache_that_cannot_be_written_is_no_failure(cache):

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 import ocean_sim
 from ocean_sim import waves
 from ocean_sim.basin import Config as BasinConfig
-from ocean_sim.basin.motion import Frame, Motion, TankMotion, Wavemaker, apparent_acceleration, turned
+from ocean_sim.basin.motion import Frame, Motion, TankMotion, Wavemaker, turned
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.files.yaml_file import SceneError
 
@@ -121,6 +121,15 @@ def place_in_tank(built: TankMotion, world: np.ndarray, time: float) -> np.ndarr
     """(3,) where a point of the world is in the axes of the tank."""
     frame = built.at(time)
     return turned(world - frame.pivot - frame.displacement, -frame.angle) + frame.pivot
+
+
+def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """(m, 3) acceleration [m/s2] of free water at (m, 3) positions and velocities in the axes of the tank:
+    g' - a - alpha x r - omega x (omega x r) - 2 omega x v, with r from the pivot."""
+    r, omega = position - frame.pivot, frame.rate
+    euler = np.cross(frame.angular_acceleration, r)
+    centrifugal = np.cross(omega, np.cross(omega, r))
+    return frame.push(gravity) - euler - centrifugal - 2.0 * np.cross(omega, velocity)
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z", "roll_x", "roll_y", "roll_z"])

@@ -247,7 +247,8 @@ class Config(Model):
         if basin.dimension == 2 and self.gravity[2] != 0.0:
             sentence = "a slice, in x-y, has no gravity along z; y is up here: gravity: [0, -9.81, 0]"
             found.append((("gravity",), sentence))
-        found += obstacle_faults(self.obstacles, basin) or path_faults(self.obstacles, basin, duration)
+        overlap = "the box overlaps an earlier one"
+        found += box_faults("obstacles", self.obstacles, basin, overlap) or path_faults(self.obstacles, basin, duration)
         for side in basin.sides:
             if side.absorbing is not None:
                 size = basin.upper[side.axis] - basin.lower[side.axis]
@@ -273,22 +274,22 @@ def odd_gravity(gravity: Vector3) -> list[str]:
     return found
 
 
-def obstacle_faults(obstacles: tuple[Obstacle, ...], basin: "Basin") -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults of the places of obstacles in this basin."""
+def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> list[tuple[tuple[str | int, ...], str]]:
+    """Faults of the places of boxes, written under a key, in this basin; `overlap`: sentence on boxes that do."""
     found: list[tuple[tuple[str | int, ...], str]] = []
-    fitting = [k for k, box in enumerate(obstacles) if len(box.min) == basin.dimension]
-    low = np.array([obstacles[k].min for k in fitting]).reshape(-1, basin.dimension)
-    up = np.array([obstacles[k].max for k in fitting]).reshape(-1, basin.dimension)
+    fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
+    low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
+    up = np.array([boxes[k].max for k in fitting]).reshape(-1, basin.dimension)
     for row, k in enumerate(fitting):
-        out = axes_beyond(obstacles[k].min, obstacles[k].max, basin)
+        out = axes_beyond(boxes[k].min, boxes[k].max, basin)
         if out:
-            found.append((("obstacles", k), f"the box reaches out of the basin along {' and '.join(out)}"))
+            found.append(((key, k), f"the box reaches out of the basin along {' and '.join(out)}"))
         common = np.minimum(up[:row], up[row]) - np.maximum(low[:row], low[row])
         if (common.min(axis=1) > BOX_ROUNDING).any():
-            found.append((("obstacles", k), "the box overlaps an earlier one"))
-    for k in set(range(len(obstacles))) - set(fitting):
-        sentence = f"a point of this basin has {basin.dimension} numbers, got {len(obstacles[k].min)}"
-        found.append((("obstacles", k), sentence))
+            found.append(((key, k), overlap))
+    for k in set(range(len(boxes))) - set(fitting):
+        sentence = f"a point of this basin has {basin.dimension} numbers, got {len(boxes[k].min)}"
+        found.append(((key, k), sentence))
     return found
 
 

@@ -1,6 +1,6 @@
 """Prescribed motion of the tank, of a piston wavemaker and of gates: displacement, velocity and acceleration in time.
 
-The tank is simulated in its own axes. Its motion then is an acceleration of the water, `apparent_acceleration`, and
+The tank is simulated in its own axes. Its motion then is an acceleration of the water (`fluid/sph/body_force.py`), and
 results are given in the axes of the tank.
 """
 
@@ -62,15 +62,6 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
         return np.asarray(vector, dtype=float)
     n = angle / size
     return vector * cos(size) + np.cross(n, vector) * sin(size) + n * (n @ vector) * (1.0 - cos(size))
-
-
-def apparent_acceleration(frame: Frame, gravity: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """(m, 3) acceleration [m/s2] of free water at (m, 3) positions and velocities in the axes of the tank:
-    g' - a - alpha x r - omega x (omega x r) - 2 omega x v, with r from the pivot."""
-    r, omega = position - frame.pivot, frame.rate
-    euler = np.cross(frame.angular_acceleration, r)
-    centrifugal = np.cross(omega, np.cross(omega, r))
-    return frame.push(gravity) - euler - centrifugal - 2.0 * np.cross(omega, velocity)
 
 
 def ramp_law(law: Law, ramp: float) -> Law:

@@ -20,8 +20,8 @@ class Sea(waves.HeadedTrain):
     phase_deg: float = quantity("deg", 0.0)
     """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
 
-    def sea(self, basin: waves.Tank) -> waves.Components:
-        sea = super().sea(basin)
+    def sea(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
+        sea = super().sea(basin, count)
         return replace(sea, phase=sea.phase + radians(self.phase_deg))
 
 

@@ -1,4 +1,4 @@
-"""CSV files: the only module that parses them.
+"""CSV files: the only module that parses them; tables that are written at once.
 
 Lines that begin with # are comments, some of them `key: value`; empty lines are skipped. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a
@@ -14,7 +14,7 @@ column of numbers and '' in a column of words. Each reader states the content of
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ocean_sim.files import input_file
+from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import Checked, Rule
 
 csv.field_size_limit(input_file.MAX_FILE_BYTES)  # a cell in quotes may be as long as a file
@@ -196,6 +197,13 @@ def read_records(text: str) -> list[dict[str, str]]:
     """The rows of the text of a CSV file, each cell as text by the name of its column."""
     _, heading, rows = split_lines(text)
     return [dict(zip(map(str.strip, split_cells(heading)), split_cells(row))) for row in rows]
+
+
+def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]], **notes: str) -> None:
+    """Write a table, in whole or not at all, under comment lines with notes; None is an empty cell."""
+    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
+        csv.writer(file, lineterminator="\n").writerows([list(names), *rows])
 
 
 def build_columns(

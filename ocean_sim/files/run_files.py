@@ -4,10 +4,10 @@ process. The files that its manifest lists give way to another run, and no other
 An entry of a manifest is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
 """
 
+import fcntl
 import os
 import re
 import socket
-import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from errno import EACCES, EAGAIN
@@ -22,11 +22,6 @@ from ocean_sim.files.atomic_file import DRAFT_PATTERN, RESERVE_FILE, write_facts
 LOCK_FILE, MANIFEST_FILE = ".lock", "manifest.json"
 MAX_FILES_NAMED = 3  # of those that are in the way
 MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it is claimed
-UNLISTED_FILES = [  # what a run may have left whose manifest has no list, of an earlier version
-    *("events.jsonl", "accuracy.csv", "timings.csv", "gauges.csv", "motion.csv", "platform.csv", "tracers.csv"),
-    *("frames/grid.npz", "frames/frame_*.npz", "preview/*.png", "checkpoint_*.h5", "report.html", "replay.html"),
-    *("film.mp4", "moments.png", "preview.png", "strip.png", "still_*.png", "touched.txt", MANIFEST_FILE),
-]
 
 
 def is_unfinished(name: str) -> bool:
@@ -61,19 +56,6 @@ class FolderClaimed(Refused):
     """Another process writes into a folder."""
 
 
-if sys.platform == "win32":
-    import msvcrt
-
-    def _lock_file(file: int) -> None:
-        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _lock_file(file: int) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
 class Claim:
     """Folder, made where there is none, that only this holder may write into; use it as a context manager.
 
@@ -105,7 +87,7 @@ class Claim:
                     raise Refused(f"{self.folder}: {why}") from None
                 continue  # another holder has removed the folder, which was made for nothing
             try:
-                _lock_file(file)
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 if os.path.samestat(os.fstat(file), os.stat(self.path)):
                     return file
             except FileNotFoundError:
@@ -127,8 +109,7 @@ class Claim:
 
     def close(self) -> None:
         """Let others claim it."""
-        if sys.platform != "win32":  # which removes no open file
-            self.path.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)
         os.close(self.file)
         if self.made:
             with suppress(OSError):  # there is something in it
@@ -149,11 +130,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 def listed_files(manifest: dict[str, Any]) -> list[str]:
     """The entries of a manifest."""
     files = manifest.get("files")
-    return (
-        [MANIFEST_FILE, *(name for name in files if isinstance(name, str))]
-        if isinstance(files, list)
-        else UNLISTED_FILES
-    )
+    return [MANIFEST_FILE, *(name for name in (files if isinstance(files, list) else []) if isinstance(name, str))]
 
 
 def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:

@@ -26,7 +26,7 @@ from ocean_sim.conventions import Diverged
 from ocean_sim.fluid import Limits
 from ocean_sim.fluid.budget.momentum_budget import DIFFUSION, PRESSURE, VISCOSITY
 from ocean_sim.fluid.neighbours.grid import STATE_COLUMNS
-from ocean_sim.fluid.neighbours.grid_size import ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import hydrostatic_offset, mirror_midpoint, mirror_row_free_slip, row_at
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay
 from ocean_sim.fluid.sph.law import Law, WalkOptions
@@ -127,7 +127,7 @@ class Config(SphConfig):
         sizes = self.list_sizes(self.start_lattice(preflight), preflight.arch)
         return scheme_ledger(preflight, sizes, numbers, what, self.told_to_bodies)
 
-    def list_sizes(self, lattice: Lattice, arch: str) -> ListSize:
+    def list_sizes(self, lattice: Lattice, arch: str) -> GridSize:
         """Sizes of grid and lists on a backend."""
         if self.is_enclosed(lattice.basin):
             return self.list_size(lattice, arch, Momentum.row.size, CARRIED_NUMBERS)
@@ -471,12 +471,9 @@ class DeltaSph(Sph):
         sizes = config.list_sizes(config.lattice(basin), running_arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = self.carried[
-            :CARRIED_NUMBERS
-        ]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
-        self.next_deviation, self.next_pressing = self.grid.carried[
-            :CARRIED_NUMBERS
-        ]  # the same before the sort of a step
+        # In mid-step: deviation [kg/m3] and (p + bulk rate) / rho^2; and the same before the sort of a step.
+        self.deviation, self.pressing = self.carried[:CARRIED_NUMBERS]
+        self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED_NUMBERS]
         self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = FieldCopy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
@@ -486,9 +483,7 @@ class DeltaSph(Sph):
         else:
             graded = self.carried[CARRIED_NUMBERS : CARRIED_NUMBERS + GRADED_NUMBERS]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(
-                staggered_field(float, particles.n) for _ in range(GRADED_NUMBERS)
-            )  # the same at its end
+            self.fresh = tuple(staggered_field(float, particles.n) for _ in range(GRADED_NUMBERS))  # at its end
             self.memory = SHEAR_MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = WINDY_CALM_STRAIN if wind.blows else CALM_STRAIN
@@ -499,7 +494,7 @@ class DeltaSph(Sph):
         self.momentum, self.continuity = Momentum(self), Continuity(self)
         if not self.shifting:
             self.shear = Shear(self)
-        self.lower_particles(sizes.grid.lattice.column_ends()[0])
+        self.lower_particles(sizes.lattice.column_ends()[0])
         self.begin()
 
     def lower_particles(self, bed: np.ndarray) -> None:

@@ -18,7 +18,7 @@ gradient of their number (Lind et al. 2012, J. Comput. Phys. 231), and the densi
 (Cornelis et al. 2019, Visual Computer 35). So they do before a run, where bodies lie off the lattice (make_room).
 
 A known weakness: once its lattice has given way, the pressures of single particles scatter in water that hardly moves.
-A lattice gives way where it is not elastically stable under the kernel (Stencil.softest_mode).
+A lattice gives way where it is not elastically stable under the kernel.
 """
 
 from math import sqrt
@@ -146,7 +146,7 @@ class Config(SphConfig):
         numbers = 27 + self.is_enclosed(basin)
         if preflight.sums_impulses:
             numbers += 3 * len(impulse_terms(absent_terms(basin)))
-        kept = sizes.grid.plan.pair_bytes(sizes, neighbours, word)
+        kept = sizes.plan.pair_bytes(sizes, neighbours, word)
         pairs = LedgerRow("fluid", "pairs", kept, f"{neighbours} neighbours on the lattice")
         return [*scheme_ledger(preflight, sizes, numbers, what), pairs]
 

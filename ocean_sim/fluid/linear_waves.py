@@ -16,7 +16,6 @@ from ocean_sim.fluid.open_sea.open_water import (
 )
 from ocean_sim.fluid.open_sea.plane_waves import NO_DRIFT, PlaneWaves
 from ocean_sim.fluid.open_sea.wave_window import Window
-from ocean_sim.kernel_library import ti
 from ocean_sim.model import quantity
 from ocean_sim.parts import FluidConfig, LedgerRow, Preflight, Problems
 from ocean_sim.runtime import in_kernels
@@ -120,9 +119,3 @@ class LinearWaves(OpenWater):
 
     def limits(self) -> Limits:
         return self.still
-
-    @ti.func
-    def pressure(self, position):
-        eta, g = self.waves.elevation(position.x, position.z), ti.static(self.waves.sea.gravity)
-        head = self.waves.head_at(position, self.waves.stretched(position, eta))
-        return ti.select(position.y < eta, self.config.rest_density * g * head, 0.0)

@@ -103,9 +103,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
                 continue
-            sea = train.train(
-                waves.heading_vector(train.heading, basin.dimension), basin.depth, waves.downward_gravity(basin)
-            )
+            sea = train.sea(basin)
             wanted = snapped(sea, tile).wavevector[0]
             if np.linalg.norm(wanted - sea.wavevector[0]) > MAX_FIT_CHANGE * sea.wavenumber[0]:
                 length = 2.0 * pi / sea.wavenumber[0]
@@ -243,14 +241,15 @@ class Steep(OnTile):
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
         """`ramp`: time [s] in which it grows, as others see it."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
-        self.slots = [Kept(*sea.potentials()), Kept(*sea.potentials())]
+        self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
+        """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
         self.ahead()
 
     def ahead(self) -> None:
         """Take another step."""
         self.sea.advance(self.step)
         self.number += 1
-        self.slots = [self.slots[1], Kept(*self.sea.potentials())]
+        self.slots = [self.slots[1], np.array(self.sea.potentials())]
 
     def share(self, time: float) -> float:
         """Share of the way of a time [s] from the state before to the state ahead."""
@@ -258,23 +257,11 @@ class Steep(OnTile):
 
     def modes_at(self, time: float) -> TileModes:
         late, grown = self.share(time), waves.ramp_share(time, self.ramp)
-        return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*(slot.modes for slot in self.slots))))
+        return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
     def grown(self, slot: int) -> np.ndarray:
         """The modes of the state before (0) or of the one that is ahead (1), as far as they have grown."""
-        return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot].modes
-
-
-class Kept:
-    """Modes as real numbers, which a checkpoint holds."""
-
-    def __init__(self, *modes: np.ndarray) -> None:
-        self.parts = np.stack([np.stack([of.real, of.imag]) for of in modes])
-
-    @property
-    def modes(self) -> np.ndarray:
-        """(3, cells, rows // 2 + 1): of the elevation, the potential and its growth."""
-        return self.parts[:, 0] + 1j * self.parts[:, 1]
+        return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
 @in_kernels

@@ -13,14 +13,13 @@ from ocean_sim import waves
 from ocean_sim.basin import shifts
 from ocean_sim.basin.points import grid, grid_size, pairs
 from ocean_sim.files.atomic_file import atomic_write
-from ocean_sim.fluid import Fluid
 from ocean_sim.model import quantity
 from ocean_sim.observers.shared.csv_rows import Multiples
 from ocean_sim.parts import Preflight, Problems, key_of
+from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.water import foam
 from ocean_sim.pictures.water.far_sea import wind_speed_from_sea
 from ocean_sim.pictures.water.waterline import ship_coordinates
-from ocean_sim.ship import Ship
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 
 if TYPE_CHECKING:
@@ -88,34 +87,14 @@ class Frames(Observer):
         self.shape = (len(x), len(z))
         self.points = pairs(x, z)
         self.cell = np.array([x[1] - x[0], z[1] - z[0]]) if len(z) > 1 else np.zeros(2)  # [m]; 0 in 2-D
-        open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
-        self.white = foam.FoamField(self.shape, self.cell) if open_air else None
+        arrays = grid_arrays(simulation, x, z)
+        self.white = foam.FoamField(self.shape, self.cell) if arrays["has_surface"] else None
         self.wind_speed = simulation.scene.wind.strongest
         self.before = np.zeros(2)  # origin of the frame before [m]
-        self.ships: list[Ship] = []
-        self.sizes: list[np.ndarray] = []  # breadth and length of their hulls [m]
-        hulls: dict[str, object] = {}
-        for name, ship in simulation.ships.items():
-            drawn = ship.drawn()
-            if drawn is not None:
-                self.ships.append(ship)
-                self.sizes.append(np.ptp(drawn[0], axis=0)[[0, 2]])
-                key = key_of(name)
-                hulls |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
-        self.write(
-            "grid",
-            x=x,
-            z=z,
-            lower=np.array(basin.lower),
-            upper=np.array(basin.upper),
-            depth=basin.depth,
-            spacing=fluid.spacing,
-            every=config.every,
-            obstacles=np.array(basin.fixed).reshape(-1, 2, 3),
-            **hulls,
-            **wave_arrays(fluid),
-            has_surface=open_air,
-        )
+        self.ships = [ship for name, ship in simulation.ships.items() if f"{key_of(name)}_vertices" in arrays]
+        hulls = [arrays[f"{key_of(ship.name)}_vertices"] for ship in self.ships]
+        self.sizes = [np.ptp(vertices, axis=0)[[0, 2]] for vertices in hulls]  # breadth and length [m]
+        self.write("grid", every=config.every, **arrays)
 
     def observe(self, simulation: Simulation) -> None:
         if not self.multiples.reached(simulation.time):
@@ -233,10 +212,7 @@ class Frames(Observer):
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the points [m]: on a sea that answers to ships, whole cells near their middle,
         since they may sail away; else, and in 2-D, the middle of the basin."""
-        if not (self.ships and self.cell.all()):
-            return np.zeros(2)
-        middle = np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
-        return self.cell * np.round(middle / self.cell)
+        return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
         """Delete frames later than the state from which the run continues."""
@@ -249,17 +225,6 @@ class Frames(Observer):
         np.savez(file, **arrays)  # type: ignore[arg-type]
         with atomic_write(self.folder / f"{name}.npz") as draft:
             draft.write_bytes(file.getbuffer())
-
-
-def appearance(simulation: Simulation, ship: Ship) -> dict[str, object]:
-    """Arrays of a ship for pictures, apart from her hull: look, helm from the centre of mass in body axes [m] (empty if
-    none is named), and share of her volume under water at rest."""
-    scene, key = simulation.scene, key_of(ship.name)
-    look = scene.ships[ship.name].look(scene.preflight)
-    if look is None:
-        return {}
-    helm = ship.points.get("helm", np.zeros(0))
-    return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
@@ -302,20 +267,6 @@ def fill_unknown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     share = uniform_filter(known.astype(float), 3, mode="nearest")
     around = uniform_filter(values * known[..., None], (3, 3, 1), mode="nearest") / np.maximum(share, 1e-9)[..., None]
     return np.where(known[..., None], values, around)
-
-
-def wave_arrays(fluid: Fluid) -> dict[str, np.ndarray]:
-    """Arrays of the waves of water in closed form, for pictures beyond the basin."""
-    sea = fluid.plane_waves
-    if sea is None:
-        return {}
-    exact = {
-        "sea_amplitude": sea.amplitude,
-        "sea_wavevector": sea.wavevector,
-        "sea_phase": sea.phase,
-        "sea_ramp": np.array(sea.ramp),
-    }
-    return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})
 
 
 def single_precision(array: np.ndarray) -> np.ndarray:

@@ -160,9 +160,6 @@ class Config(PeriodicConfig):
         return {n: s if isinstance(s, Sensor) else Sensor(at=s) for n, s in self.pressure.items()}
 
     def build(self, folder: Path, simulation: Simulation) -> "Gauges":
-        problems = self.misplaced_gauges(simulation.basin)
-        if problems:
-            raise ValueError("; ".join(f"gauges.{'.'.join(map(str, key))}: {text}" for key, text in problems))
         return Gauges(self, folder, simulation)
 
 

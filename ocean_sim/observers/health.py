@@ -4,9 +4,8 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from itertools import combinations
-from math import isnan
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -66,8 +65,6 @@ class Config(PeriodicConfig):
 class Health(OutcomeObserver):
     """Checks the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
 
-    first_energy: tuple[float, float] | None  # of motion and height, and of compression [J]
-
     def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
         basin, fluid = simulation.basin, simulation.fluid
@@ -76,15 +73,16 @@ class Health(OutcomeObserver):
         self.max_speed = config.max_speed or 10.0 * fluid.reference_speed
         self.max_distance = config.max_distance or float(np.linalg.norm(self.upper - self.lower))
         self.judges_energy = self.n > 0 and fluid.sound_speed > 0.0 and not gains_energy(simulation)
-        self.first_energy = None
         self.stored = stored_by_weight(simulation) if self.judges_energy else 0.0  # [J]
         self.judges_level = (
             self.n > 0 and fluid.sound_speed > 0.0 and not basin.closed and not simulation.scene.fluid.driven
         )
-        self.first_level = float("nan")
         interval = ENERGY_CHECK_INTERVAL * basin.depth / fluid.reference_speed if self.judges_energy else 0.0
         self.energy_interval = interval  # [s]
         self.energy_time, self.gain_reported = 0.0, False
+        self.begun = False  # True once the first state is known
+        self.first_energy = 0.0, 0.0  # of motion and height, and of compression [J]
+        self.first_level = float("nan")
         self.momentum: Momentum | None = None
         self.balance: Balance | None = None
         self.symmetry: Symmetry | None = None
@@ -92,11 +90,10 @@ class Health(OutcomeObserver):
         self.stiffness = 0.0  # speed of sound [m/s] of the balance
         self.reported: list[str] = []  # events that are recorded once
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        of_ships = [f"{kind} of {name}" for kind in ("grounding", "flight") for name in simulation.ships]
-        self.last = dict.fromkeys(["limit", "clipped", *of_ships], -EVENT_INTERVAL)  # [s] of the last event of a kind
-        self.step_limit, self.clipped = "", 0
-        self.groundings = dict.fromkeys(simulation.ships, 0)
-        self.airborne = dict.fromkeys(simulation.ships, False)
+        self.event_times: dict[str, float] = {}  # [s] of the last event of a kind
+        self.recorded: dict[str, Any] = {"limit": "", "clipped": 0}  # value of a kind at its last event
+        self.recorded |= {f"grounding of {name}": 0 for name in simulation.ships}
+        self.recorded |= {f"flight of {name}": False for name in simulation.ships}
         self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards, when last in the air
         self.record_event(
             "start",
@@ -121,21 +118,8 @@ class Health(OutcomeObserver):
             self.record_event("the program has changed", what=changed)
 
     def observe(self, simulation: Simulation) -> None:
-        if self.judges_energy and self.first_energy is None:
-            self.first_energy = self.energy_parts(with_particles(simulation.fluid).totals())
-        if self.n > 0 and simulation.steps == 0:
-            self.symmetry = Symmetry(simulation)
-        if self.momentum is None and self.n > 0 and simulation.fluid.impulse:
-            self.momentum = Momentum(simulation)
-            alone = self.judges_energy and simulation.basin.sea is None
-            self.work_terms = [] if alone else separable_work_terms(simulation)
-            if self.work_terms:
-                self.balance = Balance(simulation, self.work_terms)
-                self.stiffness = simulation.fluid.sound_speed
-                self.unexplained_energy(self.balance, with_particles(simulation.fluid).totals())
-        if self.judges_level and isnan(self.first_level):
-            particles = with_particles(simulation.fluid).particles
-            self.first_level = level_ratio(particles.snapshot().position, particles.spacing, simulation.basin)
+        if self.n > 0 and not self.begun:
+            self.begin(simulation)
         if self.n > 0 and simulation.steps > 0:
             if self.is_suspicious() or simulation.steps % STEPS_BETWEEN_CHECKS == 0:
                 sentence = next(self.violations(), None)
@@ -148,10 +132,29 @@ class Health(OutcomeObserver):
         self.judge_hulls(simulation)
         self.note_limit(simulation)
         self.note_rim(simulation)
-        self.note_grounding(simulation)
-        self.note_flight(simulation)
+        self.note_ships(simulation)
         if self.n > 0:
             self.note_clipping(simulation)
+
+    def begin(self, simulation: Simulation) -> None:
+        """Keep the energies, momentum, level and symmetry of the first state."""
+        self.begun = True
+        water = with_particles(simulation.fluid)
+        totals, particles = water.totals(), water.particles
+        if self.judges_energy:
+            self.first_energy = self.energy_parts(totals)
+        if self.judges_level:
+            self.first_level = level_ratio(particles.snapshot().position, particles.spacing, simulation.basin)
+        if simulation.steps == 0:
+            self.symmetry = Symmetry(simulation)
+        if water.impulse:
+            self.momentum = Momentum(simulation)
+            alone = self.judges_energy and simulation.basin.sea is None
+            self.work_terms = [] if alone else separable_work_terms(simulation)
+            if self.work_terms:
+                self.balance = Balance(simulation, self.work_terms)
+                self.stiffness = water.sound_speed
+                self.unexplained_energy(self.balance, totals)
 
     def is_suspicious(self) -> bool:
         """True if the fluid's own summary of the last step is out of bounds, as NaN is."""
@@ -187,10 +190,7 @@ class Health(OutcomeObserver):
             bound = self.config.max_level_ratio * max(self.first_level, 1.0)
             if not level <= bound:
                 high = f"its centre of mass lies {level:.3g} x as high over the bed as that of as much water at rest"
-                yield (
-                    f"the water has swollen: {high} (bound {bound:.3g}), {self.time_and_step()}; {self.suggest_cure()}"
-                    f"{self.name_last_frame()}"
-                )
+                yield self.failure_sentence(f"the water has swollen: {high} (bound {bound:.3g})", self.suggest_cure())
         yield from self.energy_violations(totals)
 
     def violations_of_particles(self) -> Iterator[str]:
@@ -234,13 +234,12 @@ class Health(OutcomeObserver):
             self.record_event(name, **facts)
             self.reported.append(name)
 
-    def record_rarely(self, kind: str, name: str, **facts: object) -> bool:
-        """Record an event at least EVENT_INTERVAL after the last of its kind; True if it is recorded."""
-        if self.simulation.time < self.last[kind] + EVENT_INTERVAL:
-            return False
-        self.record_event(name, **facts)
-        self.last[kind] = self.simulation.time
-        return True
+    def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
+        """Record that the value of a kind has changed, EVENT_INTERVAL after the last event of its kind or later."""
+        due = self.simulation.time >= self.event_times.get(kind, -EVENT_INTERVAL) + EVENT_INTERVAL
+        if due and value != self.recorded[kind]:
+            self.record_event(name, **facts)
+            self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_particles(self, ids: np.ndarray) -> None:
         """Record particles that are lost or there twice, by the ids of all particles."""
@@ -293,7 +292,7 @@ class Health(OutcomeObserver):
     def energy_violations(self, totals: Totals) -> Iterator[str]:
         """Sentences about energy that no force has given. An unstable scheme creates energy long before one particle is
         out of bounds; the first lattice of a stiff one releases compression into motion and height."""
-        if self.judges_energy and self.first_energy is not None:
+        if self.judges_energy:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
             moved, squeezed = (now - then for now, then in zip(self.energy_parts(totals), self.first_energy))
@@ -304,24 +303,21 @@ class Health(OutcomeObserver):
                 self.gain_reported = True
             of = f"of its mass times the square of {fluid.reference_speed:.4g} m/s (bound {100.0 * bound:g} %)"
             if not gain <= bound:
-                yield (
-                    f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of}, {self.time_and_step()}; try a "
-                    f"larger fluid.kinematic_viscosity, or a shorter time step{self.name_last_frame()}"
-                )
+                cure = "try a larger fluid.kinematic_viscosity, or a shorter time step"
+                yield self.failure_sentence(f"the water gained energy from nowhere, {100.0 * gain:.3g} % {of}", cure)
             if not given <= bound:
-                yield (
-                    f"the water rises or moves with nothing to drive it: it gained {100.0 * given:.3g} % {of}, "
-                    f"{self.time_and_step()}; {self.suggest_cure()}{self.name_last_frame()}"
-                )
+                what = f"the water rises or moves with nothing to drive it: it gained {100.0 * given:.3g} % {of}"
+                yield self.failure_sentence(what, self.suggest_cure())
 
-    def time_and_step(self) -> str:
-        """Time and step of the simulation."""
-        return f"t = {self.simulation.time:.4f} s, step {self.simulation.steps}"
+    def failure_sentence(self, what: str, cure: str) -> str:
+        """A sentence on failure, time, cure and the file of the last good state."""
+        simulation = self.simulation
+        return f"{what}, t = {simulation.time:.4f} s, step {simulation.steps}; {cure}{self.name_last_frame()}"
 
     def describe_failure(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """A sentence on failure, place, time, cure and the file of the last good state."""
+        """A sentence on a failure and the places of the worst particles."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
-        return f"{what}{where}, {self.time_and_step()}; {self.suggest_cure()}{self.name_last_frame()}"
+        return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 
     def suggest_cure(self) -> str:
         """A cure for the likeliest cause."""
@@ -361,11 +357,9 @@ class Health(OutcomeObserver):
             depth = one.overlap(image)
             if depth > 0.0:
                 x, z = one.middle(image)
-                raise Diverged(
-                    f"the hulls of {name} and {other_name} reach {depth:.3g} m into each other at ({x:.4g}, {z:.4g}) "
-                    f"m, {self.time_and_step()}; contact between hulls is not modelled: keep them apart"
-                    f"{self.name_last_frame()}"
-                )
+                what = f"the hulls of {name} and {other_name} reach {depth:.3g} m into each other at"
+                cure = "contact between hulls is not modelled: keep them apart"
+                raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
         """Record that one of several ships lies in the rim of the patch, where the sea ignores her."""
@@ -377,37 +371,27 @@ class Health(OutcomeObserver):
                 event = "the ships are too far apart for their patch: one is in its rim"
                 self.record_once(event, **ship_facts(name, ship))
 
-    def note_grounding(self, simulation: Simulation) -> None:
-        """Record that the keel met the bed."""
+    def note_ships(self, simulation: Simulation) -> None:
+        """Record that a keel met the bed, and that a whole hull has left the water or is back in it."""
         for name, ship in simulation.ships.items():
-            if ship.groundings > self.groundings[name]:
-                self.record_rarely(f"grounding of {name}", "the hull meets the bed", **ship_facts(name, ship))
-                self.groundings[name] = ship.groundings
-
-    def note_flight(self, simulation: Simulation) -> None:
-        """Record that the whole hull has left the water, or is back in it."""
-        for name, ship in simulation.ships.items():
+            facts, grounding = ship_facts(name, ship), f"grounding of {name}"
+            self.record_change(grounding, ship.groundings, "the hull meets the bed", **facts)
+            self.recorded[grounding] = ship.groundings
             if ship.airborne:
                 self.flown[name] = float(ship.body.velocity[1])
-            if ship.airborne != self.airborne[name]:
-                event = f"the hull {'leaves' if ship.airborne else 'meets'} the water"
-                facts = ship_facts(name, ship) | {"speed_m_s": round(self.flown[name], 3)}
-                if self.record_rarely(f"flight of {name}", event, **facts):
-                    self.airborne[name] = ship.airborne
+            event, speed = f"the hull {'leaves' if ship.airborne else 'meets'} the water", round(self.flown[name], 3)
+            self.record_change(f"flight of {name}", ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_limit(self, simulation: Simulation) -> None:
         limit, step = simulation.time_step.limited_by, float(simulation.next_dt)
-        if limit != self.step_limit and self.record_rarely("limit", "limit", limited_by=limit, time_step_s=step):
-            self.step_limit = limit
+        self.record_change("limit", limit, "limit", limited_by=limit, time_step_s=step)
 
     def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
-            self.last["clipped"] = -EVENT_INTERVAL
-        if clipped > self.clipped:
-            facts = {"particles": int(clipped - self.clipped), "since_start": int(clipped)}
-            if self.record_rarely("clipped", "clipped", **facts):
-                self.clipped = clipped
+            self.event_times.pop("clipped", None)
+        since_last = int(clipped - self.recorded["clipped"])
+        self.record_change("clipped", clipped, "clipped", particles=since_last, since_start=int(clipped))
 
     def close(self) -> None:
         outcome = self.simulation.outcome

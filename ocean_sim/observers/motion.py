@@ -188,6 +188,7 @@ class Log:
         acceleration, turning = columns[ACCELERATION], columns[TURNING]
         bends = second_derivative(acceleration, turning, columns[SPIN], columns[QUATERNION])
         track = join_moments(columns[MOMENT.time], columns[PLACE], bends, self.velocity)
+        rows = []
         if self.due:
             times, numbers = zip(*self.due)
             between = Between(track, np.array(times), np.array(numbers))
@@ -196,12 +197,12 @@ class Log:
                 self.motion_table(between.interpolated_track()).T.tolist(),
                 between.interpolated_values(values).tolist(),
             )
-            rows = []
             for t, pose, rest in zip(times, motions, others, strict=True):
                 rows.append(self.csv.row([t, self.number, *pose, *rest]))
                 self.number += 1
-            self.hand_rows_on(rows, simulation)
         self.moments[0], self.velocity, self.seen, self.due = moments[-1], track.velocity[:, -1], 1, []
+        if rows:
+            self.hand_rows_on(rows, simulation)
 
     def hand_rows_on(self, rows: list[str], simulation: Simulation) -> None:
         """Give rows to the observers that take them, rounded as in the file, so that both have the same results."""

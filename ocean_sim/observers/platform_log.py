@@ -11,7 +11,6 @@ from ocean_sim.platform.shared.motion_log import AXES_IN_WORDS, ride_of, round_i
 from ocean_sim.simulation import Observer, ObserverConfig, Simulation
 
 PLATFORM_FRAME = "flu"
-ROWS_PER_BATCH = 100  # unless another observer waits for each
 
 
 class Config(ObserverConfig):
@@ -29,8 +28,8 @@ class Config(ObserverConfig):
         logged = round_interval(rate)
         head = heading(logged) | {"seed": scene.seed}
         csv = CsvFile(folder / "platform.csv", head, PLATFORM_COLUMNS)
-        ship, every = scene.platform.ridden(list(scene.ships)), 0.0 if at_once else ROWS_PER_BATCH * rate
-        return PlatformLog(csv, every, scene.platform.build(logged), simulation, ship)
+        ship = scene.platform.ridden(list(scene.ships))
+        return PlatformLog(csv, scene.platform.build(logged), simulation, ship, at_once)
 
 
 def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
@@ -49,32 +48,18 @@ def heading(every: float, frame: str = PLATFORM_FRAME) -> dict[str, object]:
 class PlatformLog(Observer, TakesMotion):
     """Writes platform.csv from the rows of the motion log, with the values that `ocean-sim platform` gets from it."""
 
-    def __init__(self, csv: CsvFile, every: float, platform: Platform, simulation: Simulation, ship: str) -> None:
+    def __init__(self, csv: CsvFile, platform: Platform, simulation: Simulation, ship: str, at_once: bool) -> None:
         """`ship`: name of the ship that carries the platform."""
-        self.csv, self.every, self.platform, self.simulation, self.ship = csv, every, platform, simulation, ship
-        self.at_once = every == 0.0
-        self.new: list[dict[str, np.ndarray]] = []  # rows without commands yet
-        self.frame = PLATFORM_FRAME  # of the new rows
+        self.csv, self.platform, self.simulation, self.ship, self.at_once = csv, platform, simulation, ship, at_once
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
+        """Write the commands for rows of the ship, and hand them on."""
         if ship == self.ship:
-            self.new.append(rows)
-            self.frame = frame
-
-    def observe(self, simulation: Simulation) -> None:
-        self.follow_new_rows()
-
-    def follow_new_rows(self) -> None:
-        """Write the commands for the new rows, and hand them on."""
-        if self.new:
-            rows = {name: np.concatenate([row[name] for row in self.new]) for name in self.new[0]}
-            commands = self.platform.follow(ride_of(rows, self.frame))
-            self.new = []
+            commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():
                 self.csv.row(row)
             for observer in takers(self.simulation, TakesCommands):
                 observer.take_commands(commands)
 
     def close(self) -> None:
-        self.follow_new_rows()
         self.csv.close()

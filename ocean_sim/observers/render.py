@@ -42,7 +42,15 @@ from ocean_sim.pictures.frame_files import (
 )
 from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage.camera import SHIP_CAMERAS, CameraName
-from ocean_sim.pictures.stage.picture import MAP_CAMERAS, PIXEL_SAMPLES, Moments, Picture, Shot, is_foreseeable
+from ocean_sim.pictures.stage.picture import (
+    MAP_CAMERAS,
+    PIXEL_SAMPLES,
+    Moments,
+    Picture,
+    Shot,
+    is_foreseeable,
+    picture_row,
+)
 from ocean_sim.pictures.stage.render_order import Order, Quality, RenderFailed
 from ocean_sim.pictures.water.sea_state import DRY_DEPTH_SHARE, TANK_FITTINGS, run_scene
 from ocean_sim.simulation import OutcomeObserver, PeriodicConfig, Progress, Simulation
@@ -434,15 +442,6 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
         return np.stack([np.asarray(imageio.imread(Path(order.out, still_name(order.stills[0])))) for order in orders])
 
 
-def picture_row(pictures: Sequence[np.ndarray], gap: int = STRIP_GAP) -> np.ndarray:
-    """Pictures of one size (height, width, 3) in a row, white between them."""
-    height, width, _ = pictures[0].shape
-    strip = np.full((height, len(pictures) * (width + gap) - gap, 3), 255, np.uint8)
-    for k, picture in enumerate(pictures):
-        strip[:, k * (width + gap) : k * (width + gap) + width] = picture
-    return strip
-
-
 def order_files(order: Order) -> list[str]:
     """The files of an order."""
     names = ["preview.png"] if order.preview else []
@@ -474,7 +473,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
         save_png(out / still_name(time), picture.draw(Frame(log.nearest(time))))
     if order.strip:
         times = np.linspace(*log.span, order.strip) if order.strip > 1 else [sum(log.span) / 2.0]
-        row = picture_row([picture.draw(Frame(log.nearest(float(time)))) for time in times])
+        row = picture_row([picture.draw(Frame(log.nearest(float(time)))) for time in times], STRIP_GAP)
         save_png(out / "strip.png", row)
     picture.close()
 

@@ -58,36 +58,24 @@ class Stream(Observer, TakesCommands):
     """Sends the rows of platform.csv. A run faster than real time waits; in a slower one the receiver holds its pose.
     At the end the platform returns to neutral."""
 
-    every = 0.0  # each row leaves as soon as it is known
-
     def __init__(self, config: Config, platform: Platform) -> None:
         """`platform`: one at rest, for the way back to neutral."""
         self.config, self.platform = config, platform
-        self.new: list[Commands] = []  # rows to be sent
         self.past = np.zeros((0, 6))  # the last two poses
         self.time, self.seq = 0.0, 0  # of the last row
         self.sender = Sender(config.to, config.packets, read_key(config.key) if config.key else b"")
 
     def take_commands(self, rows: Commands) -> None:
-        self.new.append(rows)
-
-    def observe(self, simulation: Simulation) -> None:
-        self.send_new()
-
-    def send_new(self) -> None:
-        """Send the rows that are new, each at its time."""
-        for rows in self.new:
-            self.past = np.vstack([self.past, rows.pose])[-2:]
-            self.time, self.seq = float(rows.time[-1]), int(rows.seq[-1])
-            self.send(rows)
-        self.new = []
+        self.past = np.vstack([self.past, rows.pose])[-2:]
+        self.time, self.seq = float(rows.time[-1]), int(rows.seq[-1])
+        self.send(rows)
 
     def send(self, rows: Commands) -> None:
+        """Send rows, each at its time."""
         for packet in row_packets(rows, self.config.frame):
             self.sender.send(packet)
 
     def close(self) -> None:
-        self.send_new()
         if len(self.past):
             self.send(self.platform.return_home(self.past[[0, -1]], self.time, self.seq))
         latency = self.sender.latency()

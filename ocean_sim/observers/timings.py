@@ -38,7 +38,7 @@ class Timings(Observer):
     The first step compiles kernels. It stands apart, as `first_step_s`, and no mean contains it.
     """
 
-    left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last", "end")  # values of a clock
+    left_out = ("stage_times", "began", "first_step", "first_step_s", "start", "last")  # values of a clock
 
     def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.every, self.folder, self.simulation = config.every, folder, simulation
@@ -51,7 +51,6 @@ class Timings(Observer):
         self.first_step_s = float("nan")
         self.start: Mark | None = None  # when the first step was over
         self.last: Mark | None = None
-        self.end: Mark | None = None  # when the run was over
         self.csv: CsvFile | None = None
         self.sync = synchronization(simulation.backend.arch)
         simulation.stage = self.stage  # type: ignore[method-assign, assignment]
@@ -114,23 +113,7 @@ class Timings(Observer):
         taken["other"] = max(0.0, wall - sum(taken.values()))
         return (after.time - before.time) / wall, {name: 1e3 * seconds / steps for name, seconds in taken.items()}
 
-    def summary(self) -> dict[str, object]:
-        """Means of the whole run without its first step, for `bench` and the command line."""
-        if self.start is None or self.simulation.steps == self.start.steps:
-            return {"first_step_s": self.first_step_s, "steps": self.simulation.steps}
-        now = self.end or self.take_mark(perf_counter())
-        factor, stages = self.stage_means(self.start, now)
-        return {
-            "first_step_s": self.first_step_s,
-            "steps": now.steps,
-            "wall_s": now.wall - self.start.wall,
-            "ms_per_step": 1e3 * (now.wall - self.start.wall) / (now.steps - self.start.steps),
-            "real_time_factor": factor,
-            "stages": stages,
-        }
-
     def close(self) -> None:
-        self.end = self.take_mark(perf_counter())
         self.write_row()
         if self.csv is not None:
             self.csv.close()

@@ -60,8 +60,6 @@ class Tracers(Observer):
     last: np.ndarray | None
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
-        if simulation.fluid.particles is None:
-            raise ValueError("tracers: this water has no particles to follow")
         self.every, self.sampled = config.every, Sampled(config.every)
         self.names = tracer_ids(config, simulation)
         self.periods = np.array(simulation.basin.periods)
@@ -93,9 +91,6 @@ def tracer_ids(config: Config, simulation: Simulation) -> np.ndarray:
     """Ids of the particles to follow, each once; raises ValueError if there are none or too many."""
     particles = with_particles(simulation.fluid).particles
     ids, x = particles.id.to_numpy(), particles.position.to_numpy()
-    missing = [name for name in config.ids if name >= len(ids)]
-    if missing:
-        raise ValueError(f"tracers.ids: there is no particle {missing[0]}; there are {len(ids)}")
     found = [np.array(config.ids, dtype=int)]
     for k, box in enumerate(config.boxes):
         along = x[:, : len(box.min)]

@@ -1,9 +1,10 @@
-"""The frames that a run kept, one file each, read when asked for."""
+"""The frames that a run kept, one file each, read when asked for; and the arrays that a run keeps once."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 from zlib import error as BadStream
 
@@ -11,7 +12,13 @@ import numpy as np
 from numpy.lib.npyio import NpzFile
 
 from ocean_sim.files.input_file import Unreadable, size_of
+from ocean_sim.parts import key_of
 from ocean_sim.pictures.stage.camera import Track
+
+if TYPE_CHECKING:
+    from ocean_sim.fluid import Fluid
+    from ocean_sim.pictures.live.scene_lines import LiveSimulation
+    from ocean_sim.ship import Ship
 
 MAX_FRAME_BYTES = 4_000_000_000  # of a file of frames/, and of what it unpacks to
 DAMAGE_ERRORS = (
@@ -157,3 +164,54 @@ def survey_run(files: list[Path]) -> tuple[Frame, float]:
             speed.append(float(np.percentile(np.linalg.norm(frame.velocity, axis=1), 99)))
     half = len(files) // 2
     return Frame(files[half + int(np.argmax(height[half:]))]), max(speed)
+
+
+def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
+    """(2,) x and z of the middle between ships [m], in whole cells (2,) [m]."""
+    middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
+    return cell * np.round(middle / cell)
+
+
+def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
+    """Arrays that a run keeps once, with places x and z of its heights [m]: basin, plane waves, and hulls of ships."""
+    basin, fluid = simulation.basin, simulation.fluid
+    arrays: dict[str, Any] = {
+        "x": x,
+        "z": z,
+        "lower": np.array(basin.lower),
+        "upper": np.array(basin.upper),
+        "depth": basin.depth,
+        "spacing": fluid.spacing,
+        "obstacles": np.array(basin.fixed).reshape(-1, 2, 3),
+    }
+    for name, ship in simulation.ships.items():
+        key, drawn = key_of(name), ship.drawn()
+        if drawn is not None:
+            arrays |= {f"{key}_vertices": drawn[0], f"{key}_triangles": drawn[1]} | appearance(simulation, ship)
+    open_air = basin.dimension == 3 and (fluid.particles is None or fluid.sound_speed > 0.0)
+    return arrays | wave_arrays(fluid) | {"has_surface": open_air}
+
+
+def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
+    """Arrays of a ship for pictures, apart from her hull: look, helm from the centre of mass in body axes [m] (empty if
+    none is named), and share of her volume under water at rest."""
+    scene, key = simulation.scene, key_of(ship.name)
+    look = scene.ships[ship.name].look(scene.preflight)
+    if look is None:
+        return {}
+    helm = ship.points.get("helm", np.zeros(0))
+    return {f"{key}_look": look.name, f"{key}_helm": helm, f"{key}_submerged": look.submerged}
+
+
+def wave_arrays(fluid: "Fluid") -> dict[str, np.ndarray]:
+    """Arrays of the waves of water in closed form, for pictures beyond the basin."""
+    sea = fluid.plane_waves
+    if sea is None:
+        return {}
+    exact = {
+        "sea_amplitude": sea.amplitude,
+        "sea_wavevector": sea.wavevector,
+        "sea_phase": sea.phase,
+        "sea_ramp": np.array(sea.ramp),
+    }
+    return exact | ({"sea_answers": np.array(True)} if fluid.can_be_disturbed else {})

@@ -52,7 +52,7 @@ from ocean_sim.parts import (
 from ocean_sim.reading import Heading
 from ocean_sim.reading.composition import Composition, compose, unknown_name, with_owners
 from ocean_sim.reading.idle import idle_keys
-from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, likeliest, validated
+from ocean_sim.reading.translation import choice_sentence, dotted, key_sentence, validated
 from ocean_sim.runtime import RuntimeConfig
 from ocean_sim.simulation import ObserverConfig
 
@@ -228,16 +228,11 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
         return None, [unknown_name("profile", name, "", named("run"))]
     node = read_mapping(library("configs") / "run" / f"{profile}.yaml")
     allowed = ("runtime", "time_step", "resolution", *observer_names())
-    problems = [
-        problem_at(
-            inner.key_location,
-            key,
-            f"a profile has no such key{choice_sentence(key, allowed)[0]}",
-            likeliest(key, allowed),
-        )
-        for key, inner in node.data.items()
-        if key not in allowed
-    ]
+    problems = []
+    for key, inner in node.data.items():
+        if key not in allowed:
+            end, suggestion = choice_sentence(key, allowed)
+            problems.append(problem_at(inner.key_location, key, f"a profile has no such key{end}", suggestion))
     return node.with_data({key: inner for key, inner in node.data.items() if key in allowed}), problems
 
 

@@ -2,8 +2,9 @@
 
 Every attribute of every object of this package that can be reached is taken, so a new part cannot forget anything.
 Taichi fields and NumPy arrays are taken by content; an object that is reached twice is taken once. Configs, functions
-and types are left alone: the same scene builds them again. So are the names in a class's `left_out`, which depend on a
-clock or belong to the process. Anything of another kind is refused with its name, and not lost in silence.
+and types are left alone: the same scene builds them again. So are cached properties, computed again when asked for, and
+the names in a class's `left_out`, which depend on a clock or belong to the process. Anything of another kind is refused
+with its name, and not lost in silence.
 
 To put a state back, the same scene is built again; objects that hold fields keep their identity, which compiled kernels
 know them by, and data is created. No code of a file is run: data classes and tuples of this package alone are made,
@@ -15,6 +16,7 @@ import os
 import shutil
 import sys
 from collections.abc import Iterable
+from functools import cached_property
 from inspect import get_annotations
 from io import TextIOWrapper
 from pathlib import Path
@@ -29,18 +31,14 @@ from ocean_sim.state.fields import FieldContents, array_shape
 
 PACKAGE_NAME = "ocean_sim"
 PLAIN_TYPES = (bool, int, float, str)
-REBUILT_TYPES = (BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc)
+REBUILT_TYPES = (
+    *(BaseModel, type, FunctionType, MethodType, BuiltinFunctionType, ModuleType, np.dtype, np.ufunc),
+    ti.Matrix,  # kernels hold one as a constant
+)
 MISSING_VALUE = object()
 NUMBER_TYPES = (int, float, np.number, np.bool_)
 COMPARED_TYPES: tuple[Any, ...] = (Path, TextIOWrapper, str, NUMBER_TYPES, list, tuple, dict, range, np.ndarray)
-FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY, VECTOR_KEY = (
-    "field",
-    "array",
-    "number",
-    "same",
-    "left",
-    "vector",
-)
+FIELD_KEY, ARRAY_KEY, NUMBER_KEY, SAME_KEY, REBUILT_KEY = "field", "array", "number", "same", "left"
 LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
     "list",
     "tuple",
@@ -68,11 +66,15 @@ class FileShortened(Mismatch):
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """Attributes of an object, without those that its class leaves out and those of the kernel library."""
+    """Attributes of an object, without those that its class leaves out or computes, and those of the kernel library."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
-    return {
-        name: inner for name, inner in vars(value).items() if name not in out and not is_library_attribute(name, inner)
-    }
+    kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
+    return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
+
+
+def is_computed(value: Any, name: str) -> bool:
+    """True if an attribute is a cached property of the object."""
+    return isinstance(getattr(type(value), name, None), cached_property)
 
 
 def path_step(key: Any, number: int) -> str:
@@ -131,7 +133,7 @@ class Snapshot:
             return node["data"]
         if SAME_KEY in node:
             return node[SAME_KEY] not in self.stays
-        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY, VECTOR_KEY} & set(node) and all(
+        return not {FIELD_KEY, REBUILT_KEY, FILE_KEY} & set(node) and all(
             self.is_data(inner) for inner in node.values()
         )
 
@@ -140,11 +142,9 @@ class Snapshot:
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
-        if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        if isinstance(value, np.ndarray) and value.dtype.kind in "biufc":
             self.arrays[path] = value.copy()
             return {ARRAY_KEY: path}
-        if isinstance(value, ti.Matrix):
-            return {VECTOR_KEY: value.to_numpy().tolist()}
         if isinstance(value, TextIOWrapper):
             value.flush()
             name = Path(value.name).relative_to(self.folder).as_posix()
@@ -244,12 +244,6 @@ class Restorer:
 
     def from_array(self, node: Any, fresh: Any, path: str) -> np.ndarray:
         return self.arrays[node[ARRAY_KEY]]
-
-    def from_vector(self, node: Any, fresh: Any, path: str) -> Any:
-        """Kernels hold it as a constant."""
-        if not isinstance(fresh, ti.Matrix) or fresh.to_numpy().tolist() != node[VECTOR_KEY]:
-            raise Mismatch(f"its {path.lstrip('.')} is {node[VECTOR_KEY]}")
-        return fresh
 
     def from_file(self, node: Any, fresh: Any, path: str) -> TextIOWrapper:
         name, size = node[FILE_KEY]

@@ -99,15 +99,13 @@ class Setting:
 
 @dataclass(frozen=True)
 class Repeat:
-    """Run of a setting with its k-th seed; `again`: a run of its own, not one made before."""
+    """Run of a setting with one of its seeds."""
 
-    setting: Setting
-    k: int
-    again: bool = False
+    scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
         """Its run."""
-        return run_order(self.setting.scenes[self.k]) | ({"again": True} if self.again else {})
+        return run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Its answer, and the folder of its run under `run`."""

@@ -18,7 +18,6 @@ from ocean_sim.reading.scene import SceneConfig, load
 from ocean_sim.result import Result
 from ocean_sim.studies import reads_key
 from ocean_sim.studies.shared.scene_run import PICTURE_OBSERVERS, run_order, unwrapped_table
-from ocean_sim.time_step import Known
 
 COLUMN_SCENE: dict[str, Any] = {
     "title": "A collapsing column",
@@ -144,7 +143,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
                     raise
                 continue  # this water has no such setting
             limits = calm.fluid.still_limits(calm.preflight)
-            step = calm.time_step.build().next(Known(limits))
+            step = calm.time_step.build().next(limits)
             finite = {name: limit for name, limit in asdict(limits).items() if np.isfinite(limit)}
             for factor in axis.quick_steps if quick else STEP_FACTORS:
                 dt = factor * step

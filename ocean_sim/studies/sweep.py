@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from ocean_sim.files.yaml_file import Location, Node, Problem, SceneError, node_of, problem_at, read_mapping
 from ocean_sim.model import Model
@@ -26,8 +28,8 @@ from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS, PICTURE_OBSERVERS,
 
 MOST_RUNS = 10_000
 Settings = dict[str, Node]
-Groups = list[dict[str, Any]]
-Values = list[Any]
+Groups = Annotated[list[dict[str, Any]], Field(min_length=1)]
+Values = Annotated[list[Any], Field(min_length=1)]
 
 
 class PlanConfig(Model):
@@ -72,8 +74,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     node = read_mapping(path)
     problems: list[Problem] = []
     plan = validated(PlanConfig, node, (), problems)
-    problems += _empty(node)
-    if plan is None or problems:
+    if plan is None:
         raise SceneError(problems)
     count = max(1, len(plan.list)) * prod(map(len, plan.grid.values())) * max(1, len(plan.seeds))
     if count > MOST_RUNS:
@@ -90,14 +91,6 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
     if problems:
         raise SceneError(problems)
     return runs
-
-
-def _empty(node: Node) -> list[Problem]:
-    """Problems of lists without entries, which would silently mean no run at all."""
-    grid = node.child("grid")
-    lists = [(f"grid.{key}", value) for key, value in grid.data.items()] if grid is not None and grid.is_mapping else []
-    lists += [(key, node.data[key]) for key in ("list", "seeds") if key in node.data]
-    return [problem_at(inner.location, key, "this list is empty") for key, inner in lists if inner.data == []]
 
 
 def _grid_settings(node: Node) -> Iterator[Settings]:

@@ -7,11 +7,8 @@ table and in the pictures.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any
 
-from ocean_sim.files import csv_file
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import compared
 from ocean_sim.result import Result
@@ -71,28 +68,6 @@ class Trial:
     def schemes(self) -> tuple[str, ...]:
         """The kinds that are run."""
         return self.only or compared(self.slot)
-
-    @property
-    def peers(self) -> list["Peer"]:
-        """The errors that other programs reached, measured separately."""
-        return [peer for peer in peer_points() if peer.case == self.case]
-
-
-class Peer(NamedTuple):
-    """The error of another program, in the unit of the trial."""
-
-    case: str
-    program: str
-    particles: int
-    error: float
-
-
-@cache
-def peer_points() -> list[Peer]:
-    """Those of validation/data/peers.csv."""
-    text = (files("ocean_sim.validation") / "data" / "peers.csv").read_text(encoding="utf-8")
-    rows = csv_file.read_records(text)
-    return [Peer(row["case"], row["program"], int(row["particles"]), float(row["error"])) for row in rows]
 
 
 TRIAL_CASES = (

@@ -231,7 +231,10 @@ class Cloth:
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
-        return [] if self.flat else self.heights.area_and_volume(self.bed)
+        if self.flat:
+            return []
+        mesh = self.mesh()
+        return [mesh.area, mesh.volume(self.bed)]
 
 
 @in_kernels

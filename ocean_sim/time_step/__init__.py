@@ -1,28 +1,9 @@
 """Length of the next step: every module of this folder is a kind that a scene may name."""
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from ocean_sim.conventions import Setting
 from ocean_sim.fluid import Limits
-
-
-class Limited(Protocol):
-    """Anything that a time step must suit: the water, or the whole simulation."""
-
-    def limits(self) -> Limits:
-        """Upper bounds of the time step."""
-        ...
-
-
-@dataclass(frozen=True)
-class Known:
-    """Known limits, of water that is not built yet."""
-
-    known: Limits
-
-    def limits(self) -> Limits:
-        return self.known
 
 
 class TimeStep(Protocol):
@@ -39,6 +20,6 @@ class TimeStep(Protocol):
         """Go on with other values of adjustable settings."""
         ...
 
-    def next(self, limited: Limited) -> float:
-        """The next time step [s]."""
+    def next(self, limits: Limits) -> float:
+        """Next time step [s] under these limits, of the water or of the whole simulation."""
         ...

@@ -6,7 +6,6 @@ from ocean_sim.conventions import Setting
 from ocean_sim.fluid import Limits
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
-from ocean_sim.time_step import Limited
 
 
 class Config(TimeStepConfig):
@@ -56,6 +55,6 @@ class Courant:
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)
 
-    def next(self, limited: Limited) -> float:
-        dt, self.limited_by = self.config.shortest(limited.limits())
+    def next(self, limits: Limits) -> float:
+        dt, self.limited_by = self.config.shortest(limits)
         return dt

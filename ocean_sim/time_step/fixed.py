@@ -3,9 +3,9 @@
 from typing import Any, ClassVar, Literal
 
 from ocean_sim.conventions import LEAST_STEP, Setting
+from ocean_sim.fluid import Limits
 from ocean_sim.model import quantity
 from ocean_sim.parts import TimeStepConfig
-from ocean_sim.time_step import Limited
 
 
 class Config(TimeStepConfig):
@@ -40,5 +40,5 @@ class Fixed:
     def adjust(self, **values: float) -> None:
         self.config = self.config.model_copy(update=values)
 
-    def next(self, limited: Limited) -> float:
+    def next(self, limits: Limits) -> float:
         return self.config.dt

@@ -32,7 +32,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import record_run
 from ocean_sim.validation.shared.tables import table
 
 WIDTH = 1.0  # a of the column [m]
@@ -112,12 +112,9 @@ def measure_gated(simulation: Simulation) -> Finding:
 
 def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Scaled times (n,) and positions (n,) of the front [a]."""
-    left = simulation.basin.lower[0]
-    times, seen = [], []
-    for water in sampled_states(simulation, simulation.scene.duration, simulation.scene.duration / 60):
-        times.append(water.time)
-        seen.append((front_position(water.position, water.spacing) - left) / WIDTH)
-    return scaled_time(np.array(times), GRAVITY, WIDTH), np.array(seen)
+    every = simulation.scene.duration / 60
+    times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
+    return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:

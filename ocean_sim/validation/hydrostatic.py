@@ -10,7 +10,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error
-from ocean_sim.validation.shared.state import State, sampled_states
+from ocean_sim.validation.shared.state import State, record_run, sampled_states
 
 DENSITY = 1000.0  # [kg/m3]
 SOURCE = "p = rho g (H - z); Adami, Hu & Adams 2012"
@@ -75,15 +75,16 @@ def measure_long(simulation: Simulation) -> Finding:
     """Motion of still water within a minute."""
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
-    times, energy, centre, outside = [], [], [], 0
-    for water in sampled_states(simulation, simulation.scene.duration, 1.0):
-        times.append(water.time)
-        energy.append(water.kinetic_energy / (water.mass * len(water.position) * g * depth))
-        centre.append(water.position[:, 1].mean())
+
+    def motion(water: State) -> tuple[float, float, int]:
+        """Kinetic energy over m g H, height of the centre of mass [m] and number of particles outside."""
+        energy = water.kinetic_energy / (water.mass * len(water.position) * g * depth)
         out = (water.position < low) | (water.position > up)
-        outside = max(outside, int(out[:, :2].any(axis=1).sum()))
-    begun = max(1, len(times) // 12)
-    creep = 100.0 * (centre[-1] - centre[begun]) / depth
-    numbers = [absolute_error(value) for value in (energy[-1], creep, outside)]
-    curve = Curve("kinetic energy", np.array(times[1:]), np.array(energy[1:]))
+        return energy, water.position[:, 1].mean(), out[:, :2].any(axis=1).sum()
+
+    times, values = record_run(simulation, 1.0, motion)
+    energy, centre, outside = values.T
+    creep = 100.0 * (centre[-1] - centre[max(1, len(times) // 12)]) / depth
+    numbers = [absolute_error(value) for value in (energy[-1], creep, outside.max())]
+    curve = Curve("kinetic energy", times[1:], energy[1:])
     return Finding(numbers, [curve], [], ("time [s]", "KE / (m g H)"))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Promise, absolute_error, percent_error
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import record_run
 from ocean_sim.validation.shared.tables import table
 
 LENGTH, WIDTH, DEPTH, RESERVOIR = 3.22, 1.0, 0.55, 1.228  # [m]
@@ -69,14 +69,12 @@ def sensor_positions() -> np.ndarray:
 
 def measure(simulation: Simulation) -> Finding:
     """Record all channels over time."""
-    fluid, times, heights, pressures = simulation.fluid, [], [], []
+    fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
-    for water in sampled_states(simulation, simulation.scene.duration, SAMPLE_INTERVAL):
-        times.append(water.time)
-        heights.append(fluid.elevations(probes) + DEPTH)
-        pressures.append(fluid.pressures(sensor_positions()))
-    channels = dict(zip(HEIGHT_GAUGES, np.array(heights).T)) | dict(zip(PRESSURE_SENSORS, np.array(pressures).T))
-    return compare_channels(np.array(times), channels)
+    times, values = record_run(
+        simulation, SAMPLE_INTERVAL, lambda _: [*(fluid.elevations(probes) + DEPTH), *fluid.pressures(sensors)]
+    )
+    return compare_channels(times, dict(zip((*HEIGHT_GAUGES, *PRESSURE_SENSORS), values.T)))
 
 
 def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> float:

@@ -10,8 +10,7 @@ end on: of the towed box the closed form is only reported, and both patches are 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -19,9 +18,16 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY, WATER_DENSITY
-from ocean_sim.reading.scene import load, observer_names
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
+from ocean_sim.validation.shared.case import (
+    Curve,
+    Finding,
+    Problem,
+    Promise,
+    absolute_error,
+    other_simulation,
+    percent_error,
+)
 from ocean_sim.validation.shared.ship import at_sea, first_harmonics, follow_body, ship_of, ship_of_section
 from ocean_sim.validation.shared.state import State, particle_state
 from ocean_sim.validation.shared.tables import table_path
@@ -61,13 +67,13 @@ def floating_problem(name: str, speed: float) -> Problem:
         exact, small = closed_form_motions(simulation, speed), follow_motions(simulation, speed)
         with other_simulation(simulation, patch_scene(FREE_LENGTHS[1], moves)) as larger:
             large = follow_motions(larger, speed)
-        numbers = [*map(percent_error, small.amplitudes, exact.amplitudes)]
-        numbers += map(percent_error, large.amplitudes, small.amplitudes)
-        curves = [*small.curves(), *large.curves(larger_patch)]
-        return Finding(numbers, curves, exact.curves(", linear"), ("t / T", "heave / a, pitch / k a"))
+        theory, here, there = (motion_amplitudes(rows, speed) for rows in (exact, small, large))
+        numbers = [*map(percent_error, here, theory), *map(percent_error, there, here)]
+        curves = [*motion_curves(small), *motion_curves(large, larger_patch)]
+        return Finding(numbers, curves, motion_curves(exact, ", linear"), ("t / T", "heave / a, pitch / k a"))
 
     scene = patch_scene(FREE_LENGTHS[0], moves)
-    return Problem(scene, tuple(promises), measure, name, True, "ship", ("pressure",), True)
+    return Problem(scene, tuple(promises), measure, name, True, "ship", ("pressure",))
 
 
 def heaving_problem() -> Problem:
@@ -98,7 +104,7 @@ def heaving_problem() -> Problem:
         leaving, coming = np.hypot(fit[0], fit[1]), np.hypot(fit[2], fit[3])
         return Finding([absolute_error(100.0 * float(coming / leaving))])
 
-    return Problem(scene, (back,), measure, "heaving", True, "ship", ("pressure",), True)
+    return Problem(scene, (back,), measure, "heaving", True, "ship", ("pressure",))
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
@@ -150,12 +156,6 @@ def box_keys(moves: Sequence[str]) -> dict[str, Any]:
     return whole | {"free": list(moves)}
 
 
-def other_simulation(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
-    """The simulation of another scene without observers, on the same processor."""
-    quiet = {name: None for name in observer_names() if name != "manifest"}
-    return Simulation(load(scene | quiet | {"runtime": simulation.scene.resolved()["runtime"]}))
-
-
 class ImposedMotion(NamedTuple):
     """Motion along one axis of the world."""
 
@@ -176,29 +176,22 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
         pressed.place_hull()
 
 
-@dataclass(frozen=True)
-class Motions:
-    """Motions of a box at a speed [m/s] along the waves."""
-
-    rows: np.ndarray  # (n, 3) time [s], heave over the amplitude of the waves, pitch over their slope
-    speed: float
-
-    @cached_property
-    def amplitudes(self) -> list[float]:
-        """Amplitudes of heave and pitch in the last periods, fitted with a trend."""
-        t = self.rows[:, 0]
-        last = t > t[-1] - JUDGED_PERIODS * PERIOD
-        encounter = 2.0 * pi / PERIOD - WAVENUMBER * self.speed  # [rad/s]
-        return first_harmonics(t[last], self.rows[last, 1:], encounter).tolist()
-
-    def curves(self, suffix: str = "") -> list[Curve]:
-        """Heave and pitch over time."""
-        t = self.rows[:, 0] / PERIOD
-        return [Curve(f"{motion}{suffix}", t, self.rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
+def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
+    """Amplitudes of heave and pitch of a box at a speed [m/s] in the last periods, fitted with a trend."""
+    t = rows[:, 0]
+    last = t > t[-1] - JUDGED_PERIODS * PERIOD
+    encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
+    return first_harmonics(t[last], rows[last, 1:], encounter).tolist()
 
 
-def follow_motions(simulation: Simulation, speed: float) -> Motions:
-    """Run the box held in sway, or towed at a speed [m/s] along the waves."""
+def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
+    """Heave and pitch over time."""
+    return [Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
+
+
+def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
+    """Run the box held in sway, or towed at a speed [m/s] along the waves: rows (n, 3) of time [s], heave over the
+    amplitude of the waves, pitch over their slope."""
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:
@@ -209,11 +202,11 @@ def follow_motions(simulation: Simulation, speed: float) -> Motions:
         rows.append((time, body.position[1] / AMPLITUDE, body.angles[2] / (WAVENUMBER * AMPLITUDE)))
     found = np.array(rows)
     found[:, 1] -= found[0, 1]
-    return Motions(found, speed)
+    return found
 
 
-def closed_form_motions(simulation: Simulation, speed: float) -> Motions:
-    """Motions in `linear_waves`; sway is imposed, so no acceleration of its own turns the box."""
+def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
+    """Rows of `follow_motions` in `linear_waves`; sway is imposed, so no acceleration of its own turns the box."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)

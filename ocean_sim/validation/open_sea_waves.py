@@ -28,7 +28,8 @@ from ocean_sim.fluid.patch.sources import Depths
 from ocean_sim.fluid.sph.initial_state import displaced_state, patch_waves
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, percent_error
-from ocean_sim.validation.shared.state import State, particle_state, sampled_states, set_state
+from ocean_sim.validation.shared.flume import gauge_records
+from ocean_sim.validation.shared.state import State, particle_state, record_run, set_state
 
 LENGTH, DEPTH, G = 1.0, 0.5, 9.81  # [m], [m], [m/s2]
 K = 2.0 * pi / LENGTH
@@ -107,15 +108,12 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
     """Height, phase and current in the last periods."""
-    until = simulation.scene.duration
-    found = [
-        (water.time, *fit_wave(water, amplitude, speed * water.time))
-        for water in sampled_states(simulation, until, PERIOD / PERIOD_SAMPLES)
-    ]
-    time, height, current = (np.array(column) for column in zip(*found))
-    height = height / linear_wave_share(simulation, time)
-    last = time > until - JUDGED_PERIODS * PERIOD
-    a, u = complex(height[last].mean()), float(current[last].mean()) * K / OMEGA
+    time, fits = record_run(
+        simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
+    )
+    height = fits[:, 0] / linear_wave_share(simulation, time)
+    last = time > simulation.scene.duration - JUDGED_PERIODS * PERIOD
+    a, u = complex(height[last].mean()), float(fits[last, 1].real.mean()) * K / OMEGA
     degrees = float(np.degrees(np.angle(a)))
     numbers = ((abs(a), 1.0, 100.0 * (abs(a) - 1.0)), absolute_error(degrees), (u, 0.0, 100.0 * u))
     return Finding(
@@ -217,20 +215,19 @@ def measure_random(simulation: Simulation) -> Finding:
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH
     x = np.linspace(-half, half, 81)
-    points, found, wanted, time = np.stack([x, 0.0 * x], axis=1), [], [], []
-    for water in sampled_states(simulation, simulation.scene.duration, PERIOD / PERIOD_SAMPLES):
-        if water.time > 0.5 * simulation.scene.duration:
-            time.append(water.time / PERIOD)
-            found.append(simulation.fluid.elevations(points))
-            wanted.append(waves.elevation(sea, points, water.time))
-    eta, theory = (np.array(rows) - np.mean(rows) for rows in (found, wanted))
+    points = np.stack([x, 0.0 * x], axis=1)
+    time, found = gauge_records(simulation, points, PERIOD / PERIOD_SAMPLES)
+    second_half = time > 0.5 * simulation.scene.duration
+    time, found = time[second_half], found[second_half]
+    wanted = np.array([waves.elevation(sea, points, t) for t in time])
+    eta, theory = found - found.mean(), wanted - wanted.mean()
     alike = float((eta * theory).mean() / (eta.std() * theory.std()))
     height, right = 4.0 * float(eta.std()), 4.0 * float(theory.std())
     numbers = (percent_error(height, right), absolute_error(alike, 1.0))
     middle = len(x) // 2
     return Finding(
         numbers,
-        [Curve("in the middle", np.array(time), eta[:, middle])],
-        [Curve("the sea", np.array(time), theory[:, middle])],
+        [Curve("in the middle", time / PERIOD, eta[:, middle])],
+        [Curve("the sea", time / PERIOD, theory[:, middle])],
         ("t / T", "elevation [m]"),
     )

@@ -23,11 +23,12 @@ from ocean_sim.files import csv_file
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
 from ocean_sim.validation.shared.ship import (
+    JUDGED_WAVES,
     at_sea,
     first_harmonics,
     floating_ship,
     follow_body,
-    set_pose,
+    record_in_waves,
     ship_of_section,
 )
 from ocean_sim.validation.shared.tables import table_path
@@ -36,7 +37,6 @@ LENGTH, BREADTH, HEIGHT, DRAUGHT, BILGE = 0.586, 0.400, 0.256, 0.200, 0.0512  # 
 MASS, KG, ROLL_RADIUS = 46.8, 0.107, 0.36 * BREADTH  # [kg], [m], [m]
 DEPTH, AMPLITUDE = 1.00, 0.012  # [m]
 SPRING_STIFFNESS, SPRING_DAMPING, ANCHOR_DISTANCE = 60.0, 8.70, 100.0  # in sway [N/m], [N s/m]; [m]
-WAVE_COUNT, JUDGED_WAVES, WAVE_STEPS = 20, 4, 60  # waves, the last of them that count, steps in each
 MOTION_SCALES = {"heave": "a", "roll": "k a"}
 FREE_MOTIONS = {"heave+roll": ("heave", "roll"), "sway+heave": ("sway", "heave")}  # of each scenario
 MEASURED_COLUMNS = {"sway": "Sway", "heave": "heave_acc", "roll": "roll_acc"}  # accelerometers if there are any
@@ -173,20 +173,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
     """Motions over the amplitude a, roll over k a, in a regular wave of a period [s]."""
-    fluid: Any = simulation.fluid  # of kind linear_waves
-    clock: Any = simulation.time_step  # of kind fixed
-    rest = np.array([0.0, KG - floating_ship(simulation).hydrostatics.draught, 0.0])
-    set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
-    fluid.begin(waves.regular_wave(2.0 * AMPLITUDE, period, waves.heading_vector(90.0, 3), DEPTH, GRAVITY))
-    simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
-    clock.config = clock.config.model_copy(update={"dt": period / WAVE_STEPS})
-    rows = [(t, *b.position[:2], b.angles[2]) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]
-    return motion_harmonics(np.array(rows[-JUDGED_WAVES * WAVE_STEPS :]), period)
-
-
-def motion_harmonics(rows: np.ndarray, period: float) -> dict[str, float]:
-    """First harmonics of sway and heave over the amplitude a, of roll over k a, fitted with a trend; rows (n, 4) of
-    time [s], sway, heave [m] and roll [rad]."""
-    t, omega = rows[:, 0], 2.0 * pi / period
-    sway, heave, roll = first_harmonics(t, rows[:, 1:], omega) / AMPLITUDE
+    rest, omega = KG - floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
+    t, sway, heave, _, _, _, roll = record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
+    sway, heave, roll = first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE
     return {"sway": float(sway), "heave": float(heave), "roll": float(roll / waves.wavenumber(omega, DEPTH, GRAVITY))}

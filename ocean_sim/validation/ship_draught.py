@@ -9,7 +9,7 @@ import numpy as np
 from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, balance_heave, floating_ship, ship_of
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, UPRIGHT, at_sea, balance_heave, floating_ship, ship_of
 
 HEIGHT = 1.0  # [m] of every shape
 SHAPES: dict[str, dict[str, Any]] = {
@@ -66,7 +66,7 @@ def shape_problem(shape: str, density: float) -> Problem:
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
     """Draught at which weight and buoyancy balance, upright."""
     ship = floating_ship(simulation)
-    balance_heave(simulation, np.array([1.0, 0.0, 0.0, 0.0]))
+    balance_heave(simulation, UPRIGHT)
     found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
     return Finding([percent_error(found, exact)], [Curve("draught", np.array([exact]), np.array([found]), True)])
 

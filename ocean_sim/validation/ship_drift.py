@@ -16,7 +16,7 @@ from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, reported
-from ocean_sim.validation.shared.ship import COMPARED_SHIPS, at_sea, floating_ship, follow_body, set_pose
+from ocean_sim.validation.shared.ship import COMPARED_SHIPS, UPRIGHT, at_sea, floating_ship, follow_body, set_pose
 
 HEIGHT, PERIOD, PERIOD_STEPS = 1.0, 5.0, 60  # [m], [s], steps in a period
 PHASE_COUNT, PASSED_PERIODS, JUDGED_PERIODS = 8, 18, 12  # phases at the start, periods before and of the record
@@ -49,7 +49,7 @@ def measure_drift(simulation: Simulation, phases: int) -> Finding:
     at, speeds = 2.0 * np.pi * np.arange(phases) / phases, []
     until, judged = (PASSED_PERIODS + JUDGED_PERIODS) * PERIOD - 1e-9, JUDGED_PERIODS * PERIOD_STEPS
     for phase in at:
-        set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
+        set_pose(simulation, position=rest, orientation=UPRIGHT)
         fluid.begin(replace(train, phase=np.array([phase])))
         simulation.time = 0.0
         v = [body.velocity[2] for _, body in follow_body(simulation, until)]

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.ship import at_sea, floating_ship, follow_body, set_pose
+from ocean_sim.validation.shared.ship import at_sea, floating_ship, record_in_waves
 from ocean_sim.validation.shared.tables import table, table_path
 
 HULL_LENGTH = {"barge20": 20.0, "wigley": 3.0}
@@ -25,7 +24,6 @@ WAVE_FREQUENCIES = {  # [rad/s] by hull and direction of the sea
 }
 MOTION_TOLERANCES = {"heave": 5.0, "pitch": 10.0, "roll": 10.0}  # [%]
 LONG_TOLERANCE, MAX_FREQUENCY = 3.0, 1.2  # [%] in waves longer than six hulls; [rad/s] of the barge
-WAVE_COUNT, JUDGED_WAVES, WAVE_STEPS = 20, 4, 60  # waves that pass, waves of the record, steps in each
 STEEPNESS = 0.002  # amplitude over the hull's length
 ROLL_KEYS = {"added_mass": {"roll": 1167.8e3}}  # [kg m2] of the barge, by the same potential flow
 SOURCE_TEXT = "Capytaine, linear potential flow"
@@ -103,18 +101,9 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
     """Heave [m/m], pitch and roll [deg/m] in a regular wave of a frequency [rad/s], from the motion at that frequency;
     length of the hull [m], heading of the wave [deg]."""
-    fluid: Any = simulation.fluid  # of kind linear_waves
-    clock: Any = simulation.time_step  # of kind fixed
-    ship, period = floating_ship(simulation), 2.0 * np.pi / omega
-    rest = np.array([0.0, ship.first_body.position[1], 0.0])
-    set_pose(simulation, position=rest, orientation=np.array([1.0, 0.0, 0.0, 0.0]))
-    depth = simulation.basin.depth
-    amplitude = STEEPNESS * length
-    fluid.begin(waves.regular_wave(2.0 * amplitude, period, waves.heading_vector(heading, 3), depth, GRAVITY))
-    simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
-    clock.config = clock.config.model_copy(update={"dt": period / WAVE_STEPS})
-    rows = [(t, b.position[1], *b.angles) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]
-    t, heave, pitch, _, roll = np.array(rows[-JUDGED_WAVES * WAVE_STEPS :]).T
+    rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
+    rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
+    t, _, heave, _, pitch, _, roll = rows
     wave = np.exp(1j * omega * t)
     heave, pitch, roll = (2.0 * abs(np.mean((y - y.mean()) * wave)) / amplitude for y in (heave, pitch, roll))
     return float(heave), float(np.degrees(pitch)), float(np.degrees(roll))

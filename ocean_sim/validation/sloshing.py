@@ -8,23 +8,25 @@ is in periods of the sway: the bores of the table are 0.99 apart, the period is 
 position of the gauge nor the start of the motion, so crest and arrival are only reported.
 """
 
-from math import cosh, pi, sqrt, tanh
+from dataclasses import replace
+from math import pi
 
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error
-from ocean_sim.validation.shared.state import State, sampled_states
+from ocean_sim.validation.shared.flume import gauge_records
+from ocean_sim.validation.shared.state import record_run
 from ocean_sim.validation.shared.tables import table
+from ocean_sim.validation.standing_wave import StandingWave
 
 LENGTH, DEPTH, SWAY = 1.0, 0.5, 0.01  # [m]
-K = pi / LENGTH
-OMEGA = sqrt(GRAVITY * K * tanh(K * DEPTH))  # first mode
-PERIOD = 2.0 * pi / OMEGA  # 1.182 s
+FREE_WAVE = StandingWave(LENGTH, DEPTH, mode=1, amplitude=1.0, gravity=GRAVITY)  # the first mode
+OMEGA, PERIOD = FREE_WAVE.omega, FREE_WAVE.period  # [1/s], 1.182 s
 SWAY_OMEGA = OMEGA / 1.6  # [1/s], far from every mode
-# C [m2/s] at the still surface
-MODE_AMPLITUDE = 4.0 * LENGTH / pi**2 * SWAY * SWAY_OMEGA**3 / (OMEGA**2 - SWAY_OMEGA**2)
+POTENTIAL = 4.0 * LENGTH / pi**2 * SWAY * SWAY_OMEGA**3 / (OMEGA**2 - SWAY_OMEGA**2)  # C [m2/s] at the still surface
+FIRST_MODE = replace(FREE_WAVE, amplitude=POTENTIAL * OMEGA / GRAVITY)
 DISPERSION_SOURCE = "w1^2 = g k tanh(k h)"
 PROMISES = (
     Promise("period of the first mode [s]", "%", f"{DISPERSION_SOURCE}; 1 %", {"delta_sph": 1.0}),
@@ -33,7 +35,7 @@ PROMISES = (
 )
 
 SHALLOW_DEPTH = 0.03  # [m]
-SHALLOW_OMEGA = 1.231 * sqrt(GRAVITY * K * tanh(K * SHALLOW_DEPTH))
+SHALLOW_OMEGA = 1.231 * replace(FREE_WAVE, depth=SHALLOW_DEPTH).omega
 SHALLOW_PERIOD = 2.0 * pi / SHALLOW_OMEGA
 GAUGE_DISTANCE = 0.05  # [m] from the left wall, assumed
 SERIES_SOURCE = "Bouscasse et al. 2013, series 5, digitised"
@@ -52,11 +54,7 @@ def problems(coarse: bool) -> list[Problem]:
     bore_sway = sway_motion(2.333 * SHALLOW_DEPTH, SHALLOW_OMEGA)
     series = {
         "duration": 11.0 * SHALLOW_PERIOD,
-        "basin": {
-            "length": LENGTH,
-            "depth": SHALLOW_DEPTH,
-            "motion": bore_sway,
-        },
+        "basin": {"length": LENGTH, "depth": SHALLOW_DEPTH, "motion": bore_sway},
         "fluid": {"spacing": SHALLOW_DEPTH / (8 if coarse else 15), "kinematic_viscosity": 1e-6},
     }
     return [
@@ -70,25 +68,9 @@ def sway_motion(amplitude: float, omega: float) -> dict[str, str | float]:
     return {"kind": "harmonic", "axis": "x", "amplitude": amplitude, "period": 2.0 * pi / omega, "ramp": 0.0}
 
 
-def mode_flow(position: np.ndarray) -> np.ndarray:
-    """Velocity (n, 3) [m/s] of the first mode with a potential of 1 m2/s at the still surface; x from the middle."""
-    x, y = position[:, 0] + LENGTH / 2, position[:, 1] + DEPTH
-    along, up = -np.sin(K * x) * np.cosh(K * y), np.cos(K * x) * np.sinh(K * y)
-    return K / cosh(K * DEPTH) * np.stack([along, up, np.zeros_like(x)], axis=1)
-
-
-def mode_share(water: State) -> float:
-    """Share of the first mode in the velocities, over the amplitude of linear theory."""
-    mode = mode_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
-    return float((water.velocity * mode).sum() / (mode * mode).sum()) / MODE_AMPLITUDE
-
-
 def measure_mode(simulation: Simulation) -> Finding:
     """First mode over time."""
-    states = sampled_states(simulation, simulation.scene.duration, PERIOD / 40)
-    seen = [(water.time, mode_share(water)) for water in states]
-    times, signal = np.array(seen).T
-    return compare_mode(times, signal)
+    return compare_mode(*record_run(simulation, PERIOD / 40, FIRST_MODE.amplitude_share))
 
 
 def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
@@ -116,12 +98,8 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
 def measure_series(simulation: Simulation) -> Finding:
     """Elevation near the left wall over time."""
     gauge = np.array([[simulation.basin.lower[0] + GAUGE_DISTANCE, 0.0]])
-    seen = [
-        (water.time, simulation.fluid.elevations(gauge)[0])
-        for water in sampled_states(simulation, simulation.scene.duration, SHALLOW_PERIOD / 100)
-    ]
-    times, elevation = np.array(seen).T
-    return compare_series(times / SHALLOW_PERIOD, elevation)
+    times, elevation = gauge_records(simulation, gauge, SHALLOW_PERIOD / 100)
+    return compare_series(times / SHALLOW_PERIOD, elevation[:, 0])
 
 
 def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:

@@ -4,12 +4,10 @@ Her own waves are kept on a tile and never act on her: her law of motion has the
 So her response is that in `linear_waves`.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.case import Finding, Problem, Promise, percent_error, reported
+from ocean_sim.validation.shared.case import Finding, Problem, Promise, other_simulation, percent_error, reported
 from ocean_sim.validation.shared.sea import SPECTRAL_SCHEMES, sea_of
 from ocean_sim.validation.shared.ship import at_sea
 from ocean_sim.validation.ship_rao import HULL_LENGTH, wave_response
@@ -28,8 +26,8 @@ def barge_problem(sea: str, cells: int) -> Problem:
     turn, heading = "pitch" if sea == "head" else "roll", SEA_HEADINGS[sea]
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     ship = {"kind": "dynamic", "hull": "barge20", "cells_per_draught": cells, "free": free}
-    scene = at_sea(ship, HULL_LENGTH["barge20"], 0.01, heading_deg=heading)
-    scene["fluid"] = scene["fluid"] | {"tile": 200.0}
+    closed_form = at_sea(ship, HULL_LENGTH["barge20"], 0.01, heading_deg=heading)
+    scene = closed_form | {"fluid": closed_form["fluid"] | {"tile": 200.0}}
     promises = tuple(
         Promise(
             f"{sea} sea, {omega:g} rad/s: {motion} [{'m/m' if motion == 'heave' else 'deg/m'}]",
@@ -45,16 +43,13 @@ def barge_problem(sea: str, cells: int) -> Problem:
     def measure(simulation: Simulation) -> Finding:
         ours = frequency_responses(simulation, heading)
         highest = float(np.abs(sea_of(simulation).made[0].layer.eta).max())
-        fluid = {key: value for key, value in scene["fluid"].items() if key != "tile"}
-        plain = replace(bare, scene=scene | {"fluid": fluid})
-        with Simulation(plain.load("linear_waves")) as other:
+        with other_simulation(simulation, closed_form) as other:
             theirs = frequency_responses(other, heading)
         motions = (0, 1 if turn == "pitch" else 2)
         numbers = [percent_error(ours[omega][k], theirs[omega][k]) for omega in WAVE_FREQUENCIES for k in motions]
         return Finding([*numbers, reported(highest)])
 
-    bare = Problem(scene, (*promises, made), measure, f"{sea} sea", schemes=SPECTRAL_SCHEMES, only=True)
-    return bare
+    return Problem(scene, (*promises, made), measure, f"{sea} sea", schemes=SPECTRAL_SCHEMES)
 
 
 def frequency_responses(simulation: Simulation, heading: float) -> dict[float, tuple[float, float, float]]:

@@ -5,18 +5,14 @@ are compared with those on a tile eight times as large: the difference is the re
 JONSWAP's spectrum with spread directions has the height, mean period and direction of its keys.
 """
 
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Finding, Problem, Promise, absolute_error, percent_error
 from ocean_sim.validation.shared.sea import SPECTRAL_SCHEMES, sea_of, smooth_ramp, tile_scene, travel_ahead
-
-if TYPE_CHECKING:
-    from ocean_sim.fluid.open_sea.wave_tile import Tile
 
 PERIOD_COUNT, PERIOD_STEPS = 100, 40  # of the conservation test
 REFLECTED_WAVE_COUNTS = (6, 8)  # waves on the tile, for each a reflection
@@ -37,8 +33,6 @@ def conservation_problem() -> Problem:
     phase = Promise("phase after 100 periods, error [rad]", "rad", "omega^2 = g k", {"spectral_sea": 1e-9})
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.open_sea.wave_tile import Layer
-
         tile = sea_of(simulation).tile
         layer, still = Layer(tile, rim=False), np.zeros(tile.k.shape)
         mode, random_ = (6, 5), np.random.default_rng(1).normal(size=tile.shape)
@@ -53,7 +47,7 @@ def conservation_problem() -> Problem:
         change = tile.energy(layer.eta, layer.phi) / first - 1.0
         return Finding([absolute_error(change), absolute_error(turn)])
 
-    return Problem(tile_scene(100.0, 64), (energy, phase), measure, "kept", schemes=SPECTRAL_SCHEMES, only=True)
+    return Problem(tile_scene(100.0, 64), (energy, phase), measure, "kept", schemes=SPECTRAL_SCHEMES)
 
 
 def reflection_problem() -> Problem:
@@ -64,8 +58,6 @@ def reflection_problem() -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
-        from ocean_sim.fluid.open_sea.wave_tile import Tile
-
         small = sea_of(simulation).tile
         large = Tile(LARGE_TILE_RATIO * small.side, LARGE_TILE_RATIO * small.cells, 1, small.depth, small.gravity)
         numbers = []
@@ -76,15 +68,12 @@ def reflection_problem() -> Problem:
             numbers.append(absolute_error(100.0 * float(np.sqrt(np.mean(np.abs(near - far) ** 2)) / sent)))
         return Finding(numbers)
 
-    return Problem(
-        tile_scene(100.0, 256, slice_=True), promises, measure, "returned", schemes=SPECTRAL_SCHEMES, only=True
-    )
+    scene = tile_scene(100.0, 256, slice_=True)
+    return Problem(scene, promises, measure, "returned", schemes=SPECTRAL_SCHEMES)
 
 
-def radiated_amplitude(tile: "Tile", k: float, rim: bool) -> np.ndarray:
+def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
     """Complex amplitudes (n,) [m] in the free part around an oscillating pressure as long as a wave of wavenumber k."""
-    from ocean_sim.fluid.open_sea.wave_tile import Layer
-
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
     dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
@@ -119,10 +108,8 @@ def random_sea_problem(order: int) -> Problem:
         numbers = (percent_error(h, SEA_KEYS["significant_wave_height"]), percent_error(t, mean))
         return Finding([*numbers, (ahead, SEA_KEYS["heading_deg"], off)])
 
-    of_order: dict[str, Any] = {"order": order, "spectrum": spectrum}
-    return Problem(
-        tile_scene(side, 256, **of_order), (height, period, towards), measure, name, schemes=SPECTRAL_SCHEMES, only=True
-    )
+    scene = tile_scene(side, 256, order=order, spectrum=spectrum)
+    return Problem(scene, (height, period, towards), measure, name, schemes=SPECTRAL_SCHEMES)
 
 
 def surface_samples(simulation: Simulation, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Promise, absolute_error, percent_error
-from ocean_sim.validation.shared.state import particle_state, sampled_states, set_state
+from ocean_sim.validation.shared.state import State, particle_state, record_run, set_state
 
 SET_UP_SOURCE = "Colagrossi et al. 2013"
 DECAY_SOURCE = f"exp(-2 nu k^2 t), Lamb art. 348; {SET_UP_SOURCE}"
@@ -108,17 +108,17 @@ class StandingWave:
             ("t / T", "velocity over its first amplitude"),
         )
 
+    def amplitude_share(self, water: State) -> float:
+        """Share of the mode in the velocities of the water, over the amplitude at the start."""
+        mode = self.unit_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
+        return float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude
+
     def follow_mode(self, simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
         """Start the wave in water at rest and follow it: times [s], and the part of the velocity in its mode over the
         first amplitude."""
         start = particle_state(simulation).position
         set_state(simulation, start, self.amplitude * self.unit_flow(start))
-        times, share = [], []
-        for water in sampled_states(simulation, simulation.scene.duration, self.period / 60):
-            mode = self.unit_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
-            times.append(water.time)
-            share.append(float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude)
-        return np.array(times), np.array(share)
+        return record_run(simulation, self.period / 60, self.amplitude_share)
 
     def fit_damped_cosine(self, times: np.ndarray, signal: np.ndarray) -> tuple[float, float]:
         """Period [s] and decay rate [1/s] of the a cos(w t + b) exp(-c t) nearest to a signal, from a quarter of a

@@ -12,7 +12,7 @@ import numpy as np
 from ocean_sim.conventions import GRAVITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Number, Problem, Promise, percent_error
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import record_run
 from ocean_sim.validation.shared.tables import table
 
 HEIGHT, TANK_LENGTH = 0.6, 5.366  # H [m], [H]
@@ -68,12 +68,10 @@ def measure(simulation: Simulation) -> Finding:
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
-    times, pressures = [], []
-    for water in sampled_states(simulation, duration, duration / 800):
-        times.append(water.time)
-        pressures.append(simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1))
-    scale = DENSITY * GRAVITY * HEIGHT
-    return compare_pressures(scaled_time(np.array(times), GRAVITY, HEIGHT), np.array(pressures) / scale)
+    times, pressures = record_run(
+        simulation, duration / 800, lambda _: simulation.fluid.pressures(points).reshape(heights.shape).mean(axis=1)
+    )
+    return compare_pressures(scaled_time(times, GRAVITY, HEIGHT), pressures / (DENSITY * GRAVITY * HEIGHT))
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:

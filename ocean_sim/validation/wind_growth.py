@@ -13,7 +13,7 @@ from ocean_sim import waves
 from ocean_sim.conventions import AIR_DENSITY, GRAVITY, WATER_DENSITY
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, percent_error, reported
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import State, record_run
 from ocean_sim.validation.wind_stress import WIND_SPEED, WU_STRESS, wind_keys, without_wind
 
 WAVELENGTH, DEPTH, STEEPNESS, PERIODS = 1.0, 0.5, 0.06, 8  # [m], [m], ka at the start, periods
@@ -48,22 +48,13 @@ def problems(coarse: bool) -> list[Problem]:
     return [Problem(scene, PROMISES, measure)]
 
 
-def wave_amplitude(position: np.ndarray, velocity: np.ndarray) -> float:
-    """Amplitude [m] of the wave of this wavenumber along +x, from velocities (n, 3) [m/s] at positions (n, 3) [m]."""
+def wave_amplitude(water: State) -> float:
+    """Amplitude [m] of the wave of this wavenumber along +x, from the velocities of the water."""
+    position, velocity = water.position, water.velocity
     c, s = waves.profiles(K, np.minimum(position[:, 1], 0.0), DEPTH)
     turn = np.exp(-1j * K * position[:, 0])
     half = np.sum((velocity[:, 0] * c + 1j * velocity[:, 1] * s) * turn) / np.sum(c * c + s * s)  # a cosine has two
     return 2.0 * float(abs(half)) * OMEGA / (GRAVITY * K)
-
-
-def amplitude_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] and amplitudes (n,) [m] of the wave."""
-    seen = [
-        (water.time, wave_amplitude(water.position, water.velocity))
-        for water in sampled_states(simulation, PERIODS * PERIOD, PERIOD / 20)
-    ]
-    times, sizes = np.array(seen).T
-    return times, sizes
 
 
 def growth_rate(times: np.ndarray, sizes: np.ndarray) -> float:
@@ -74,9 +65,9 @@ def growth_rate(times: np.ndarray, sizes: np.ndarray) -> float:
 
 def measure(simulation: Simulation) -> Finding:
     """Growth of the wave under the wind and under still air."""
-    times, under_wind = amplitude_record(simulation)
+    times, under_wind = record_run(simulation, PERIOD / 20, wave_amplitude)
     with without_wind(simulation) as without:
-        _, under_still = amplitude_record(without)
+        _, under_still = record_run(without, PERIOD / 20, wave_amplitude)
     grown, calm = growth_rate(times, under_wind), growth_rate(times, under_still)
     viscosity = -calm / (4.0 * K**2)
     numbers = (

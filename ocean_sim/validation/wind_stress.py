@@ -16,7 +16,7 @@ from ocean_sim.parts import config_of
 from ocean_sim.reading.scene import SceneConfig
 from ocean_sim.simulation import Simulation
 from ocean_sim.validation.shared.case import Curve, Finding, Problem, Promise, absolute_error, reported
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import record_run
 
 WIND_SPEED = 10.0  # u10 [m/s]
 WU_STRESS = 0.177625  # [Pa] of that wind by Wu (1982), in air of 1.225 kg/m3
@@ -51,9 +51,8 @@ def slice_problem(spacing: float, precision: str) -> Problem:
 
 def gained_momentum(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """Times (n,) [s] and gain of momentum along x (n,) [N s] since the start."""
-    states = list(sampled_states(simulation, DURATION, DURATION / 20))
-    momentum = np.array([water.momentum[0] for water in states])
-    return np.array([water.time for water in states]), momentum - momentum[0]
+    times, momentum = record_run(simulation, DURATION / 20, lambda water: water.momentum[0])
+    return times, momentum - momentum[0]
 
 
 def measure(simulation: Simulation) -> Finding:

@@ -10,7 +10,6 @@ from ocean_sim.conventions import figures
 from ocean_sim.files.yaml_file import SceneError
 from ocean_sim.parts import LedgerRow, called
 from ocean_sim.reading.scene import SceneConfig, load
-from ocean_sim.time_step import Known
 from ocean_sim.time_step.courant import Config as Courant
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.history import keep_step_time, step_time
@@ -86,7 +85,7 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
     memory = base_memory(particles) + sum(row.bytes for row in rows)
     time_step = config.time_step.build()
     still = config.fluid.still_limits(known)
-    dt = time_step.next(Known(still))
+    dt = time_step.next(still)
     stable, limit = Courant().shortest(still)
     longest, ruling = Courant(courant_number=STABLE_COURANT).shortest(still)
     if dt > 1.05 * longest:

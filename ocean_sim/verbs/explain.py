@@ -14,21 +14,17 @@ from ocean_sim.reading.sentences import part_sentence
 from ocean_sim.reading.translation import choice_sentence, likeliest
 from ocean_sim.verbs.list import list_choices
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
+from ocean_sim.verbs.shared.options import Json, completion
 
 MAX_AT_LENGTH = 12  # keys that are explained at length; of more only their meanings are listed
-
-
-def complete_key(begun: str) -> list[str]:
-    """Paths of keys that begin so."""
-    return [key.path for key in scene_keys() if key.path.startswith(begun)]
 
 
 def explain(
     key: Annotated[
         str,
         typer.Argument(
-            help="A key such as wind.stress.u10, or without the kind: wind.u10.", autocompletion=complete_key
+            help="A key such as wind.stress.u10, or without the kind: wind.u10.",
+            autocompletion=completion(lambda: (key.path for key in scene_keys())),
         ),
     ],
     as_json: Json = False,

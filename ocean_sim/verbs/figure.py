@@ -18,7 +18,7 @@ from ocean_sim.parts import PACKAGE, library
 from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import Bar
-from ocean_sim.verbs.shared.options import Json
+from ocean_sim.verbs.shared.options import Json, completion
 
 PROGRESS_LINE = re.compile(r" *(\d+)%  (.*)")  # how a script reports its progress
 ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn by their names
@@ -55,16 +55,12 @@ def figure_sentence(path: Path) -> str:
     return " ".join(text.split("\n\n")[0].split())
 
 
-def complete_figure(begun: str) -> list[str]:
-    """Figures that begin so."""
-    return [name for name in (*figure_scripts(), ALL_FIGURES) if name.startswith(begun)]
-
-
 def figure(
     names: Annotated[
         list[str],
         typer.Argument(
-            help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).", autocompletion=complete_figure
+            help="Figures such as 6-3, or `all` of the thesis (ocean-sim list figures).",
+            autocompletion=completion(lambda: (*figure_scripts(), ALL_FIGURES)),
         ),
     ],
     fast: Annotated[bool, typer.Option("--fast", help="Coarse and short, for a quick look.")] = False,

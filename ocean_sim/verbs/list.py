@@ -10,21 +10,17 @@ from ocean_sim.reading.translation import choice_sentence
 from ocean_sim.validation import case_names
 from ocean_sim.verbs import figure
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json
+from ocean_sim.verbs.shared.options import Json, completion
 
 SECTION_NAMES = ("scenes", *SLOTS, "hull", "geometry", "washout", "observers", "profiles", "cases", "figures")
-
-
-def complete_section(begun: str) -> list[str]:
-    """Sections that begin so."""
-    return [name for name in SECTION_NAMES if name.startswith(begun)]
 
 
 def list_choices(
     slot: Annotated[
         str | None,
         typer.Argument(
-            help="scenes, observers, cases, figures, or a slot such as wind.", autocompletion=complete_section
+            help="scenes, observers, cases, figures, or a slot such as wind.",
+            autocompletion=completion(lambda: SECTION_NAMES),
         ),
     ] = None,
     as_json: Json = False,
@@ -43,34 +39,20 @@ def list_choices(
 
 def section_rows(section: str) -> list[dict[str, str]]:
     """Name, class and sentence of every entry in a section."""
+    folder = library("configs") / ("run" if section == "profiles" else section)
     if section == "scenes":
         folder = library("scenes")
-        return [
-            entry_row(section, path.relative_to(folder).with_suffix("").as_posix(), "scene", file_sentence(path))
-            for path in sorted(folder.rglob("*.yaml"))
-        ]
-    if section == "profiles":
-        folder = library("configs") / "run"
-        return [entry_row(section, name, "profile", file_sentence(folder / f"{name}.yaml")) for name in named("run")]
-    if section == "cases":
-        return [
-            entry_row(section, name, "case", module_sentence(PACKAGE / "validation" / f"{name}.py"))
-            for name in case_names()
-        ]
-    if section == "figures":
-        return [
-            entry_row(section, name, "figure", figure.figure_sentence(path))
-            for name, path in figure.figure_scripts().items()
-        ]
-    parts = [
-        entry_row(section, name, "preset", file_sentence(library("configs") / section / f"{name}.yaml"))
-        for name in named(section)
-    ]
-    what = "observer" if section == "observers" else "kind"
-    return parts + [
-        entry_row(section, name, what, module_sentence(PACKAGE / section / f"{name}.py")) for name in kinds(section)
-    ]
-
-
-def entry_row(section: str, name: str, what: str, sentence: str) -> dict[str, str]:
-    return {"slot": section, "name": name, "what": what, "sentence": sentence}
+        files = sorted(folder.rglob("*.yaml"))
+        found = [(path.relative_to(folder).with_suffix("").as_posix(), "scene", file_sentence(path)) for path in files]
+    elif section == "cases":
+        modules = PACKAGE / "validation"
+        found = [(name, "case", module_sentence(modules / f"{name}.py")) for name in case_names()]
+    elif section == "figures":
+        scripts = figure.figure_scripts().items()
+        found = [(name, "figure", figure.figure_sentence(path)) for name, path in scripts]
+    else:
+        what = "profile" if section == "profiles" else "preset"
+        kind = "observer" if section == "observers" else "kind"
+        found = [(name, what, file_sentence(folder / f"{name}.yaml")) for name in named(folder.name)]
+        found += [(name, kind, module_sentence(PACKAGE / section / f"{name}.py")) for name in kinds(section)]
+    return [{"slot": section, "name": name, "what": what, "sentence": told} for name, what, told in found]

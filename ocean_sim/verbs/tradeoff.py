@@ -23,7 +23,6 @@ from ocean_sim.studies.scene_tradeoff import (
     vary_setting,
 )
 from ocean_sim.studies.shared import pareto
-from ocean_sim.studies.shared.runs import run_address
 from ocean_sim.studies.shared.scene_run import CLOCK_COLUMNS
 from ocean_sim.studies.shared.study import Study, write_table
 from ocean_sim.studies.tradeoff import TRIAL_CASES, clock_column, equal_cost_rows, pareto_front, study_points
@@ -134,7 +133,7 @@ def of_scene(
         finest = next(setting for setting in plan if setting.finest).line()
         each = f"{seeds} seeds each" if seeds > 1 else "one seed each, as nothing is drawn from it"
         console.say(f"{len(plan)} settings with {each}, one run at a time; the reference is {finest}")
-    repeats = [Repeat(setting, k) for setting in plan for k in range(seeds)]
+    repeats = [Repeat(scene) for setting in plan for scene in setting.scenes[:seeds]]
     found = rows_of(Study(repeats, out / "runs", 1), as_json)  # one at a time, for their time is measured
     rows, single = compare_peers(plan, seeds, found)
     write_table(out / "seeds.csv", single)
@@ -181,16 +180,13 @@ def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
     """The best setting within the budget that also holds it, and its error, with a seed that was not used before."""
-    left = list(rows)
+    left, again = list(rows), out / "runs" / "again"
+    shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)
     while (row := best_setting(left, judge, limit)) is not None:
         setting = plan[next(n for n, one in enumerate(rows) if one is row)]
-        points = [Repeat(one, seeds, again=True) for one in (setting, reference)]
-        for point in points:
-            shutil.rmtree(
-                out / "runs" / run_address(point.order()), ignore_errors=True
-            )  # run again, whatever lies there
-        own, finest = rows_of(Study(points, out / "runs", 1), quiet)
+        points = [Repeat(one.scenes[seeds]) for one in (setting, reference)]
+        own, finest = rows_of(Study(points, again, 1), quiet)
         done = own["outcome"] == finest["outcome"] == "done"
         spent, error = limit.spent(own), errors_against(own["run"], finest["run"]).get(judge) if done else None
         bound = row[judge] + 3.0 * (row[f"{judge}_spread"] or 0.0)

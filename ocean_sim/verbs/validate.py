@@ -1,6 +1,5 @@
 """`ocean-sim validate`: problems with known answers, in a table, a CSV file and a picture a case."""
 
-import csv
 import signal
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -13,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from ocean_sim.files.atomic_file import atomic_write
+from ocean_sim.files.csv_file import write_table
 from ocean_sim.machine import available_cores, exit_after
 from ocean_sim.parts import kinds
 from ocean_sim.reading.translation import choice_sentence
@@ -20,14 +20,9 @@ from ocean_sim.validation import case_names, problems
 from ocean_sim.validation.shared.case import ROW_KEYS, Problem
 from ocean_sim.validation.shared.plot import draw
 from ocean_sim.verbs.shared import console
-from ocean_sim.verbs.shared.options import Json, Sets
+from ocean_sim.verbs.shared.options import Json, Sets, completion
 
 TOO_LONG, NOT_COARSE = "takes too long for a gate", "has no coarse set-up"
-
-
-def complete_case(begun: str) -> list[str]:
-    """Cases that begin so."""
-    return [name for name in case_names() if name.startswith(begun)]
 
 
 def validate(
@@ -35,7 +30,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             help="Cases, or patterns such as 'open_*'; by default all (ocean-sim list cases).",
-            autocompletion=complete_case,
+            autocompletion=completion(case_names),
         ),
     ] = None,
     schemes: Annotated[
@@ -90,7 +85,7 @@ def validate(
             rows += found
             if not as_json:
                 print_row(found[0]["case"], found)
-        write_tables(out / "validate.csv", rows)
+        write_table(out / "validate.csv", ROW_KEYS, ([row[key] for key in ROW_KEYS] for row in rows))
         if junit is not None:
             write_junit(junit, rows)
         missed = [row for row in rows if not row["ok"]]
@@ -236,11 +231,3 @@ def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_write(path) as draft:
         ElementTree(suites).write(draft, encoding="utf-8", xml_declaration=True)
-
-
-def write_tables(path: Path, rows: list[dict[str, Any]]) -> None:
-    """All rows as a CSV file."""
-    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, ROW_KEYS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)

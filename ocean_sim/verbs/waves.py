@@ -1,7 +1,6 @@
 """`ocean-sim waves`: the records of a run's gauges, as waves."""
 
-import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ocean_sim.files import run_files
+from ocean_sim.files import csv_file, run_files
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.sea_state import run_scene
@@ -80,7 +79,7 @@ def waves(
     folder = path.parent if out is None else out
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "waves.csv", folder / "spectra.csv", folder / "waves.png"]
-    write_table(files[0], found, treatment.notes())
+    write_seas(files[0], found, treatment.notes())
     frequency, densities = record_spectra(time, heights, treatment)
     write_columns(files[1], {"frequency_Hz": frequency} | {f"{name}_m2_s": d for name, d in densities.items()})
     if not console.draw_if_able(draw_waves, files[2], time, heights, frequency, densities):
@@ -156,7 +155,7 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
         console.say(f"{path}: no orbits: {error}")
         return []
     rows = orbit_rows(names, found)
-    write_rows(folder / "orbits.csv", ORBIT_COLUMNS, rows)
+    csv_file.write_table(folder / "orbits.csv", ORBIT_COLUMNS, rows)
     some = rows[:: max(1, len(rows) // 10)]
     console.table(
         f"{path}: orbits under waves of {period:.4g} s (half length and height, and drift)", ORBIT_COLUMNS, some
@@ -271,23 +270,16 @@ def table_cell(value: float | None) -> str:
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
-def write_rows(path: Path, heads: Iterable[str], rows: Iterable[Sequence[str]], **notes: str) -> None:
-    """A table, in whole or not at all, under comment lines with notes."""
-    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
-        csv.writer(file, lineterminator="\n").writerows([list(heads), *rows])
-
-
-def write_table(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
+def write_seas(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
     """A row a gauge, under comment lines with notes."""
     numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
     rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
-    write_rows(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
+    csv_file.write_table(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
     """Arrays (n,) under their names."""
-    write_rows(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
+    csv_file.write_table(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
 def draw_waves(

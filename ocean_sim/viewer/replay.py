@@ -1,6 +1,7 @@
 """Replay of a finished run: its static part and all of its frames in two packets, and a page that holds them."""
 
 import zlib
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,12 @@ from ocean_sim.conventions import Refused
 from ocean_sim.files import csv_file
 from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.files.input_file import read_json
-from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame, ship_keys
+from ocean_sim.pictures.frame_files import Frame, frame_files, open_frame
 from ocean_sim.pictures.water.foam import cell_means
+from ocean_sim.pictures.water.sea_state import exact_waves
 from ocean_sim.viewer.protocol import FULL_SCALE, box_positions, moment_differences, packet
-from ocean_sim.viewer.still import Setting, Vessel, page_document, sky_packet
-from ocean_sim.viewer.watch import MAX_CELLS, elevation_gauges
-from ocean_sim.waves import Components
+from ocean_sim.viewer.still import Setting, page_document, sky_packet
+from ocean_sim.viewer.watch import MAX_CELLS
 
 MAX_MOMENT_RATE = 20.0  # [1/s] of simulated time
 MAX_MOMENTS = 1600
@@ -55,54 +56,24 @@ class Recorded:
         """Strides of the points of the heights, along x and z."""
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
-    def shown_ships(self) -> list[str]:
-        return [key for key in ship_keys(self.grid, "_vertices") if f"{key}_look" in self.grid]
-
     def still(self) -> bytes:
         """The packet `still` of this run."""
-        return self.setting(self.plotted_numbers(np.zeros(1))[0]).packet()
+        return self.setting.packet()
 
-    def setting(self, scalars: list[dict[str, str]]) -> Setting:
-        """Static part of the replay, with names of the plotted numbers."""
-        grid, (i, j) = self.grid, self.strides
-        vessels = [
-            Vessel(
-                key.partition(".")[2] or key,
-                grid[f"{key}_vertices"].astype(float),
-                grid[f"{key}_triangles"].astype(int),
-                str(grid[f"{key}_look"]),
-                float(grid[f"{key}_submerged"]),
-                grid[f"{key}_helm"],
-            )
-            for key in self.shown_ships()
-        ]
-        waves = None
-        if "sea_amplitude" in grid:
-            ramp = float(grid["sea_ramp"]) if "sea_ramp" in grid else 0.0
-            depth = float(grid["depth"])
-            waves = Components(grid["sea_amplitude"], grid["sea_wavevector"], grid["sea_phase"], depth, ramp=ramp)
-        flat = len(grid["z"]) == 1
-        first = Frame(self.files[0])
-        return Setting(
-            title=self.title,
-            scene=self.scene,
-            lower=grid["lower"].astype(float),
-            upper=grid["upper"].astype(float),
-            x=grid["x"][::i].astype(float),
-            z=grid["z"][::j].astype(float),
-            spacing=float(grid["spacing"]),
-            surface=bool(grid["has_surface"]) or flat,
-            obstacles=grid["obstacles"].astype(float).reshape(-1, 2, 3),
-            waves=waves,
-            vessels=vessels,
-            gauges=elevation_gauges(self.scene, flat),
-            particles=0 if first.position is None else len(first.position),
-            scalars=scalars,
-        )
+    @cached_property
+    def setting(self) -> Setting:
+        """Static part of the replay."""
+        (i, j), first = self.strides, Frame(self.files[0])
+        grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
+        surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
+        particles = 0 if first.position is None else len(first.position)
+        setting = Setting(grid, self.scene, self.title, exact_waves(grid), surface, particles)
+        setting.scalars = self.plotted_numbers(np.zeros(1))[0]
+        return setting
 
     def stream(self) -> bytes:
         """All moments: the packet `replay`, deflated."""
-        setting, (i, j) = self.setting([]), self.strides
+        setting, (i, j) = self.setting, self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
         every = 1
@@ -113,7 +84,7 @@ class Recorded:
             heights.append(frame.elevation[::i, ::j].ravel())
             if frame.foam is not None:
                 foams.append(cell_means(frame.foam, frame.elevation.shape)[::i, ::j].ravel())
-            poses.append([self.ship_pose(*frame.ships[key]) for key in self.shown_ships()])
+            poses.append([self.ship_pose(*frame.ships[key]) for key in setting.ship_keys])
             if frame.position is not None and k % PARTICLE_INTERVAL == 0:
                 with open_frame(path) as file:
                     order = file["id"].astype(int)

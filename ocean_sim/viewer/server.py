@@ -137,7 +137,7 @@ class Closing(asyncio.Protocol):
 
 
 class Server:
-    """An address that a browser can open; an `Audience` for a `Watch`. Use it as a context manager."""
+    """An address that a browser can open, with what a `Watch` shows. Use it as a context manager."""
 
     def __init__(
         self,

@@ -6,7 +6,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ocean_sim import machine
 from ocean_sim.conventions import Diverged, Failed, Refused, in_words
@@ -21,9 +21,9 @@ from ocean_sim.runtime import base_memory
 from ocean_sim.simulation import Simulation
 from ocean_sim.viewer import protocol as p
 from ocean_sim.viewer.answers import answer_waves, key_table
-from ocean_sim.viewer.server import Order
+from ocean_sim.viewer.server import Order, Server
 from ocean_sim.viewer.sliders import Slider, restore_sliders, sliders_of
-from ocean_sim.viewer.watch import Audience, Watch
+from ocean_sim.viewer.watch import Watch
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Ship
@@ -35,16 +35,6 @@ PLAYED_OBSERVERS = ("gauges", "motion", "health")  # their files go to a tempora
 PLATFORM_OBSERVERS = ("platform_log", "stream")  # also, if a scene names `stream`
 SCENE_WIND = "of the scene"  # a wind that is not a preset
 MAX_LAG = 0.1  # [s] of wall time, of a simulation that is too slow for its speed
-
-
-class Desk(Audience, Protocol):
-    """Source of commands and receiver of answers."""
-
-    arrived: Any
-    fresh: bool
-
-    def orders(self) -> list[Order]: ...
-    def tell(self, watcher: int | None, **message: Any) -> None: ...
 
 
 class Source(NamedTuple):
@@ -71,9 +61,11 @@ class Session:
 
     simulation: Simulation
 
-    def __init__(self, source: Source, desk: Desk, out: Path, described: Callable[[], list[dict[str, str]]]) -> None:
+    def __init__(
+        self, source: Source, server: Server, out: Path, described: Callable[[], list[dict[str, str]]]
+    ) -> None:
         """`out`: folder of records and saved scenes; `described`: table of the packaged scenes."""
-        self.source, self.desk, self.out, self.described = source, desk, out, described
+        self.source, self.server, self.out, self.described = source, server, out, described
         self.panel = Panel([*named("wind"), "still"], "")
         self.sliders: list[Slider] = []
         self.speed, self.due = 1.0, 0.0
@@ -98,7 +90,7 @@ class Session:
             config = config.model_copy(update={"observers": kept})
         self.simulation = Simulation(config, folder or Path(self.away.name))  # type: ignore[union-attr]
         self.plays = True
-        self.watch = Watch(self.simulation, self.desk)
+        self.watch = Watch(self.simulation, self.server)
         self.simulation.observers.append(self.watch)
         self.panel.wind = wind_name(self.source)
         self.sliders = restore_sliders(sliders_of(self.simulation), self.sliders)
@@ -132,7 +124,7 @@ class Session:
         while not self.done:
             now = perf_counter()
             wall, last = now - last, now
-            self.desk.arrived.clear()
+            self.server.arrived.clear()
             self.obey()
             self.advance(wall)
 
@@ -143,9 +135,9 @@ class Session:
             self.step()
             self.watch.show(perf_counter())
         if panel.paused:
-            if self.desk.fresh and self.desk.watchers:
+            if self.server.fresh and self.server.watchers:
                 self.watch.show(perf_counter())
-            self.desk.arrived.wait(IDLE_WAIT)
+            self.server.arrived.wait(IDLE_WAIT)
             return
         fast = self.speed == 0.0
         self.due = 0.0 if fast else min(self.due + wall * self.speed, MAX_LAG * self.speed)
@@ -153,7 +145,7 @@ class Session:
             self.due -= self.simulation.next_dt
             self.step()
         if not fast and self.due <= 0.0 and not panel.paused:
-            self.desk.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
+            self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
         """Take one step; stop a simulation that diverges, or a record that is complete."""
@@ -189,7 +181,7 @@ class Session:
 
     def obey(self) -> None:
         """Obey the new commands, only the newest of those that replace one another."""
-        orders = self.desk.orders()
+        orders = self.server.orders()
         last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
         for k, order in enumerate(orders):
@@ -225,9 +217,9 @@ class Session:
             case p.Act(do="scene"):
                 self.tell_scene(order.watcher)
             case p.Act(do="scenes"):
-                self.desk.tell(order.watcher, type="scenes", rows=self.described())
+                self.server.tell(order.watcher, type="scenes", rows=self.described())
             case p.Act(do="keys"):
-                self.desk.tell(order.watcher, type="keys", rows=key_table(self.config))
+                self.server.tell(order.watcher, type="keys", rows=key_table(self.config))
             case p.Waves():
                 self.tell_waves(order.watcher, command)
             case p.Speed(value=value):
@@ -263,7 +255,7 @@ class Session:
                 self.check_text(order.watcher, text)
             case p.Apply(text=text):
                 self.rebuild(self.source._replace(text=text, overrides={}))
-                self.desk.tell(order.watcher, type="problems", problems=[])
+                self.server.tell(order.watcher, type="problems", problems=[])
             case p.Open(name=name):
                 if name not in packaged_scenes():
                     raise Failed(f"there is no scene {name!r}")
@@ -353,12 +345,12 @@ class Session:
         except SceneError as error:
             self.tell_problems(watcher, error)
         else:
-            self.desk.tell(watcher, type="problems", problems=[])
+            self.server.tell(watcher, type="problems", problems=[])
 
     def tell_problems(self, watcher: int, error: SceneError) -> None:
         """Tell a page the problems of a scene."""
         rows = [each._asdict() for each in error.problems[:100]]
-        self.desk.tell(watcher, type="problems", problems=rows)
+        self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
         """Save the scene that is played: its text, or all of its keys if some were overridden."""
@@ -380,15 +372,15 @@ class Session:
             found = answer_waves(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:
             found = {"error": refusal.sentence}
-        self.desk.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
+        self.server.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
         """Tell the text of the scene that is played, and its overrides."""
         laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
-        self.desk.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
+        self.server.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
     def say(self, text: str, watcher: int | None = None, bad: bool = False) -> None:
-        self.desk.tell(watcher, type="said", text=text, bad=bad)
+        self.server.tell(watcher, type="said", text=text, bad=bad)
 
     def tell_panel(self) -> None:
         """Tell all pages the settings and their values."""
@@ -398,7 +390,7 @@ class Session:
             {"name": name, "throttle": ship.orders[0], "rudder": ship.orders[1], "route": self.route_ahead(name)}
             for name, ship in simulation.ships.items()
         ]
-        self.desk.tell(
+        self.server.tell(
             None,
             type="panel",
             paused=panel.paused,

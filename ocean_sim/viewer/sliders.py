@@ -41,7 +41,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
 
         def adjust_fluid(value: float, name: str = name) -> None:
             fluid.adjust(**{name: value})
-            simulation.next_dt = time_step.next(simulation)
+            simulation.next_dt = time_step.next(simulation.limits())
 
         found.append(Slider(f"{name.replace('_', ' ')} [{unit}]", now, *ends, adjust_fluid))
     for name, (now, _) in time_step.adjustable.items():
@@ -49,7 +49,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
 
         def adjust_time_step(value: float, name: str = name, shown: float = shown) -> None:
             time_step.adjust(**{name: value * shown})
-            simulation.next_dt = time_step.next(simulation)
+            simulation.next_dt = time_step.next(simulation.limits())
 
         given = now / shown
         found.append(Slider(label, given, 0.2 * given, 1.6 * given, adjust_time_step))

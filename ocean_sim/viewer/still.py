@@ -12,14 +12,14 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.pictures.frame_files import ship_keys
 from ocean_sim.pictures.live.preview_scene import SPEED_COLOURS
-from ocean_sim.pictures.ships.ship_hull import Hull
-from ocean_sim.pictures.ships.ship_model import build_model
+from ocean_sim.pictures.ships.ship_model import ShipModel, kept_model
 from ocean_sim.pictures.stage import sky
 from ocean_sim.pictures.water import water_glsl, water_shading, waterline
 from ocean_sim.pictures.water.sea_state import ripple_wind
@@ -35,34 +35,31 @@ SKY_SIDE = 512  # [pixels]
 RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest ripple
 
 
-class Vessel(NamedTuple):
-    """Shape and look of a ship."""
-
-    name: str
-    vertices: np.ndarray  # (n, 3) from the centre of mass, body axes [m]
-    triangles: np.ndarray  # (m, 3)
-    look: str
-    submerged: float  # share of her volume at rest
-    helm: np.ndarray  # (3,) [m], or empty
-
-
-class Setting(NamedTuple):
+class Setting:
     """Water, basin and ships of a simulation or a replay, before the first moment."""
 
-    title: str
-    scene: Mapping[str, Any]  # resolved
-    lower: np.ndarray  # (3,) [m]
-    upper: np.ndarray  # (3,) [m]
-    x: np.ndarray  # (nx,) of the heights, from their origin [m]
-    z: np.ndarray  # (nz,) [m]
-    spacing: float  # [m]
-    surface: bool  # True: there are heights to show
-    obstacles: np.ndarray  # (k, 2, 3) [m]
-    waves: Components | None  # of water in closed form
-    vessels: Sequence[Vessel]
-    gauges: Mapping[str, Sequence[float]]  # x, z [m] by name
-    particles: int
-    scalars: Sequence[Mapping[str, str]]  # name, label, unit and group of each
+    def __init__(
+        self,
+        grid: Mapping[str, Any],
+        scene: Mapping[str, Any],
+        title: str,
+        waves: Components | None,
+        surface: bool,
+        particles: int,
+    ) -> None:
+        """`grid`: arrays that frames keep once; `scene`: resolved; `waves`: of water in closed form; `surface`: True if
+        there are heights to show; `particles`: number of those that are shown."""
+        self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
+        names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
+        self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
+        self.spacing = float(grid["spacing"])  # [m]
+        self.obstacles = np.asarray(grid["obstacles"], dtype=float).reshape(-1, 2, 3)  # [m]
+        self.ship_keys = ship_keys(grid, "_look")
+        self.models = {key.partition(".")[2] or key: kept_model(grid, key) for key in self.ship_keys}  # by ship
+        named = (scene.get("gauges") or {}).get("elevation") or {}
+        places = {name: (float(at[0]), float(at[1]) if len(at) > 1 else 0.0) for name, at in named.items()}
+        self.gauges = places or {"middle": (0.0, 0.0)}  # x, z [m] by name
+        self.scalars: Sequence[Mapping[str, str]] = ()  # name, label, unit and group of each plotted number
 
     @property
     def flat(self) -> bool:
@@ -82,7 +79,7 @@ class Setting(NamedTuple):
         """The packet `still`, deflated."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
-        ships = [self.ship_header(k, vessel, arrays, boxes) for k, vessel in enumerate(self.vessels)]
+        ships = [self.ship_header(k, *ship, arrays, boxes) for k, ship in enumerate(self.models.items())]
         low, high = self.box
         sea, uniforms = self.sea_header()
         platform = self.scene.get("platform") or {}
@@ -117,18 +114,18 @@ class Setting(NamedTuple):
         }
         return zlib.compress(packet("still", arrays, boxes, **header), 6)
 
-    def ship_header(self, k: int, vessel: Vessel, arrays: dict[str, Any], boxes: dict[str, Any]) -> dict[str, Any]:
+    def ship_header(
+        self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
+    ) -> dict[str, Any]:
         """Header of a ship; adds her model and the map of distances to her waterline, in body axes, to the arrays."""
-        model = build_model(vessel.vertices, vessel.triangles, vessel.submerged, vessel.look, vessel.helm)
-        corners = model.mesh.corners.reshape(-1, 3)
+        hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
         boxes[f"corners{k}"] = {"low": json_numbers(low), "high": json_numbers(high)}
         arrays[f"normals{k}"] = np.rint(127.0 * model.mesh.normals.reshape(-1, 3)).astype(np.int8)
         paint = np.concatenate([model.mesh.colour ** (1.0 / 2.2), model.mesh.gloss[:, None]], axis=1)
         arrays[f"paint{k}"] = np.repeat(np.rint(255.0 * np.clip(paint, 0.0, 1.0)).astype(np.uint8), 3, axis=0)
-        hull = Hull(vessel.vertices, vessel.triangles, vessel.submerged)
-        line = waterline.waterline_segments(vessel.vertices, vessel.triangles, hull.over_water(vessel.vertices))
+        line = waterline.waterline_segments(hull.vertices, hull.triangles, hull.over_water(hull.vertices))
         wet = len(line) > 2
         if wet:
             near, far = line.min(axis=(0, 1)) - GAP_REACH, line.max(axis=(0, 1)) + GAP_REACH
@@ -138,9 +135,9 @@ class Setting(NamedTuple):
             arrays[f"gap{k}"] = gap.astype(np.float32).reshape(GAP_CELLS, GAP_CELLS)
             boxes[f"gap{k}"] = {"near": json_numbers(near), "far": json_numbers(far)}
         return {
-            "name": vessel.name,
-            "length": float(model.length),
-            "beam": float(np.ptp(vessel.vertices[:, 0])),
+            "name": name,
+            "length": float(hull.length),
+            "beam": float(hull.breadth),
             "helm": json_numbers(model.helm),
             "draught": float(hull.over_water(hull.lower)) * -1.0,
             "wet": wet,
@@ -159,10 +156,7 @@ class Setting(NamedTuple):
         else:
             rows = synthetic_waves(wind.angle, float(min(np.ptp([self.lower[0], self.upper[0]]), 200.0)), self.spacing)
             resolved = self.spacing
-        uniforms = water_glsl.neutral_uniforms(len(self.vessels)) | water_glsl.term_uniforms(
-            water_shading.ShadingTerms()
-        )
-        uniforms |= {
+        uniforms = water_glsl.neutral_uniforms(len(self.models)) | {
             "hullFoam": np.array([0.75, 0.55, 0.0]),
             "windAngle": wind.angle,
             "rippleVariance": water_shading.slope_variance(wind.speed),
@@ -204,9 +198,9 @@ def shader_sources(ships: int) -> dict[str, str]:
 
 
 @cache
-def sky_packet(side: int = SKY_SIDE) -> bytes:
+def sky_packet() -> bytes:
     """The sky with its smaller copies and its haze in shared-exponent colours, deflated."""
-    seen = sky.cloudy_sky(side=side)
+    seen = sky.cloudy_sky(SKY_SIDE)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
     lit = {name: json_numbers(value) for name, value in water_glsl.sky_uniforms(seen).items()}
     return zlib.compress(packet("sky", {name: shared_exponent(image) for name, image in images.items()}, lit=lit), 6)

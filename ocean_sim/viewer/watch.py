@@ -5,21 +5,24 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import sqrt
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ocean_sim.basin.points import middles, pairs
 from ocean_sim.observers.shared.csv_rows import TakesMotion
+from ocean_sim.pictures.frame_files import grid_arrays, middle_cell
 from ocean_sim.pictures.live.scene_lines import box_top, scene_lines
 from ocean_sim.platform import Platform
 from ocean_sim.platform.shared.motion_log import ride_of
 from ocean_sim.simulation import Observer, PeriodicConfig, Simulation
 from ocean_sim.viewer.protocol import FULL_SCALE, box_scale, packet
-from ocean_sim.viewer.still import Setting, Vessel
+from ocean_sim.viewer.still import Setting
 
 if TYPE_CHECKING:
+    from ocean_sim.basin import Basin
     from ocean_sim.fluid import Particles
+    from ocean_sim.viewer.server import Server
 
 MAX_FRAME_RATE = 20.0  # [1/s] of wall time
 MAX_CELLS = 128  # heights along a side
@@ -30,34 +33,18 @@ MAX_PLOTTED_SHIPS = 4
 STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
-class Audience(Protocol):
-    """Watchers of a simulation."""
-
-    fresh: bool
-    """True if a watcher has not seen a frame yet."""
-
-    @property
-    def watchers(self) -> int:
-        """Number of watchers."""
-
-    def begin(self, still: bytes) -> None:
-        """Show another simulation from now on."""
-
-    def show(self, frame: bytes) -> None:
-        """Show the newest frame."""
-
-
 class Watch(Observer, TakesMotion):
-    """Shows an audience the newest state, at most MAX_FRAME_RATE times a second of wall time, and only if it waits."""
+    """Shows the pages of a server the newest state, at most MAX_FRAME_RATE times a second of wall time, and only if one
+    waits."""
 
     at_once = True
 
-    def __init__(self, simulation: Simulation, audience: Audience) -> None:
-        self.simulation, self.audience = simulation, audience
+    def __init__(self, simulation: Simulation, server: "Server") -> None:
+        self.simulation, self.server = simulation, server
         self.last = -1.0  # wall time of the last frame [s]
         self.seq, self.fastest = 0, MIN_TOP_SPEED
         self.setting = setting_of(simulation)
-        lengths = [float(np.ptp(vessel.vertices, axis=0).max()) for vessel in self.setting.vessels]
+        lengths = [float(np.ptp(model.hull.vertices, axis=0).max()) for model in self.setting.models.values()]
         self.top = box_top(simulation, max(lengths, default=0.0))  # height of the air that lines go up to [m]
         self.points = pairs(self.setting.x, self.setting.z)
         low, high = self.setting.box
@@ -81,7 +68,7 @@ class Watch(Observer, TakesMotion):
         self.mark = (perf_counter(), simulation.time, simulation.steps)
         self.pace = 0.0
         self.measure_stages(simulation)
-        audience.begin(self.setting.packet())
+        server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
         """Measure the wall time of stages, inside of any measurement that goes on."""
@@ -103,14 +90,14 @@ class Watch(Observer, TakesMotion):
 
     def observe(self, simulation: Simulation) -> None:
         now = perf_counter()
-        if self.audience.watchers and (self.audience.fresh or now - self.last >= 1.0 / MAX_FRAME_RATE):
+        if self.server.watchers and (self.server.fresh or now - self.last >= 1.0 / MAX_FRAME_RATE):
             self.show(now)
 
     def show(self, now: float) -> None:
         """Make a frame of the present state."""
         self.last = now
         self.update_pace(now)
-        self.audience.show(self.frame())
+        self.server.show(self.frame())
         self.seq += 1
 
     def update_pace(self, now: float) -> None:
@@ -139,8 +126,8 @@ class Watch(Observer, TakesMotion):
                 arrays["foam"] = np.rint(255.0 * np.clip(white, 0.0, 1.0)).astype(np.uint8)
         else:
             heights = np.zeros(1)
-        if self.setting.vessels:
-            bodies = [simulation.ships[vessel.name].body for vessel in self.setting.vessels]
+        if self.setting.models:
+            bodies = [simulation.ships[name].body for name in self.setting.models]
             arrays["poses"] = np.array([[*body.position, *body.orientation] for body in bodies], np.float32)
         if simulation.fluid.particles is not None:
             arrays |= self.particle_arrays(simulation.fluid.particles)
@@ -165,16 +152,14 @@ class Watch(Observer, TakesMotion):
     @property
     def is_rare_frame(self) -> bool:
         """True if this frame holds arrays that most frames lack."""
-        return self.seq % RARE_FRAME_INTERVAL == 0 or self.audience.fresh
+        return self.seq % RARE_FRAME_INTERVAL == 0 or self.server.fresh
 
     def origin(self) -> np.ndarray:
         """(2,) x and z of the middle of the heights [m]: whole cells near the ships on water without bounds."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
-        cell = np.array([self.setting.x[1] - self.setting.x[0], self.setting.z[1] - self.setting.z[0]])
-        middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
-        return cell * np.round(middle / cell)
+        return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
         """Positions in the box and speeds, in the order of ids, since storage order changes."""
@@ -208,39 +193,18 @@ class Watch(Observer, TakesMotion):
 def setting_of(simulation: Simulation) -> Setting:
     """Static part of a simulation."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
-    lower, upper = (np.array(corner, dtype=float) for corner in (basin.lower, basin.upper))
-    flat = basin.dimension == 2
-    x, z = height_grid(lower, upper, fluid.spacing, flat)
+    grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
-    vessels = []
-    for name, ship in simulation.ships.items():
-        shape, look = ship.drawn(), scene.ships[name].look(scene.preflight)
-        if shape is not None and look is not None:
-            helm = ship.points.get("helm", np.zeros(0))
-            vessels.append(Vessel(name, shape[0], shape[1], look.name, look.submerged, helm))
-    gauges = elevation_gauges(scene.resolved(), flat)
+    shown = 0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n))
+    setting = Setting(grid, scene.resolved(), scene.title or "Untitled scene", fluid.plane_waves, surface, shown)
     platform = scene.platform is not None and bool(simulation.ships) and "motion" in scene.observers
-    return Setting(
-        title=scene.title or "Untitled scene",
-        scene=scene.resolved(),
-        lower=lower,
-        upper=upper,
-        x=x,
-        z=z,
-        spacing=fluid.spacing,
-        surface=surface,
-        obstacles=np.array(basin.fixed, dtype=float).reshape(-1, 2, 3),
-        waves=fluid.plane_waves,
-        vessels=vessels,
-        gauges=gauges,
-        particles=0 if fluid.particles is None else -(-fluid.particles.n // particle_stride(fluid.particles.n)),
-        scalars=[
-            *plotted_rows(gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),
-            {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},
-            {"name": "dt", "label": "time step", "unit": "ms", "group": "dt"},
-            *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGE_NAMES),
-        ],
-    )
+    setting.scalars = [
+        *plotted_rows(setting.gauges, [*simulation.ships][:MAX_PLOTTED_SHIPS], platform, fluid.particles is not None),
+        {"name": "pace", "label": "simulated over wall time", "unit": "x", "group": "pace"},
+        {"name": "dt", "label": "time step", "unit": "ms", "group": "dt"},
+        *({"name": f"cost_{name}", "label": name, "unit": "ms/step", "group": "cost"} for name in STAGE_NAMES),
+    ]
+    return setting
 
 
 def particle_stride(n: int) -> int:
@@ -248,18 +212,11 @@ def particle_stride(n: int) -> int:
     return max(1, -(-n // MAX_PARTICLES))
 
 
-def height_grid(lower: np.ndarray, upper: np.ndarray, spacing: float, flat: bool) -> tuple[np.ndarray, np.ndarray]:
+def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """x and z [m] of the heights that are shown: half a cell from every side, at most MAX_CELLS along each."""
-    sides = (0, 2)
-    x, z = (middles(lower[a], upper[a], max(spacing, (upper[a] - lower[a]) / MAX_CELLS)) for a in sides)
-    return x, np.zeros(1) if flat else z
-
-
-def elevation_gauges(scene: dict[str, Any], flat: bool) -> dict[str, tuple[float, float]]:
-    """x, z [m] of the gauges of elevation of a resolved scene; the middle of the basin where it names none."""
-    named = (scene.get("gauges") or {}).get("elevation") or {}
-    found = {name: (float(place[0]), float(place[1]) if len(place) > 1 else 0.0) for name, place in named.items()}
-    return found or {"middle": (0.0, 0.0)}
+    sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
+    x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
+    return x, np.zeros(1) if basin.dimension == 2 else z
 
 
 def plotted_rows(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:

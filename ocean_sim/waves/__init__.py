@@ -215,6 +215,20 @@ def merge_waves(sea: Components, wavevector: np.ndarray) -> Components:
     return replace(sea, amplitude=amplitude, wavevector=wavevector[greatest], phase=sea.phase[greatest])
 
 
+def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
+    """Move the waves of a sea to the nearest wavevectors that repeat themselves after periods along x and z [m], 0
+    where an axis has none."""
+    wavevector, steepest = sea.wavevector.copy(), np.abs(sea.wavevector).argmax(axis=1)
+    for axis, period in enumerate(periods):
+        if period:
+            unit = 2.0 * pi / period
+            number = np.round(wavevector[:, axis] / unit)
+            lost = (number == 0.0) & (steepest == axis)  # along this axis a wave must have one crest
+            number = np.where(lost, np.sign(sea.wavevector[:, axis]), number)
+            wavevector[:, axis] = number * unit
+    return merge_waves(sea, wavevector)
+
+
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
@@ -331,14 +345,6 @@ def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarr
 def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
     """(m, 3) velocity [m/s] of the surface over points x, z (m, 2)."""
     return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
-
-
-def pressure(sea: Components, points: np.ndarray, time: float, density: float) -> np.ndarray:
-    """(m,) pressure [Pa] of the stretched column at points (m, 3): hydrostatic and that of the waves; 0 above."""
-    eta = elevation(sea, points, time)
-    below = np.stack([points[:, 0], stretched_height(sea, points, eta), points[:, 2]], axis=1)
-    head = pressure_head(sea, below, time) - points[:, 1]
-    return np.where(points[:, 1] < eta, density * sea.gravity * head, 0.0)
 
 
 def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
@@ -468,10 +474,10 @@ class WaveTrain(Model):
         """Path of the key of the height."""
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
-    def train(self, towards: np.ndarray, depth: float, gravity: float) -> Components:
-        """Plane waves of this sea that travel along a unit vector in x and z."""
+    def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
+        """Plane waves of this sea that travel along a unit vector in x and z, `count` of a spectrum."""
         if self.spectrum is not None:
-            return self.spectrum.components(towards, depth, gravity)
+            return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)
 
 
@@ -497,9 +503,9 @@ class HeadedTrain(WaveTrain):
         """Path of the key of the heading."""
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
-    def sea(self, basin: "Tank") -> Components:
-        """Waves of this train on a basin."""
-        return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin))
+    def sea(self, basin: "Tank", count: int = SPECTRUM_WAVES) -> Components:
+        """Waves of this train on a basin, `count` of a spectrum."""
+        return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin), count)
 
 
 class OpenTrain(HeadedTrain):

@@ -131,12 +131,7 @@ class WaveField:
 
     def periodic(self, side: float) -> "WaveField":
         """The waves with wavelengths that fit into a square of this side [m], so that it fits to itself."""
-        unit = 2.0 * np.pi / number("side", side, "m", MIN_SQUARE_SIDE)
-        fitting = np.round(self.sea.wavevector / unit)
-        still = ~fitting.any(axis=1)  # waves longer than the square become as long as it is
-        axis = np.abs(self.sea.wavevector[still]).argmax(axis=1)
-        fitting[np.flatnonzero(still), axis] = np.sign(self.sea.wavevector[still, axis])
-        return WaveField(waves.merge_waves(self.sea, fitting * unit))
+        return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
         """(cells, cells) heights [m] over x and z of a square that repeats itself, its first corner at the origin."""

@@ -89,11 +89,8 @@ class Seas(waves.OpenTrain):
 
     def sea_of(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
         """All plane waves together, `count` of each spectrum."""
-        depth, g, found = basin.depth, waves.downward_gravity(basin), []
-        for _, train in self.trains:
-            towards = waves.heading_vector(train.heading, basin.dimension)
-            of = train.spectrum
-            found.append(train.train(towards, depth, g) if of is None else of.components(towards, depth, g, count))
+        depth, g = basin.depth, waves.downward_gravity(basin)
+        found = [train.sea(basin, count) for _, train in self.trains]
         table = self.table()
         if table is not None:
             k = waves.wavenumber(2.0 * pi / table["period_s"], depth, g)

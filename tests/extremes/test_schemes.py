@@ -85,7 +85,7 @@ def run(begun: Begun, scheme: str, extreme: str, monkeypatch, crossings: float =
     simulation = begun(scheme, EXTREMES[extreme])
     fluid, particles = simulation.fluid, simulation.fluid.particles
     if extreme in STEPS or extreme == SYRUP:
-        simulation.next_dt = 2e-3 if extreme == SYRUP else STEPS[extreme] * simulation.time_step.next(fluid)
+        simulation.next_dt = 2e-3 if extreme == SYRUP else STEPS[extreme] * simulation.time_step.next(fluid.limits())
         monkeypatch.setattr(simulation.time_step, "next", lambda _, dt=simulation.next_dt: dt)
     if extreme == TWINS:
         x = particles.position.to_numpy()

@@ -104,24 +104,28 @@ def by_id(fluid: Any, values: np.ndarray) -> np.ndarray:
 
 
 def read(fluid: Any, points: np.ndarray, *asked: str) -> np.ndarray:
-    """What a kernel sees at points (m, 3): the numbers of all that is asked for, in its order: `elevation`, `pressure`,
-    `velocity`, `acceleration`."""
-    sizes = {"elevation": 1, "pressure": 1, "velocity": 3, "acceleration": 3}
+    """What a kernel sees of open water at points (m, 3): the numbers of all that is asked for, in its order:
+    `elevation`, `velocity` and, of the waves on tiles alone, `acceleration`."""
+    sizes = {"elevation": 1, "velocity": 3, "acceleration": 3}
     ends = np.cumsum([sizes[name] for name in asked])
     first = {name: int(end) - sizes[name] for name, end in zip(asked, ends)}
     found = np.zeros((len(points), int(ends[-1])))
 
     @ti.kernel
-    def look(x: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
-        for i in range(x.shape[0]):
-            position = tm.vec3(x[i, 0], x[i, 1], x[i, 2])
+    def look(points: ti.types.ndarray(ndim=2), found: ti.types.ndarray(ndim=2)):
+        for i in range(points.shape[0]):
+            position = tm.vec3(points[i, 0], points[i, 1], points[i, 2])
             for name in ti.static(asked):
                 if ti.static(name == "elevation"):
                     found[i, first[name]] = fluid.elevation(position.x, position.z)
-                elif ti.static(name == "pressure"):
-                    found[i, first[name]] = fluid.pressure(position)
                 else:
-                    v = fluid.velocity(position) if ti.static(name == "velocity") else fluid.acceleration(position)
+                    x, z, v = position.x, position.z, tm.vec3(0.0)
+                    y = fluid.waves.stretched(position, fluid.elevation(x, z))
+                    if ti.static(name == "velocity"):
+                        v = tm.vec3(fluid.current[0], 0.0, fluid.current[1]) + fluid.waves.velocity(position)
+                    for sheet in ti.static(fluid.sheets):
+                        of = ti.static(sheet.velocity if name == "velocity" else sheet.acceleration)
+                        v += of(x, z, -y, sheet.now)
                     for k in ti.static(range(3)):
                         found[i, first[name] + k] = v[k]
 

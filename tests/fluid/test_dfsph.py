@@ -8,7 +8,7 @@ import pytest
 from ocean_sim.conventions import GRAVITY, Diverged
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.dfsph import MIN_DIAGONAL_SHARE
-from ocean_sim.fluid.neighbours.grid_size import ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.sph.smoothing import NEUTRAL_KERNEL, Smoothing, Stencil
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run
@@ -80,7 +80,7 @@ def test_shapes_that_find_no_room_are_found_anew(water, monkeypatch):
     x = fluid.particles.position.to_numpy()
     x += 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, x.shape)
     kept = moved(fluid, x)
-    monkeypatch.setattr(ListSize, "shapes_per_particle", 0)
+    monkeypatch.setattr(GridSize, "shapes_per_particle", 0)
     without = water("dfsph", **keys)
     assert without.pairs.shape.shape[0] < 0.5 * fluid.pairs.shape.shape[0]
     found = moved(without, x)

@@ -128,7 +128,7 @@ class Built:
 
     def paced(self, start: Start) -> None:
         self.simulation.time_step.adjust(dt=start.pace * self.config.time_step.dt)
-        self.simulation.next_dt = self.simulation.time_step.next(self.simulation)
+        self.simulation.next_dt = self.simulation.time_step.next(self.simulation.limits())
         self.fresh = False
 
     def begin(self, start: Start, side: np.ndarray | float = 1.0) -> None:

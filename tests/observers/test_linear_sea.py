@@ -14,6 +14,7 @@ from ocean_sim.reading import composition, scene
 from ocean_sim.reading.scene import load
 from ocean_sim.result import run as run_scene
 from ocean_sim.verbs.check import preflight, preflight_lines
+from tests.waves.closed_forms import pressure
 
 OVER = {"runtime.threads": 1, "duration": 1.0, "frames.spacing": 4.0, "frames.every": 0.5, "render": None}
 
@@ -39,7 +40,7 @@ def test_gauges_read_the_closed_form(run):
         late = np.array([waves.elevation(sea, np.array([[x, z]]), t + 0.2)[0] for t in time])
         assert np.abs(table[f"{name}_m"] - late).max() > 0.02 * scale  # the sea moves: a later one is another
     bed = config.observers["gauges"].pressure["bed"]
-    exact = np.array([waves.pressure(sea, np.array([bed]), t, config.fluid.rest_density)[0] for t in time])
+    exact = np.array([pressure(sea, np.array([bed]), t, config.fluid.rest_density)[0] for t in time])
     np.testing.assert_allclose(table["bed_Pa"], exact, atol=2e-3 * 9.81e3 * scale)
 
 

@@ -11,16 +11,15 @@ import shading_reference as reference
 
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.water import water_glsl
-from ocean_sim.pictures.water import water_shading as w
 
 PIXELS, HALF = 48, 6.0  # pixels along a side, half a side [m]
 CASES = {
-    "all": w.ShadingTerms(),
-    "without Fresnel": w.ShadingTerms(fresnel=False),
-    "thesis's glint": w.ShadingTerms(glint="thesis"),
-    "no glint": w.ShadingTerms(glint=None),
-    "body": w.ShadingTerms(reflection=False, glint=None, fog=False),
-    "mirror": w.ShadingTerms(body=False, glint=None, foam=False, fog=False),
+    "all": reference.ShadingTerms(),
+    "without Fresnel": reference.ShadingTerms(fresnel=False),
+    "thesis's glint": reference.ShadingTerms(glint="thesis"),
+    "no glint": reference.ShadingTerms(glint="none"),
+    "body": reference.ShadingTerms(reflection=False, glint="none", fog=False),
+    "mirror": reference.ShadingTerms(body=False, glint="none", foam=False, fog=False),
 }
 SUN = sky_module.unit_vector(np.array([-0.7, 0.5, 0.4]))
 EYES = {"above": (40.0, 30.0, -30.0), "aslant": (-14.0, 6.0, 9.0), "grazing": (-300.0, 1.0, 200.0)}
@@ -93,16 +92,14 @@ def main(out: str) -> None:
     drawn = {}
 
     def draw(
-        name: str, sky: str, eye: np.ndarray, terms: w.ShadingTerms, foam: float = 0.0, ripples: float = 0.0
+        name: str, sky: str, eye: np.ndarray, terms: reference.ShadingTerms, foam: float = 0.0, ripples: float = 0.0
     ) -> None:
         mesh.point_data["att"] = np.tile(np.float32([foam, 0.4, VARIANCE]), (4, 1))
         inputs = textures[sky] | {"hull": none, "mirror": none}
         shaded = water_glsl.Shaded(
             mesh, water_glsl.water_program(0), water_glsl.WATER_FUNCTIONS, inputs, ("nrm", "att")
         )
-        shaded.set(
-            **water_glsl.neutral_uniforms(0), **water_glsl.sky_uniforms(skies[sky]), **water_glsl.term_uniforms(terms)
-        )
+        shaded.set(**water_glsl.neutral_uniforms(0) | water_glsl.sky_uniforms(skies[sky]) | terms.uniforms)
         shaded.set(eyeW=eye, rippleVariance=ripples, pixel=PIXEL)
         plotter.add_actor(shaded.actor, reset_camera=False, render=False, name="plane")
         plotter.render()
@@ -111,9 +108,9 @@ def main(out: str) -> None:
     for at, eye in EYES.items():
         for case, terms in CASES.items():
             draw(f"{case} {at}", "smooth", np.array(eye), terms)
-    draw("ripples", "smooth", np.array(EYES["above"]), w.ShadingTerms(), ripples=0.03)
+    draw("ripples", "smooth", np.array(EYES["above"]), reference.ShadingTerms(), ripples=0.03)
     for share in (0.1, 0.3, 0.7):
-        draw(f"foam {share}", "smooth", np.array(EYES["above"]), w.ShadingTerms(glint=None), foam=share)
+        draw(f"foam {share}", "smooth", np.array(EYES["above"]), reference.ShadingTerms(glint="none"), foam=share)
     mirror = CASES["mirror"]
     for name, towards in (
         ("+x", (40, 2, 0)),

@@ -2,7 +2,8 @@
 Algorithm 6 has it. Directions are unit vectors, y up; colours are linear RGB (n, 3); cosines and shares are (n,).
 """
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -37,6 +38,7 @@ from ocean_sim.pictures.water.ripples import (
     Wind,
     value_noise,
 )
+from ocean_sim.pictures.water.water_glsl import CONSTANT_REFLECTANCE, GLINTS
 from ocean_sim.pictures.water.water_shading import (
     BLUR_LEVELS,
     BODY_LIGHT,
@@ -55,7 +57,6 @@ from ocean_sim.pictures.water.water_shading import (
     SUN_STRENGTH,
     THIN_FOAM_REFLECTANCE,
     THIN_LIGHT,
-    ShadingTerms,
     beckmann,
     fresnel,
     refracted_cosine,
@@ -65,6 +66,27 @@ SHININESS = 120.0
 AMBIENT = 1.0  # share of DEEP that Algorithm 6 sees everywhere: ours, the thesis gives none
 LEVEL = np.array([[0.0, 0.0, 1.0]])  # foam without heaps
 FOAM_HEIGHT, FOAM_GAIN = 0.8, 1.5  # [m] and the factor of the thesis's foam (5.2.3)
+
+
+@dataclass(frozen=True)
+class ShadingTerms:
+    """Terms of the colour; without Fresnel's the sky takes a constant share."""
+
+    fresnel: bool = True
+    reflection: bool = True
+    body: bool = True
+    glint: Literal["none", "physical", "thesis"] = "physical"
+    foam: bool = True
+    fog: bool = True
+    constant: float = CONSTANT_REFLECTANCE
+
+    @property
+    def uniforms(self) -> dict[str, float]:
+        """Uniforms of the shader that choose these terms."""
+        switches = {"Fresnel": self.fresnel, "Reflection": self.reflection, "Body": self.body, "Foam": self.foam}
+        switches["Fog"] = self.fog
+        chosen = {f"use{name}": float(there) for name, there in switches.items()}
+        return chosen | {"constantShare": self.constant, "glintKind": GLINTS[self.glint]}
 
 
 def hazy(sky: Sky, away: np.ndarray) -> np.ndarray:
@@ -239,7 +261,7 @@ def algorithm_6(water: Water, sky: Sky, terms: ShadingTerms = ShadingTerms(glint
         colour += emissive((1.0 - share) * CREST_LIGHT)
     if terms.reflection:
         colour += share * (hdr(mirrored) if terms.glint == "thesis" else mirrored)
-    if terms.glint is not None:
+    if terms.glint != "none":
         colour += specular(1.0, sky.sunlight, water.normal, water.to_eye, sky.sun, SHININESS)
     if terms.foam:
         white = np.clip(water.foam, 0.0, 1.0)[:, None]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ocean_sim.observers import frames, render
-from ocean_sim.pictures.stage import obstacles, opengl, wind_marks
+from ocean_sim.pictures.stage import opengl, wind_marks
 from ocean_sim.pictures.stage.camera import Track, Vessel
 from ocean_sim.pictures.water import wake, water_shading
 from ocean_sim.wind import Drawing
@@ -123,19 +123,6 @@ def test_a_wind_is_drawn_where_it_blows(tmp_path, watched):
     rows, columns = np.nonzero(np.abs(marked - plain).max(axis=2) > 4)
     filled = len(rows) / (np.ptp(rows) + 1) / (np.ptp(columns) + 1)
     assert 0.1 < filled < 0.6  # on a map a volume is its outline, and the colours of heights stay as they are
-
-
-def test_a_box_has_six_faces_that_look_outwards():
-    low, up = np.array([1.0, -2.0, 3.0]), np.array([2.0, 0.5, 3.5])
-    points, normals = obstacles.box_faces(low, up)
-    assert points.shape == normals.shape == (24, 3)
-    assert ((points == low) | (points == up)).all()
-    middle = points.reshape(6, 4, 3).mean(axis=1)
-    outwards = ((middle - 0.5 * (low + up)) * normals[::4]).sum(axis=1)
-    np.testing.assert_allclose(np.sort(outwards), np.sort(np.tile(0.5 * (up - low), 2)))
-    sides = points.reshape(6, 4, 3)
-    area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 3] - sides[:, 0]), axis=1).sum()
-    assert area == pytest.approx(2.0 * (1.0 * 2.5 + 2.5 * 0.5 + 1.0 * 0.5))
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from ocean_sim.__main__ import answered
 from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl
+from ocean_sim.pictures.stage.picture import picture_row
 from ocean_sim.ship.hull.hull import hull_of
 from ocean_sim.ship.hull.shapes import drawn_mesh
 
@@ -116,7 +117,7 @@ def test_a_film_begins_when_it_is_known_how_fast_ships_go(tmp_path):
 
 def test_a_strip_is_pictures_side_by_side():
     pictures = [np.full((4, 6, 3), shade, np.uint8) for shade in (10, 20, 30)]
-    strip = render.picture_row(pictures, gap=2)
+    strip = picture_row(pictures, gap=2)
     assert strip.shape == (4, 22, 3)
     assert (strip[:, [0, 8, 16]] == np.array([10, 20, 30])[None, :, None]).all() and (strip[:, 6:8] == 255).all()
 

@@ -379,10 +379,9 @@ def test_the_platform_of_a_run_is_the_one_of_the_command(every, tmp_path):
     motion = motion_log.Log.__new__(motion_log.Log)
     motion.ship, motion.frame, motion.columns = SimpleNamespace(name="ship"), "ship", motion_log.log_columns(PARTS)
     motion.motion_columns = len(motion.columns)
-    for k, row in enumerate(zip(*rows.values())):
-        motion.hand_rows_on([",".join(map(repr, map(float, row)))], simulation)
-        if k % every == 0:
-            observer.observe(simulation)
+    lines = [",".join(map(repr, map(float, row))) for row in zip(*rows.values())]
+    for k in range(0, len(lines), every):
+        motion.hand_rows_on(lines[k : k + every], simulation)
     observer.close()
     live = read_columns(tmp_path / "platform.csv")
     later = Config().build(DT).follow(read_log(write(tmp_path / "motion.csv", rows)).ride)

@@ -206,7 +206,6 @@ def test_a_run_streams_what_its_platform_does(tmp_path, capsys):
     for k in range(30):
         row = np.array([k * 0.01]), np.array([k]), pose, np.full((1, 6), 2.7), np.zeros((1, 6)), still, still
         observer.take_commands(Commands(*row, np.ones(1, dtype=int), cue))
-        observer.observe(simulation)
     observer.close()
     seen = listener.packets()
     assert [packet.seq for packet in seen] == list(range(130)) and not any(seen[-1].pose) and seen[0].limited == 1

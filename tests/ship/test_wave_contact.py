@@ -333,7 +333,7 @@ def test_extremes_end_physically_or_with_a_sentence(afloat, extreme):
     if "thrust" in changes:  # of a tenth of its weight
         ship.weight[0, 0] = 0.1 * changes["thrust"] * 9.81 * ship.body.mass
     longer, next_step = changes.get("steps", 1.0), simulation.time_step.next
-    simulation.time_step.next = lambda of: longer * next_step(of)
+    simulation.time_step.next = lambda limits: longer * next_step(limits)
     try:
         simulation.run(simulation.time + (1.3 if "5 m" in extreme else 0.5))
     except Diverged as stopped:

@@ -27,10 +27,3 @@ def test_a_point_just_below_the_first_column_of_a_period_has_its_height(taichi_c
     heights.height.from_numpy(np.arange(1.0, 17.0))
     below = np.nextafter(0.125, 0.0)
     assert heights.elevations(np.array([[below, below]])) == pytest.approx(1.0)
-
-
-def test_area_and_volume_are_those_of_the_mesh(taichi_cpu):
-    heights = Heights(np.array([-1.0, 0.0]), np.array([1.0, 4.0]), (6, 9), (False, False))
-    heights.height.from_numpy(np.random.default_rng(2).uniform(-0.5, 0.5, 54))
-    mesh = heights.mesh()
-    np.testing.assert_allclose(heights.area_and_volume(-2.0), [mesh.area, mesh.volume(-2.0)], rtol=1e-13)

@@ -1,15 +1,9 @@
 """Time steps: the shortest limit rules and says so; a fixed step stays."""
 
-from types import SimpleNamespace
-
 import pytest
 
 from ocean_sim.fluid import Limits
 from ocean_sim.time_step import courant, fixed
-
-
-def water(**limits: float) -> SimpleNamespace:
-    return SimpleNamespace(limits=lambda: Limits(**limits))
 
 
 @pytest.mark.parametrize(
@@ -23,11 +17,11 @@ def water(**limits: float) -> SimpleNamespace:
 )
 def test_the_shortest_limit_rules(limits, ruling, dt):
     step = courant.Config().build()
-    assert step.next(water(**limits)) == pytest.approx(dt)
+    assert step.next(Limits(**limits)) == pytest.approx(dt)
     assert step.limited_by == ruling
 
 
 def test_a_fixed_step_stays():
     step = fixed.Config(dt=0.003).build()
-    assert step.next(water(acoustic=1e-9)) == 0.003
+    assert step.next(Limits(acoustic=1e-9)) == 0.003
     assert step.limited_by == "fixed"

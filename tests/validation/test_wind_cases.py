@@ -8,6 +8,7 @@ import pytest
 from ocean_sim import waves
 from ocean_sim.validation import imposed_sea, problems, wind_growth, wind_setup, wind_stress
 from ocean_sim.validation.shared.flume import reflection_ratio
+from ocean_sim.validation.shared.state import State
 from ocean_sim.validation.wind_stress import WU_STRESS, wind_keys
 from ocean_sim.wind.shared.air_load import stress
 
@@ -61,7 +62,8 @@ def test_the_amplitude_of_the_growing_wave_is_that_of_linear_theory(phase):
     position = np.stack([x.ravel(), y.ravel(), 0.0 * x.ravel()], axis=1)
     wave = waves.Components(np.array([0.01]), np.array([[wind_growth.K, 0.0]]), np.array([phase]), wind_growth.DEPTH)
     velocity = waves.linear_velocity(wave, position)
-    assert wind_growth.wave_amplitude(position, velocity) == pytest.approx(0.01, rel=1e-9)
+    water = State(0.0, 1.0, spacing, position, velocity, position[:, 0], position[:, 0])
+    assert wind_growth.wave_amplitude(water) == pytest.approx(0.01, rel=1e-9)
 
 
 def test_a_growth_rate_is_read_from_amplitudes():

@@ -80,7 +80,7 @@ def lake(tmp_path):
 
 
 def ask(session, **command):
-    session.desk.waiting.append(Order(1, p.parse_command(json.dumps(command))))
+    session.server.waiting.append(Order(1, p.parse_command(json.dumps(command))))
     session.obey()
 
 
@@ -103,7 +103,7 @@ def test_physics_is_the_same_to_the_byte_with_and_without_a_watcher():
 
 
 def test_a_frame_says_where_everything_is(session):
-    simulation, desk = session.simulation, session.desk
+    simulation, desk = session.simulation, session.server
     session.watch.show(0.0)
     head, arrays = page_packets.unpack(desk.frames[-1])
     assert head["time"] == pytest.approx(simulation.time, abs=1e-6)
@@ -153,15 +153,15 @@ def test_play_step_and_pause(session):
 
 
 def test_a_slider_reaches_the_running_simulation_and_the_newest_counts(session):
-    label = next(s["label"] for s in session.desk.last("panel")["sliders"] if "stiffness" in s["label"])
+    label = next(s["label"] for s in session.server.last("panel")["sliders"] if "stiffness" in s["label"])
     now = session.simulation.fluid.stiffness
     for factor in (3.0, 2.0, 1.5):
-        session.desk.waiting.append(Order(1, p.Slide(do="slide", key=label, value=factor * now)))
-    built = len(session.desk.stills)
+        session.server.waiting.append(Order(1, p.Slide(do="slide", key=label, value=factor * now)))
+    built = len(session.server.stills)
     session.obey()
-    assert session.simulation.fluid.stiffness == pytest.approx(1.5 * now) and len(session.desk.stills) == built
+    assert session.simulation.fluid.stiffness == pytest.approx(1.5 * now) and len(session.server.stills) == built
     ask(session, do="slide", key="no such thing", value=1.0)
-    assert "no slider" in session.desk.last("said")["text"]
+    assert "no slider" in session.server.last("said")["text"]
 
 
 def test_a_person_steers_and_a_route_is_sailed(session):
@@ -170,31 +170,31 @@ def test_a_person_steers_and_a_route_is_sailed(session):
     assert session.persons["ship"].throttle == 0.5 and session.persons["ship"].rudder < 0.9  # held at its limit
     x, _, z = ship.body.position
     ask(session, do="route", ship="ship", points=[[x, z + 1.0], [x + 40.0, z]], speed=2.5)
-    assert session.desk.last("panel")["ships"][0]["route"] == [[x, z + 1.0], [x + 40.0, z]]
+    assert session.server.last("panel")["ships"][0]["route"] == [[x, z + 1.0], [x + 40.0, z]]
     pilot = session.pilots["ship"]
     assert pilot.config.speed == 2.5 and pilot.near == np.ptp(ship.drawn()[0][:, 2])  # her length
     throttle, rudder = pilot.order(ship.actuators.time + 0.1, ship.body)
     session.follow_routes()
-    assert session.desk.last("panel")["ships"][0]["route"] == [[x + 40.0, z]]  # she is at the first
+    assert session.server.last("panel")["ships"][0]["route"] == [[x + 40.0, z]]  # she is at the first
     assert throttle > 0.0 and rudder != 0.0
     ask(session, do="steer", ship="ship", throttle=0.2, rudder=0.0)
-    assert session.desk.last("panel")["ships"][0]["route"] == [] and session.persons["ship"].throttle == 0.2
+    assert session.server.last("panel")["ships"][0]["route"] == [] and session.persons["ship"].throttle == 0.2
     ask(session, do="steer", ship="ghost", throttle=0.0, rudder=0.0)
-    assert "no ship" in session.desk.last("said")["text"]
+    assert "no ship" in session.server.last("said")["text"]
 
 
 def test_a_wrong_scene_is_told_at_its_lines_and_the_other_goes_on(session):
     text = session.source.text.replace("depth: 7.5", "depth: -1.0").replace("wind: wide", "wind: wid")
     steps = session.simulation.steps
     for do, notices in (("check", 0), ("apply", 1)):  # while a text is written nothing pops up over the page
-        said = len(session.desk.told)
+        said = len(session.server.told)
         ask(session, do=do, text=text)
-        assert [message.get("bad") for message in session.desk.told[said:]].count(True) == notices
-        problems = session.desk.last("problems")["problems"]
+        assert [message.get("bad") for message in session.server.told[said:]].count(True) == notices
+        problems = session.server.last("problems")["problems"]
         assert [row["line"] for row in problems] == [5, 7] and "did you mean 'wide'" in problems[1]["message"]
     assert session.simulation.steps == steps
     ask(session, do="check", text=session.source.text)
-    assert session.desk.last("problems")["problems"] == []
+    assert session.server.last("problems")["problems"] == []
 
 
 LARGE = [
@@ -211,10 +211,10 @@ def test_a_scene_that_is_too_large_is_told_in_a_sentence_and_the_other_goes_on(l
     lake.step()
     monkeypatch.setattr("ocean_sim.machine.available_memory", lambda: 100_000_000)
     ask(lake, **order)
-    said = lake.desk.last("said")
+    said = lake.server.last("said")
     assert said["bad"] and "GB of memory, and 0.1 GB are left" in said["text"] and "\n" not in said["text"]
     lake.step()
-    assert lake.simulation is playing and playing.steps == 2 and len(lake.desk.stills) == 1
+    assert lake.simulation is playing and playing.steps == 2 and len(lake.server.stills) == 1
     assert lake.source is before and lake.sliders is sliders and lake.claim is None
 
 
@@ -231,7 +231,7 @@ def test_what_cannot_be_built_is_told_and_the_other_begins_again(lake, monkeypat
 
     monkeypatch.setattr(Simulation, "build", fails_once)
     ask(lake, **order)
-    said = lake.desk.last("said")
+    said = lake.server.last("said")
     assert said["bad"] and said["text"] == in_words(failure)
     assert lake.config.seed == seed and lake.simulation.steps == 0 and lake.claim is None
     lake.step()
@@ -246,7 +246,9 @@ def test_a_record_that_cannot_be_written_ends_and_the_scene_begins_again(lake):
     lake.speed = 0.0
     for _ in range(10):
         lake.advance(0.05)
-    assert lake.claim is None and "the record ends" in lake.desk.last("said")["text"] and lake.desk.last("said")["bad"]
+    assert (
+        lake.claim is None and "the record ends" in lake.server.last("said")["text"] and lake.server.last("said")["bad"]
+    )
     lake.step()
     assert lake.simulation.steps == 1
 
@@ -259,7 +261,7 @@ def test_a_key_builds_anew_and_what_a_person_set_is_kept(session):
     assert next(s.value for s in session.sliders if s.label == label) == 2.0
     ask(session, do="change", key="fluid.spacing", value="-3.0")
     assert session.config.fluid.spacing == 2.5
-    assert "not greater than 0" in session.desk.last("problems")["problems"][0]["message"]
+    assert "not greater than 0" in session.server.last("problems")["problems"][0]["message"]
 
 
 def test_what_is_saved_is_the_scene_that_is_played(session):
@@ -267,7 +269,7 @@ def test_what_is_saved_is_the_scene_that_is_played(session):
     saved = load(session.out / "mine.yaml")
     assert saved.fluid == session.config.fluid and saved.wind == session.config.wind
     ask(session, do="save", name="mine")
-    assert "such a file already" in session.desk.last("said")["text"]
+    assert "such a file already" in session.server.last("said")["text"]
 
 
 def test_every_key_has_its_unit_and_range():
@@ -364,7 +366,7 @@ def test_the_water_is_asked_over_the_socket_with_the_verbs_of_a_wave_field(tmp_p
 
         def told(**asked):
             ask(one, do="waves", **asked)
-            return one.desk.last("waves")
+            return one.server.last("waves")
 
         found = told(verb="elevation", id=7, points=[[0.0, 0.0], [10.0, -4.0]], time=30.0)
         assert found["id"] == 7 and found["time"] == 30.0
@@ -381,13 +383,13 @@ def test_the_water_is_asked_over_the_socket_with_the_verbs_of_a_wave_field(tmp_p
 
 def test_particles_answer_for_now(session):
     ask(session, do="waves", verb="elevation", points=[[0.0, 0.0], [1e6, 0.0]])
-    heights = session.desk.last("waves")["values"]
-    assert abs(heights[0]) < 2.0 and session.desk.last("waves")["time"] == session.simulation.time
+    heights = session.server.last("waves")["values"]
+    assert abs(heights[0]) < 2.0 and session.server.last("waves")["time"] == session.simulation.time
     ask(session, do="waves", verb="normal", points=[[0.0, 0.0]])
-    assert np.linalg.norm(session.desk.last("waves")["values"][0]) == pytest.approx(1.0, abs=1e-5)
+    assert np.linalg.norm(session.server.last("waves")["values"][0]) == pytest.approx(1.0, abs=1e-5)
     for more in ({"time": 3.0, "points": [[0.0, 0.0]], "verb": "elevation"}, {"verb": "field"}):
         ask(session, do="waves", **more)
-        assert "plane waves" in session.desk.last("waves")["error"]
+        assert "plane waves" in session.server.last("waves")["error"]
 
 
 def test_a_platform_stands_in_neutral_before_its_first_row(tmp_path):

@@ -1,9 +1,17 @@
-"""Closed forms of orbits and drift by linear theory (Dean & Dalrymple 1991, chapters 4 and 10)."""
+"""Closed forms of pressure, orbits and drift by linear theory (Dean & Dalrymple 1991, chapters 4 and 10)."""
 
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
-from ocean_sim.waves import Values, angular_frequency
+from ocean_sim.waves import Components, Values, angular_frequency, elevation, pressure_head, stretched_height
+
+
+def pressure(sea: Components, points: np.ndarray, time: float, density: float) -> np.ndarray:
+    """(m,) pressure [Pa] of the stretched column at points (m, 3): hydrostatic and that of the waves; 0 above."""
+    eta = elevation(sea, points, time)
+    below = np.stack([points[:, 0], stretched_height(sea, points, eta), points[:, 2]], axis=1)
+    head = pressure_head(sea, below, time) - points[:, 1]
+    return np.where(points[:, 1] < eta, density * sea.gravity * head, 0.0)
 
 
 def orbit_ratio(k: float, y: Values, depth: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from ocean_sim.basin import Basin
+from ocean_sim.basin import Basin, axes_beyond
 from ocean_sim.basin.points import in_space
 from ocean_sim.model import Model, quantity
 
@@ -113,15 +113,9 @@ def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
     if basin.closed and config.cap * jet.volume > basin.volume * (1.0 + 1e-9):
         most = int(basin.volume / jet.volume + 1e-9)
         yield ("cap",), f"{config.cap} particles are more water than this closed basin holds: at most {most}"
-    low, up = np.array(basin.lower), np.array(basin.upper)
-    out = (jet.sites < low) | (jet.sites > up)
-    out[:, 1] = (jet.sites[:, 1] < low[1]) | (basin.closed & (jet.sites[:, 1] > up[1]))
-    if out.any():
-        axes = " and ".join(np.array(["x", "y", "z"])[out.any(axis=0)])
-        yield (
-            ("position",),
-            f"the mouth, {jet.area:.3g} {'m2' if jet.dimension == 3 else 'm'}, reaches out of the basin along {axes}",
-        )
+    if out := axes_beyond(jet.sites.min(axis=0).tolist(), jet.sites.max(axis=0).tolist(), basin):
+        area = f"{jet.area:.3g} {'m2' if jet.dimension == 3 else 'm'}"
+        yield ("position",), f"the mouth, {area}, reaches out of the basin along {' and '.join(out)}"
         return
     behind = jet.sites - jet.spacing * jet.velocity / np.linalg.norm(jet.velocity)
     for side in basin.sides:

@@ -141,20 +141,13 @@ class Accounts:
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]
 
-    def total_impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty where it is not summed."""
+    def totals(self) -> dict[str, np.ndarray]:
+        """Impulse [N s] and work [J] of each term since the start, (4,) each; empty where they are not summed. The work
+        of diffusion, which has no impulse, is its addition to the internal energy."""
         if not self.impulses:
             return {}
         self.copy_sums(self.sums_copy)
-        total = self.sums_copy[:, :, :WORK_COLUMN].sum(axis=0)
-        return {TERM_NAMES[term]: total[term] for term in self.impulse_terms}
-
-    def total_work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; that of diffusion is its addition to the internal energy."""
-        if not self.impulses:
-            return {}
-        self.copy_sums(self.sums_copy)
-        total = self.sums_copy[:, :, WORK_COLUMN].sum(axis=0).tolist()
+        total = self.sums_copy.sum(axis=0)
         return {TERM_NAMES[term]: total[term] for term in self.terms}
 
 

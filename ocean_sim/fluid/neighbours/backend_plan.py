@@ -6,7 +6,7 @@ from typing import ClassVar
 from ocean_sim.fluid.budget.momentum_budget import TERM_NAMES, Accounts
 from ocean_sim.fluid.neighbours.cell_walk import CellWalk
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize, Plan
+from ocean_sim.fluid.neighbours.grid_size import GridSize, Plan
 from ocean_sim.fluid.neighbours.kept_pairs import slot_bytes, slot_count
 from ocean_sim.fluid.neighbours.particle_walk import ParticleWalk, WideAccounts, WideGrid, level_sizes
 from ocean_sim.parts import LedgerRow
@@ -34,14 +34,14 @@ class ParticlePlan(Plan):
     def sorting_integers(self, n: int, cells: int) -> int:
         return n + sum(level_sizes(cells)[1:])
 
-    def list_bytes(self, size: ListSize, word: int) -> int:
+    def list_bytes(self, size: GridSize, word: int) -> int:
         return 0
 
-    def pair_bytes(self, size: ListSize, neighbours: int, word: int) -> int:
-        return slot_bytes(size.grid.lattice.n, neighbours, word)
+    def pair_bytes(self, size: GridSize, neighbours: int, word: int) -> int:
+        return slot_bytes(size.lattice.n, neighbours, word)
 
-    def highest_index(self, size: ListSize, neighbours: int) -> int:
-        return size.grid.lattice.n * (slot_count(neighbours) if neighbours else 1)
+    def highest_index(self, size: GridSize, neighbours: int) -> int:
+        return size.lattice.n * (slot_count(neighbours) if neighbours else 1)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
         return n * (5 * word + 8 + (8 * 4 * len(TERM_NAMES) if impulses else 0))

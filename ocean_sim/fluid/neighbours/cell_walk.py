@@ -10,7 +10,7 @@ from ocean_sim.columns import vec3
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.budget.momentum_budget import Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import FILLER_X, ListSize, whole_vectors
+from ocean_sim.fluid.neighbours.grid_size import FILLER_X, GridSize, whole_vectors
 from ocean_sim.fluid.neighbours.images import mirror_position
 from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairBlocks, flip_code
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
@@ -27,13 +27,13 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 class CellWalk:
     """The candidates of every occupied part of a cell, in segments of one list, one a group of parts."""
 
-    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
+    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
-        self.groups, self.capacity, self.segment = size.grid.groups, size.capacity, size.segment
+        self.groups, self.capacity, self.segment = size.groups, size.capacity, size.segment
         self.width = size.width
         self.images = grid.images
         self.periods, self.periodic = tm.vec3(grid.basin.periods), any(grid.basin.periods)
-        self.candidates = ti.field(int, shape=size.grid.occupied)
+        self.candidates = ti.field(int, shape=size.occupied)
         self.candidate = ti.field(int, shape=self.groups * self.segment)
         self.scratch = tuple(staggered_field(float, self.groups * self.width) for _ in range(size.reads))
         self.size, self.keeps = size, False  # whether pairs are kept

@@ -61,17 +61,17 @@ class Plan:
         """Integers that sorting n particles needs besides a count for each cell and chunk."""
         return 0
 
-    def list_bytes(self, size: "ListSize", word: int) -> int:
+    def list_bytes(self, size: "GridSize", word: int) -> int:
         """Bytes of the lists of candidates, where `word` is the size of a `float` [bytes]."""
-        return size.bytes(word)
+        return size.candidate_bytes(word)
 
-    def pair_bytes(self, size: "ListSize", neighbours: int, word: int) -> int:
+    def pair_bytes(self, size: "GridSize", neighbours: int, word: int) -> int:
         """Bytes of the kept pairs of particles with so many neighbours on the lattice."""
         return size.kept_bytes(word)
 
-    def highest_index(self, size: "ListSize", neighbours: int) -> int:
+    def highest_index(self, size: "GridSize", neighbours: int) -> int:
         """Highest number by which walks count, kept pairs of particles with so many `neighbours` included."""
-        return size.grid.groups * max(size.grid.lattice.n, size.kept_candidates if neighbours else size.segment)
+        return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
         """Bytes of the accounts of n particles; 0 where they are too few to list."""
@@ -84,12 +84,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class GridSize:
-    """Size of the grid."""
+    """Sizes of the grid and of the lists of candidates."""
 
     lattice: Lattice
     support: float  # [m]
     plan: Plan
     carried: int = 0  # numbers that a scheme carries along with each particle
+    reads: int = 0  # the most fields that a pair law of this fluid reads of a neighbour
 
     @property
     def inner_cells(self) -> list[tuple[int, float]]:
@@ -164,18 +165,10 @@ class GridSize:
             + 4 * self.plan.sorting_integers(self.lattice.n, self.cell_count)
         )
 
-
-@dataclass(frozen=True)
-class ListSize:
-    """Lengths of the candidate lists, known before anything is allocated."""
-
-    grid: GridSize
-    reads: int  # the most fields that a pair law of this fluid reads of a neighbour
-
     @property
     def at_rest(self) -> float:
         """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
-        return (2.0 + 1.0 / self.grid.halves) ** self.grid.lattice.basin.dimension * self.grid.cell_particles
+        return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
@@ -185,8 +178,8 @@ class ListSize:
     @property
     def segment(self) -> int:
         """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
-        parts = self.grid.lattice.n / (self.grid.cell_particles / self.grid.parts)
-        return int(2.0 * parts / self.grid.groups * self.at_rest) + 4 * self.capacity
+        parts = self.lattice.n / (self.cell_particles / self.parts)
+        return int(2.0 * parts / self.groups * self.at_rest) + 4 * self.capacity
 
     @property
     def width(self) -> int:
@@ -197,11 +190,11 @@ class ListSize:
     def shapes_per_particle(self) -> int:
         """Kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice, where parts
         are full and candidates fill a support around them. A shape without room is computed again when it is read."""
-        lattice, side = self.grid.lattice, 1.0 / self.grid.halves
+        lattice, side = self.lattice, 1.0 / self.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
             around = side**3 + 6.0 * side**2 + 3.0 * pi * side + 4.0 / 3.0 * pi
-        return min(int(1.25 * around * self.grid.cell_particles) + VECTOR_LENGTH, MAX_KEPT_SHAPES // lattice.n)
+        return min(int(1.25 * around * self.cell_particles) + VECTOR_LENGTH, MAX_KEPT_SHAPES // lattice.n)
 
     @property
     def spare_shapes(self) -> int:
@@ -212,19 +205,16 @@ class ListSize:
     def kept_candidates(self) -> int:
         """Candidates that one group of parts may keep: those that it lists, filled up where half of its particles are
         alone."""
-        return self.segment + VECTOR_LENGTH * (self.grid.lattice.n // self.grid.groups)
+        return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)
 
     def kept_bytes(self, word: int) -> int:
         """Bytes of kept pairs and of their candidates."""
-        groups = self.grid.groups
-        names = 4 * (4 * self.grid.occupied + groups * (self.width + 2 + self.kept_candidates))
+        groups = self.groups
+        names = 4 * (4 * self.occupied + groups * (self.width + 2 + self.kept_candidates))
         return names + word * (
-            self.grid.lattice.n * self.shapes_per_particle + groups * (self.spare_shapes + 3 * self.kept_candidates)
+            self.lattice.n * self.shapes_per_particle + groups * (self.spare_shapes + 3 * self.kept_candidates)
         )
 
-    def bytes(self, word: int) -> int:
+    def candidate_bytes(self, word: int) -> int:
         """Bytes of lists and scratch, where `word` is the size of a `float` [bytes]."""
-        return (
-            4 * (self.grid.occupied + self.grid.groups * self.segment)
-            + word * self.grid.groups * self.width * self.reads
-        )
+        return 4 * (self.occupied + self.groups * self.segment) + word * self.groups * self.width * self.reads

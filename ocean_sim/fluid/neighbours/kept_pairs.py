@@ -11,7 +11,7 @@ from typing import Any
 
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.images import POSITION_SIGN, SIDE_COLUMNS, Images
 from ocean_sim.fluid.neighbours.thread_tasks import TASK_ITERATIONS, Tasks
 from ocean_sim.fluid.sph.law import Law
@@ -133,21 +133,19 @@ class PairBlocks(KeptPairs):
     particle of the part the shapes of grad W."""
 
     def __init__(
-        self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: ListSize
+        self, position: Components, grid: Grid, scratch: tuple[ti.Field, ...], smoothing: Smoothing, size: GridSize
     ) -> None:
         """`scratch`: columns of a number for each candidate of a part, positions first, a run of them a group."""
         super().__init__(grid.images)
         self.position, self.grid, self.scratch, self.smoothing = position, grid, scratch, smoothing
-        self.groups, self.width, self.segment = size.grid.groups, size.width, size.kept_candidates
+        self.groups, self.width, self.segment = size.groups, size.width, size.kept_candidates
         self.shapes_per_particle, self.spare_shapes = size.shapes_per_particle, size.spare_shapes
         # Of a part: where its candidates and its shapes begin, candidates that are particles, and with images.
-        self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.grid.occupied) for _ in range(4))
+        self.first, self.begun, self.near, self.seen = (ti.field(int, shape=size.occupied) for _ in range(4))
         self.next_first, self.next_begun = (ti.field(int, shape=self.groups) for _ in range(2))  # of the next part
         self.name = ti.field(int, shape=self.groups * self.segment)
         self.place = Components(self.groups * self.segment)  # [m]
-        self.shape = ti.field(
-            float, shape=size.grid.lattice.n * self.shapes_per_particle + self.groups * self.spare_shapes
-        )
+        self.shape = ti.field(float, shape=size.lattice.n * self.shapes_per_particle + self.groups * self.spare_shapes)
 
     @ti.func
     def begin(self, group):

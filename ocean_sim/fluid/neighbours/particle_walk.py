@@ -13,7 +13,7 @@ import numpy as np
 
 from ocean_sim.fluid.budget.momentum_budget import WORK_COLUMN, Accounts
 from ocean_sim.fluid.neighbours.grid import Grid
-from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.kept_pairs import KeptPairs, PairSlots, flip_code
 from ocean_sim.fluid.neighbours.point_sum import PointSum
 from ocean_sim.fluid.neighbours.thread_tasks import Tasks
@@ -131,15 +131,10 @@ class WideAccounts(Accounts):
                 for k in ti.static(range(WORK_COLUMN + 1)):
                     self.blocks.given[b, term, k] = four[k]
 
-    def total_impulse(self) -> dict[str, np.ndarray]:
+    def totals(self) -> dict[str, np.ndarray]:
         if self.impulses:
             self.add_up_impulses()
-        return self.blocks.total_impulse()
-
-    def total_work(self) -> dict[str, float]:
-        if self.impulses:
-            self.add_up_impulses()
-        return self.blocks.total_work()
+        return self.blocks.totals()
 
 
 @in_kernels
@@ -195,8 +190,8 @@ class ParticleWalk:
 
     left_out: ClassVar[tuple[str, ...]] = ("shown",)
 
-    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: ListSize) -> None:
-        self.particles, self.most = particles.count, size.grid.lattice.n
+    def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
+        self.particles, self.most = particles.count, size.lattice.n
         self.grid, self.accounts = grid, accounts
         self.shown: dict[Law, tuple[PointSum, RowLaw, RowLaw]] = {}  # what a law is shown, made when it first walks
         self.keeps = False

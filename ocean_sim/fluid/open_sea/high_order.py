@@ -22,7 +22,7 @@ where crests break and then fades (Monahan & Zietlow 1969, J. Geophys. Res. 74).
 from dataclasses import replace
 from functools import cached_property
 from math import exp, pi
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,8 +55,6 @@ class SurfaceState(NamedTuple):
 
 class Breaking:
     """Breaking crests of a sea, the energy that they lost, and the foam that they left."""
-
-    left_out: ClassVar[tuple[str, ...]] = ("mode_signs",)
 
     def __init__(self, tile: Tile, ahead: np.ndarray, period: float) -> None:
         """`ahead`: unit vector of the direction of the waves along x and z; `period` of the highest of them [s]."""
@@ -125,8 +123,6 @@ class Breaking:
 
 class HighOrder:
     """Elevation and surface potential of a nonlinear sea that repeats itself."""
-
-    left_out: ClassVar[tuple[str, ...]] = ("vertical_factor", "resolved_modes", "rate_cache")
 
     def __init__(self, tile: Tile, onset: float, breaking: Breaking | None = None) -> None:
         """`onset`: time scale on which the nonlinear terms set in [s]; 0: from the beginning."""
@@ -225,9 +221,8 @@ class HighOrder:
         now = self.surface_state(e, p)
         self.rate_cache[self.time] = eta_n, phi_n = self.surface_rates(now, self.time)
         eta_t, phi_t = tile.to_values(np.array([eta_n + self.vertical_factor * p, phi_n - g * e]))
-        growth = self.resolved_modes * tile.to_modes(
-            phi_t - sum(now.w) * eta_t
-        )  # at a place that does not move with the surface
+        # At a place that does not move with the surface.
+        growth = self.resolved_modes * tile.to_modes(phi_t - sum(now.w) * eta_t)
         flat = self.higher_orders(self.eta, p, now.w[0])[0]
         return e, flat, self.higher_orders(self.eta, growth, tile.to_values(self.vertical_factor * growth))[0]
 

@@ -55,24 +55,6 @@ class OpenWater(Fluid):
         return eta
 
     @ti.func
-    def velocity(self, position):
-        """Velocity [m/s]; above the water that of its surface."""
-        y = self.waves.stretched(position, self.elevation(position.x, position.z))
-        v = tm.vec3(self.current[0], 0.0, self.current[1]) + self.waves.velocity_at(position, y)
-        for sheet in ti.static(self.sheets):
-            v += sheet.velocity(position.x, position.z, -y, sheet.now)
-        return v
-
-    @ti.func
-    def acceleration(self, position):
-        """Acceleration [m/s2] of the water by linear theory, -grad p / rho less gravity."""
-        y = self.waves.stretched(position, self.elevation(position.x, position.z))
-        a = self.waves.acceleration_at(position, y)
-        for sheet in ti.static(self.sheets):
-            a += sheet.acceleration(position.x, position.z, -y, sheet.now)
-        return a
-
-    @ti.func
     def rise(self, x, z):
         """Elevation of the waves on tiles [m] when the last step began."""
         eta = 0.0

@@ -80,12 +80,7 @@ class PlaneWaves:
     @ti.func
     def velocity(self, position):
         """Velocity [m/s]; above the water that of its surface."""
-        return self.velocity_at(position, self.stretched(position, self.elevation(position.x, position.z)))
-
-    @ti.func
-    def velocity_at(self, position, y):
-        """Velocity [m/s] by linear theory at a height y of the unstretched column."""
-        h = ti.static(self.sea.depth)
+        h, y = ti.static(self.sea.depth), self.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):
             k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
@@ -94,27 +89,3 @@ class PlaneWaves:
             along = scale * (1.0 + mirrored) * ti.cos(angle) / k
             v += tm.vec3(self.kx[i] * along, scale * (1.0 - mirrored) * ti.sin(angle), self.kz[i] * along)
         return self.grown[None] * v
-
-    @ti.func
-    def acceleration_at(self, position, y):
-        """Acceleration [m/s2] by linear theory, -grad p / rho less gravity, at a height y of the unstretched column."""
-        h, g = ti.static(self.sea.depth), ti.static(self.sea.gravity)
-        a = tm.vec3(0.0)
-        for i in range(self.amplitude.shape[0]):
-            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
-            scale = g * self.amplitude[i] * ti.exp(k * y) / (1.0 + ti.exp(-2.0 * k * h))
-            mirrored = ti.exp(-2.0 * k * (y + h))
-            along = scale * (1.0 + mirrored) * ti.sin(angle)
-            a += tm.vec3(self.kx[i] * along, -k * scale * (1.0 - mirrored) * ti.cos(angle), self.kz[i] * along)
-        return self.grown[None] * a
-
-    @ti.func
-    def head_at(self, position, y):
-        """Pressure over rho g [m], hydrostatic and that of the waves, at a height y of the unstretched column."""
-        h = ti.static(self.sea.depth)
-        head = 0.0
-        for i in range(self.amplitude.shape[0]):
-            k, angle = self.k[i], self.kx[i] * position.x + self.kz[i] * position.z + self.phase[i]
-            profile = ti.exp(k * y) * (1.0 + ti.exp(-2.0 * k * (y + h))) / (1.0 + ti.exp(-2.0 * k * h))
-            head += self.amplitude[i] * profile * ti.cos(angle)
-        return self.grown[None] * head - position.y

@@ -13,7 +13,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,16 +27,6 @@ RIM_DAMPING_RATIO = 0.8  # decay of these waves over their frequency, at the edg
 @dataclass(frozen=True, eq=False)
 class Tile:
     """A rectangle of sea of `cells` x `rows` square cells, in the axes of the water."""
-
-    left_out: ClassVar[tuple[str, ...]] = (
-        "kx",
-        "kz",
-        "k",
-        "omega",
-        "directed_modes",
-        "smoothing",
-        "turn_cache",
-    )  # made again when asked for
 
     side: float  # along x [m]
     cells: int  # along x
@@ -266,24 +256,17 @@ def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
 class Layer:
     """Linear waves on a tile around one centre, which follows the ship or wind that makes them."""
 
-    left_out: ClassVar[tuple[str, ...]] = ("damping_rate", "damping_cache")
-
     def __init__(self, tile: Tile, rim: bool = True) -> None:
         self.tile, self.rim = tile, rim
         self.eta, self.phi = np.zeros(tile.shape), np.zeros(tile.shape)  # [m], [m2/s]
         self.centre = np.zeros(2)  # x, z in the axes of the water [m]
-        self.pressed = np.zeros((*tile.k.shape, 2))  # modes of the pressure, real and imaginary parts
-        self.set_pressure(np.zeros(tile.k.shape))
-
-    @property
-    def pressure(self) -> np.ndarray:
+        self.pressure = np.zeros(tile.k.shape, dtype=complex)
         """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
-        return self.pressed.view(complex)[..., 0]
 
     def set_pressure(self, pressure: np.ndarray) -> None:
         """Set the modes of the pressure over the density [m2/s2]."""
-        self.pressed = np.array(pressure, dtype=complex).view(float).reshape(*pressure.shape, 2)
-        self.pressed[0, 0] = 0.0
+        self.pressure = np.array(pressure, dtype=complex)
+        self.pressure[0, 0] = 0.0
 
     @cached_property
     def damping_rate(self) -> np.ndarray:

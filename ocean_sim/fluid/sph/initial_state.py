@@ -310,17 +310,8 @@ def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) 
 
 
 def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
-    """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin; waves that fall on
-    the same one become one, with the variance of all and the phase of the greatest."""
-    wavevector = sea.wavevector.copy()
-    for axis, period in enumerate((basin.periods[0], basin.periods[2])):
-        if period:
-            unit = 2.0 * pi / period
-            number = np.round(wavevector[:, axis] / unit)
-            least = np.abs(sea.wavevector).argmax(axis=1) == axis  # along this axis a wave must have one crest
-            number = np.where((number == 0.0) & least, np.sign(sea.wavevector[:, axis]), number)
-            wavevector[:, axis] = number * unit
-    return waves.merge_waves(sea, wavevector)
+    """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin."""
+    return waves.fit_periods(sea, basin.periods[::2])
 
 
 def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:

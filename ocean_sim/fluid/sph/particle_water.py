@@ -12,7 +12,17 @@ from ocean_sim.basin import Basin
 from ocean_sim.fluid import Contact, Displacing, Fluid, ParticleFluid, Totals
 from ocean_sim.fluid.bodies.walls import Walls
 from ocean_sim.fluid.budget.field import Field, FreeSurface
-from ocean_sim.fluid.budget.momentum_budget import SHIP, SUMMARY_SIZE, WIND, Accounts, Summing, absent_terms
+from ocean_sim.fluid.budget.momentum_budget import (
+    DIFFUSION,
+    SHIP,
+    SUMMARY_SIZE,
+    TERM_NAMES,
+    WIND,
+    WORK_COLUMN,
+    Accounts,
+    Summing,
+    absent_terms,
+)
 from ocean_sim.fluid.neighbours.grid import Grid
 from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.neighbours.point_sum import PointSum
@@ -211,30 +221,25 @@ class ParticleWater(ParticleFluid):
                 left[i] = 0.0
             self.grid.stage_state(i, tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(v.x[i], v.y[i], v.z[i]))
 
-    @property
-    def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty unless the fluid keeps accounts."""
-        total = self.accounts.total_impulse()
+    def budget(self) -> dict[str, np.ndarray]:
+        """Impulse [N s] and work [J] of each term since the start, (4,) each; empty unless the fluid keeps accounts.
+        The work of an emitter is all energy that its water brings, kinetic and potential."""
+        total = self.accounts.totals()
         if total and self.jet is not None:
-            total["emitter"] = self.emitted_impulse.copy()
+            total["emitter"] = np.append(self.emitted_impulse, self.emitted_work)
         if total and self.contacts:
-            total["ship"] += sum(contact.given for contact in self.contacts)
+            total["ship"] += sum(np.append(contact.given, contact.work) for contact in self.contacts)
         elif total:
             del total["ship"]
         return total
 
     @property
+    def impulse(self) -> dict[str, np.ndarray]:
+        return {term: row[:WORK_COLUMN] for term, row in self.budget().items() if term != TERM_NAMES[DIFFUSION]}
+
+    @property
     def work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; empty unless the fluid keeps accounts. The emitter's is all energy
-        that its water brings, kinetic and potential."""
-        total = self.accounts.total_work()
-        if total and self.jet is not None:
-            total["emitter"] = self.emitted_work
-        if total and self.contacts:
-            total["ship"] += sum(contact.work for contact in self.contacts)
-        elif total:
-            del total["ship"]
-        return total
+        return {term: float(row[WORK_COLUMN]) for term, row in self.budget().items()}
 
     @ti.func
     def elevation(self, x, z):

@@ -87,9 +87,8 @@ WENDLAND = Kernel(3, (1.0,))
 NEUTRAL_KERNEL = Kernel(5, (1.0, 11.0, -11.0), length=0.4)
 """grad W = -slope (1 - q)^5 (1 + 11 q (1 - q)) x, under which a lattice of particles is as water is: at supports of 3.8
 to 4.2 spacings it bears no shear, along its axes or their diagonals, and hardly a pattern of particles lies lower, in
-2-D and in 3-D. Fitted so that both shear moduli and the softest mode vanish (Stencil.rigidity, Stencil.softest_mode)
-while waves of two spacings are smoothed to 2 %: the less they are, the more room water takes that has lost its
-lattice."""
+2-D and in 3-D. Fitted so that both shear moduli (Stencil.rigidity) and the softest mode vanish while waves of two
+spacings are smoothed to 2 %: the less they are, the more room water takes that has lost its lattice."""
 NEUTRAL_RATIO = 4.0  # [spacings] 44 neighbours in 2-D, 250 in 3-D
 
 
@@ -270,24 +269,6 @@ class Stencil:
         pairs = (x[:, 0] ** 2, x[:, 1] ** 2), (0.5 * (x[:, 0] + x[:, 1]) ** 2, 0.5 * (x[:, 0] - x[:, 1]) ** 2)
         moduli = [((along - across) * a * b / r2 + across * b).sum() for a, b in pairs]
         return float(np.mean(moduli) / -(across * x[:, 0] ** 2).sum())
-
-    @property
-    def softest_mode(self) -> float:
-        """Smallest eigenvalue of the lattice's elasticity under one pressure everywhere, over the typical largest.
-        Where it is negative, still water does not stay on its lattice: rounding errors grow until it is none.
-
-        Pairs then push each other along grad W, as atoms do that repel by a potential W, so these are the eigenvalues
-        of the dynamical matrix of such a crystal (Born & Huang 1954, Dynamical Theory of Crystal Lattices) over those
-        of a wave's 2 sum(1 - cos k), which leaves sound out.
-        """
-        x, along, across = self.lattice_bonds
-        d = self.smoothing.dimension
-        stiffness = ((along - across) / (x**2).sum(axis=1))[:, None, None] * x[:, :, None] * x[:, None, :]
-        stiffness += across[:, None, None] * np.eye(d)
-        waves = np.array([wave for wave in product(np.linspace(0.0, np.pi, 13), repeat=d) if any(wave)])
-        matrices = np.einsum("kn,nij->kij", 1.0 - np.cos(waves @ x.T), stiffness)
-        scaled = np.linalg.eigvalsh(matrices) / (1.0 - np.cos(waves)).sum(axis=1)[:, None]
-        return float(scaled.min() / np.median(scaled[:, -1]))
 
 
 def rigidity_notes(smoothing: Smoothing, spacing: float) -> list[str]:

@@ -14,7 +14,7 @@ from ocean_sim.fluid.bodies.walls import warnings as of_zones
 from ocean_sim.fluid.bodies.walls import zones
 from ocean_sim.fluid.budget.field import Field
 from ocean_sim.fluid.neighbours.backend_plan import PLANS, Walk, account_ledger
-from ocean_sim.fluid.neighbours.grid_size import GridSize, ListSize
+from ocean_sim.fluid.neighbours.grid_size import GridSize
 from ocean_sim.fluid.open_sea.plane_waves import PlaneWaves
 from ocean_sim.fluid.patch.attenuation import Attenuation, Delay, Train, wave_trains
 from ocean_sim.fluid.patch.relaxation_zone import relaxation_band, tile_cells
@@ -120,10 +120,10 @@ class SphConfig(WaterConfig):
 
     def most_particles(self, preflight: Preflight) -> int:
         sizes = self.untouched_sizes(preflight)
-        counted = sizes.grid.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
-        return min(MOST_PARTICLES, sizes.grid.lattice.n * MAX_COUNT // max(counted, 1))
+        counted = sizes.plan.highest_index(sizes, self.neighbours_kept(preflight.tank))
+        return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
-    def untouched_sizes(self, preflight: Preflight) -> ListSize:
+    def untouched_sizes(self, preflight: Preflight) -> GridSize:
         """Sizes of grid and lists without anything afloat."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
@@ -135,7 +135,7 @@ class SphConfig(WaterConfig):
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
         """Report more neighbours, or cells, than 32 bits can count."""
-        grid, most = self.untouched_sizes(preflight).grid, self.most_particles(preflight)
+        grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
                 f"makes {grid.lattice.n} particles; at a support of {self.ratio(preflight.tank):g} spacings the "
@@ -225,11 +225,11 @@ class SphConfig(WaterConfig):
         wanted = f"take a reference_speed of {sqrt(most):.3g} m/s"
         return [f"{pulled} of the water and {squeezed}: levels and pressures are off by as much; {wanted}"]
 
-    def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> ListSize:
+    def list_size(self, lattice: Lattice, arch: str, reads: int, carried: int = 0) -> GridSize:
         """Sizes of grid and lists for laws that read `reads` fields and carry `carried` numbers along, on a backend."""
         support = self.ratio(lattice.basin) * lattice.spacing
         carried += self.told_to_bodies if has_bodies(lattice.basin) else 0
-        return ListSize(GridSize(lattice, support, PLANS[arch], carried), reads)
+        return GridSize(lattice, support, PLANS[arch], carried, reads)
 
     def still_limits(self, preflight: Preflight) -> Limits:
         smoothing = self.smoothing(preflight.tank)
@@ -303,30 +303,30 @@ class SphConfig(WaterConfig):
 
 def scheme_ledger(
     preflight: Preflight,
-    sizes: ListSize,
+    sizes: GridSize,
     numbers: int,
     what: str,
     told: int = 0,
 ) -> list[LedgerRow]:
     """Ledger of a scheme that keeps `numbers` numbers of each particle besides its id; `told`: numbers that each
     particle carries along for solid bodies."""
-    n, support, lattice, word = sizes.grid.lattice.n, sizes.grid.support, sizes.grid.lattice, preflight.word
+    n, support, lattice, word = sizes.lattice.n, sizes.support, sizes.lattice, preflight.word
     return [
         LedgerRow("fluid", f"{n} particles", (numbers * word + 4) * n, what),
-        LedgerRow("fluid", f"grid of {sizes.grid.cell_count} cells", sizes.grid.bytes(word), f"support {support:g} m"),
+        LedgerRow("fluid", f"grid of {sizes.cell_count} cells", sizes.bytes(word), f"support {support:g} m"),
         *_of_walk(sizes, word, preflight.sums_impulses),
         *_of_areas(preflight, n),
         *_of_targets(lattice, word),
         *_of_sea(lattice, word),
-        *_of_bodies(sizes.grid, word, preflight.sums_impulses, told),
+        *_of_bodies(sizes, word, preflight.sums_impulses, told),
     ]
 
 
-def _of_walk(sizes: ListSize, word: int, impulses: bool) -> list[LedgerRow]:
+def _of_walk(sizes: GridSize, word: int, impulses: bool) -> list[LedgerRow]:
     """Ledger of the walk over neighbours."""
-    lists = sizes.grid.plan.list_bytes(sizes, word)
+    lists = sizes.plan.list_bytes(sizes, word)
     found = [LedgerRow("fluid", "candidate lists", lists, "neighbours of every occupied cell")] if lists else []
-    return [*found, *account_ledger(sizes.grid, word, impulses)]
+    return [*found, *account_ledger(sizes, word, impulses)]
 
 
 def _of_areas(preflight: Preflight, n: int) -> list[LedgerRow]:
@@ -410,9 +410,9 @@ class Sph(ParticleWater):
     config: SphConfig
     boundary: "Boundary | None" = None
 
-    def __init__(self, config: SphConfig, basin: Basin, sizes: ListSize, accounts: bool, wind: Wind) -> None:
-        super().__init__(config, basin, sizes.grid, accounts, wind)
-        self.neighbours: Walk = sizes.grid.plan.walk(self.particles, self.grid, self.accounts, sizes)
+    def __init__(self, config: SphConfig, basin: Basin, sizes: GridSize, accounts: bool, wind: Wind) -> None:
+        super().__init__(config, basin, sizes, accounts, wind)
+        self.neighbours: Walk = sizes.plan.walk(self.particles, self.grid, self.accounts, sizes)
         self.reference_speed, self.sound_speed = config.speed(basin), config.sound_speed(basin)
         self.kinematic_viscosity = config.kinematic_viscosity
         self.dt = ti.field(float, shape=())  # [s]
@@ -420,7 +420,7 @@ class Sph(ParticleWater):
         if self.bodies:
             from ocean_sim.fluid.bodies.boundary import Boundary, floating_bodies, obstacle_bodies
 
-            lattice, support = sizes.grid.lattice, sizes.grid.support
+            lattice, support = sizes.lattice, sizes.support
             bodies = [*obstacle_bodies(lattice, support), *floating_bodies(lattice, support).values()]
             self.boundary = Boundary(bodies, self.particles, self.grid, self.pull, self.smoothing, accounts)
         own = len(self.carried) - (config.told_to_bodies if self.bodies else 0)
@@ -432,7 +432,7 @@ class Sph(ParticleWater):
         if self.exposed:
             from ocean_sim.fluid.bodies.exposure import Exposure
 
-            positions, plan_area = self.listed_positions, sizes.grid.lattice.plan_area or 0.0
+            positions, plan_area = self.listed_positions, sizes.lattice.plan_area or 0.0
             self.exposure = Exposure(self, self.neighbours, self.boundary, positions, plan_area, wind.needs_bend)
 
     @property

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ocean_sim.basin import BOX_ROUNDING, Basin, Box, odd_gravity
+from ocean_sim.basin import BOX_ROUNDING, Basin, Box, box_faults, odd_gravity
 from ocean_sim.conventions import LEAST_DENSITY, WATER_DENSITY
 from ocean_sim.fluid.bodies.emitter import MOST_PARTICLES, Emitter
 from ocean_sim.fluid.bodies.emitter import problems as mouth_problems
@@ -144,10 +144,11 @@ class WaterConfig(FluidConfig):
         found: Problems = []
         if basin.dimension == 2 and self.body_force[2] != 0.0:
             found.append((("body_force",), "a 2-D basin, in x-y, has no force along z"))
-        for k, box in enumerate(self.fill or ()):
-            if len(box.min) != basin.dimension:
-                found.append((("fill", k), f"a point of this basin has {basin.dimension} numbers, got {len(box.min)}"))
-                return found
+        fill = self.fill or ()
+        overlap = "the box overlaps an earlier one: two particles would share a position"
+        misplaced = box_faults("fill", fill, basin, overlap)
+        if any(len(box.min) != basin.dimension for box in fill):
+            return found + misplaced
         if basin.sea is not None:
             for name, value in (("initial", self.initial), ("fill", self.fill), ("emitter", self.emitter)):
                 if value is not None:
@@ -166,16 +167,7 @@ class WaterConfig(FluidConfig):
         assert isinstance(lattice, Lattice)
         if self.spacing is not None and lattice.volume > MOST_PARTICLES * self.spacing**basin.dimension:
             found.append((("spacing",), f"would make more than {MOST_PARTICLES} particles, the most that there can be"))
-        boxes = lattice.boxes if self.fill is not None else []
-        for k, (low, up) in enumerate(boxes):
-            outside = (low < np.array(basin.lower) - 1e-9) | (up > np.array(basin.upper) + 1e-9)
-            outside[1] = low[1] < basin.lower[1] - 1e-9
-            if outside.any():
-                axes = " and ".join(np.array(["x", "y", "z"])[outside])
-                found.append((("fill", k), f"the box reaches out of the basin along {axes}"))
-            for other_low, other_up in boxes[:k]:
-                if (np.minimum(up, other_up) - np.maximum(low, other_low))[: basin.dimension].min() > 1e-9:
-                    found.append((("fill", k), "the box overlaps an earlier one: two particles would share a position"))
+        found += misplaced
         if lattice.jet is not None and not found:
             found += [(("emitter", *path), sentence) for path, sentence in mouth_problems(basin, lattice.jet)]
             if in_obstacles(lattice.jet.sites, basin).any():

@@ -5,13 +5,11 @@ A model stands on the deck of the physical hull and is scaled by its dimensions.
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from ocean_sim.files.yaml_file import read_mapping
-from ocean_sim.model import Model
 from ocean_sim.parts import library
 from ocean_sim.pictures.ships.ship_hull import Hull, Sheer
 from ocean_sim.pictures.ships.ship_parts import Block, Mesh, level_outline, merge_meshes, mirrored_pair, tube_mesh
@@ -36,60 +34,6 @@ PAINTS = {  # linear RGB
     "emerald": (0.0, 0.342, 0.171),
 }
 
-
-Window = Annotated[tuple[int, int, float, float, float], Field(strict=False)]
-
-
-class Cabin(Model):
-    """A symmetric body between two level outlines."""
-
-    bottom: list[list[float]]
-    """Half breadth and station of each corner on port, from aft."""
-    low: float
-    top: list[list[float]]
-    high: float
-    walls: str
-    lid: str
-    windows: list[Window] = []
-    """Panes like `Block.panes`: the walls count from aft on port."""
-    aside: float = 0.0
-    """Distance of its middle to port; there is one to starboard, too."""
-
-
-class Pole(Model):
-    """A round bar."""
-
-    start: list[float]
-    end: list[float]
-    radii: list[float]
-    paint: str
-
-
-class Strake(Model):
-    """A round bar along the sides, as `Sheer.strake`; lengths in units."""
-
-    share: float
-    out: float
-    radius: float
-    paint: str
-
-
-class Style(Model):
-    """The look of a kind of ship, a file of configs/look/, where the units of its tables stand."""
-
-    units: float
-    house: float
-    eye: list[float]
-    front: float | None
-    min_height: float
-    headroom: float
-    bulwark: list[float]
-    paints: list[str]
-    strake: Strake | None = None
-    cabins: list[Cabin]
-    poles: list[Pole]
-
-
 STYLE_WORDS = {"yacht": "yacht", "tug": "tug", "barge": "barge", "box": "barge", "outline": "yacht"}  # in a look
 FILE_PAINTS = "oxide", "white", "navy", "teak"  # of a hull from a file, which may bring its own house
 BODY_PAINTS = "grey", "white", "yellow", "orange"  # of a body without a style: test bodies
@@ -100,7 +44,12 @@ class ShipModel(NamedTuple):
 
     mesh: Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
-    length: float  # of the hull [m]
+    hull: Hull
+
+    @property
+    def length(self) -> float:
+        """Length of the hull [m]."""
+        return float(self.hull.length)
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
@@ -127,41 +76,45 @@ def build_model(
         return styled_model(hull, style_of(style), given)
     eye = given if given is not None else np.array([0.0, hull.upper[1] + 0.15 * hull.depth, 0.1 * hull.length])
     paints = (PAINTS[name] for name in (FILE_PAINTS if from_file else BODY_PAINTS))
-    return ShipModel(hull.painted(*paints), eye, hull.length)
+    return ShipModel(hull.painted(*paints), eye, hull)
 
 
 @cache
-def style_of(name: str) -> Style:
-    """Style in a file of configs/look/."""
-    return Style.model_validate(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
+def style_of(name: str) -> dict[str, Any]:
+    """The look of a kind of ship: a file of configs/look/, where the units of its tables stand."""
+    return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 
-def styled_model(hull: Hull, style: Style, helm: np.ndarray | None) -> ShipModel:
+def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
     """Hull with bulwark, and the cabins and poles of a style."""
-    unit = hull.length / style.units
-    amidships, bow, rake = (unit * length for length in style.bulwark)
+    unit = hull.length / style["units"]
+    amidships, bow, rake = (unit * length for length in style["bulwark"])
     sheer = Sheer(hull, (amidships, bow), rake)
     middle = 0.5 * (sheer.stern + sheer.bow)
-    deck, half = float(sheer.deck_height(middle)), style.house * float(sheer.half_breadth(middle))
-    eye = helm if helm is not None else np.array([0.0, deck + style.eye[0] * unit, middle + style.eye[1] * unit])
-    height = max(style.min_height * unit, float(eye[1]) - deck + style.headroom * unit)
-    front = middle if style.front is None else float(eye[2]) - style.front * unit
+    deck, half = float(sheer.deck_height(middle)), style["house"] * float(sheer.half_breadth(middle))
+    over_deck, ahead = style["eye"]
+    eye = helm if helm is not None else np.array([0.0, deck + over_deck * unit, middle + ahead * unit])
+    height = max(style["min_height"] * unit, float(eye[1]) - deck + style["headroom"] * unit)
+    front = middle if style["front"] is None else float(eye[2]) - style["front"] * unit
     scale, origin = np.array([half, height, unit]), np.array([0.0, deck, front])
-    topsides, deck_paint, inside, cap = (PAINTS[name] for name in style.paints)
+    topsides, deck_paint, inside, cap = (PAINTS[name] for name in style["paints"])
     parts = [
         hull.painted(PAINTS["oxide"], PAINTS["white"], topsides, deck_paint),
         sheer.bulwark(topsides, inside, cap, 0.1 * unit),
     ]
-    if style.strake is not None:
-        bar = style.strake
-        parts.append(sheer.strake(bar.share, bar.out * unit, bar.radius * unit, PAINTS[bar.paint]))
-    for cabin in style.cabins:
-        outlines = level_outline(cabin.bottom, cabin.low), level_outline(cabin.top, cabin.high)
-        block = Block(*(origin + scale * (outline + [cabin.aside, 0.0, 0.0]) for outline in outlines))
-        mesh = block.mesh(PAINTS[cabin.walls], PAINTS[cabin.lid])
-        parts.append(mirrored_pair(mesh) if cabin.aside else mesh)
-        parts += [block.panes(*window, PAINTS["glass"]) for window in cabin.windows]
-    for pole in style.poles:
-        start, end = (origin + scale * np.array(point) for point in (pole.start, pole.end))
-        parts.append(tube_mesh(start, end, (pole.radii[0] * unit, pole.radii[1] * unit), PAINTS[pole.paint], 12))
-    return ShipModel(merge_meshes(parts), eye, hull.length)
+    if "strake" in style:
+        bar = style["strake"]
+        parts.append(sheer.strake(bar["share"], bar["out"] * unit, bar["radius"] * unit, PAINTS[bar["paint"]]))
+    for cabin in style["cabins"]:
+        aside = cabin.get("aside", 0.0)  # distance of its middle to port; there is one to starboard, too
+        outlines = level_outline(cabin["bottom"], cabin["low"]), level_outline(cabin["top"], cabin["high"])
+        block = Block(*(origin + scale * (outline + [aside, 0.0, 0.0]) for outline in outlines))
+        mesh = block.mesh(PAINTS[cabin["walls"]], PAINTS[cabin["lid"]])
+        parts.append(mirrored_pair(mesh) if aside else mesh)
+        for wall, count, low, high, post in cabin.get("windows", []):
+            parts.append(block.panes(wall, count, low, high, post, PAINTS["glass"]))
+    for pole in style["poles"]:
+        start, end = (origin + scale * np.array(pole[name]) for name in ("start", "end"))
+        thick, thin = (unit * radius for radius in pole["radii"])
+        parts.append(tube_mesh(start, end, (thick, thin), PAINTS[pole["paint"]], 12))
+    return ShipModel(merge_meshes(parts), eye, hull)

@@ -95,7 +95,7 @@ class Block:
 
 def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
     """Outline (k, 3) at a height from half breadths and stations, along port and then back along starboard."""
-    port = np.insert(np.array(corners), 1, y, axis=1)
+    port = np.insert(np.array(corners, dtype=float), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
 

@@ -1,19 +1,22 @@
 """Can this machine draw without a screen? VTK kills a process that has no OpenGL, so a child process tries."""
 
-import hashlib
-import json
 import os
+import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
-from pathlib import Path
+
+import numpy as np
 
 from ocean_sim.conventions import Lacking
-from ocean_sim.machine import missing_extra
+from ocean_sim.files.cache_file import cached_arrays
+from ocean_sim.machine import cache_directory, missing_extra
 
 WINDOW_CLASSES = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # EGL draws faster here, OSMesa is the other way
 INSTALL_COMMAND = "apt-get install --no-install-recommends libegl1 libgl1-mesa-dri"
+NOTE_FOLDER = "opengl"  # of the cache, where a success is noted
 PROBE_PROGRAM = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
@@ -41,19 +44,20 @@ def drawing_environment(window: str) -> dict[str, str]:
 @cache
 def window() -> str | None:
     """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
-    from ocean_sim.machine import cache_directory
-
     if missing_extra("pictures"):
         return None
-    note = cache_directory() / "opengl.json"
-    signature = hashlib.sha256(repr((sys.executable, version("vtk"), version("pyvista"))).encode()).hexdigest()
-    remembered = read_note(note)
-    if remembered.get("signature") == signature and remembered.get("window") in WINDOW_CLASSES:
-        return remembered["window"]
+    with suppress(OpenGLMissing):
+        versions = repr((sys.executable, version("vtk"), version("pyvista"))).encode()
+        return str(cached_arrays(NOTE_FOLDER, versions, drawing_window)["window"])
+    return None
+
+
+def drawing_window() -> dict[str, np.ndarray]:
+    """The first of WINDOW_CLASSES that draws; raises OpenGLMissing."""
     found = next((name for name in WINDOW_CLASSES if draws(name)), None)
-    if found is not None:
-        write_note(note, {"signature": signature, "window": found})
-    return found
+    if found is None:
+        raise OpenGLMissing
+    return {"window": np.array(found)}
 
 
 def probe() -> str | None:
@@ -63,9 +67,7 @@ def probe() -> str | None:
 
 def forget() -> None:
     """After a crash: the next run probes again."""
-    from ocean_sim.machine import cache_directory
-
-    (cache_directory() / "opengl.json").unlink(missing_ok=True)
+    shutil.rmtree(cache_directory() / NOTE_FOLDER, ignore_errors=True)
     window.cache_clear()
 
 
@@ -77,21 +79,3 @@ def draws(name: str) -> bool:
     except (OSError, subprocess.TimeoutExpired):
         return False
     return child.returncode == 0 and f"drawn by {name}" in child.stdout
-
-
-def read_note(note: Path) -> dict[str, str]:
-    try:
-        return json.loads(note.read_text())
-    except (OSError, ValueError):
-        return {}
-
-
-def write_note(note: Path, facts: dict[str, str]) -> None:
-    """Does nothing where the cache cannot be written."""
-    try:
-        note.parent.mkdir(parents=True, exist_ok=True)
-        draft = note.with_name(f".{note.name}.{os.getpid()}")
-        draft.write_text(json.dumps(facts))
-        os.replace(draft, note)
-    except OSError:
-        pass

@@ -9,12 +9,13 @@ from ocean_sim.pictures.stage.plotter import Stage
 from ocean_sim.pictures.water import water_shading
 
 INK_COLOUR, PAPER_COLOUR = "#eef3f6", (0.03, 0.09, 0.13)
+PAPER_PIXEL = np.multiply(PAPER_COLOUR, 255.0).astype(np.uint8)
 OUTLINE_COLOUR = "#ffb347"
 OUTLINE_HEIGHT = 0.0015  # of the basin's length: how far the outline stands over the water, so that it is seen
 HEIGHT_TITLE = "height of\nthe water"
 BAR_TOP, BAR_HEIGHT, BAR_LEFT, BAR_WIDTH = 0.3, 0.4, 130, 18  # of a picture's height; [pixels] from its right edge
 ARROW_COLOUR, ARROW_HEAD = (240, 190, 60), 18  # of the wind: colour; [pixels] of its head
-MIN_BAR, MAX_BAR = 0.10, 0.25  # of the width of a picture: the bar
+MAX_BAR = 0.25  # of the width of a picture: the bar
 
 
 def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
@@ -53,9 +54,7 @@ class ScaleBar:
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""
         right, low = self.stage.size[0] - 24, self.stage.size[1] - 14
-        image[low - 8 : low + 2, right - self.length - 2 : right + 2] = np.multiply(PAPER_COLOUR, 255.0).astype(
-            np.uint8
-        )
+        image[low - 8 : low + 2, right - self.length - 2 : right + 2] = PAPER_PIXEL
         for k in range(4):
             left = right - self.length + k * self.length // 4
             image[low - 6 : low, left : left + self.length // 4] = 238 if k % 2 == 0 else 110
@@ -83,9 +82,7 @@ class ArrowBar:
             return
         right, row = self.stage.size[0] - 24, self.stage.size[1] - 78
         head = min(ARROW_HEAD, self.length)
-        image[row - 9 : row + 10, right - self.length - 3 : right + 3] = np.multiply(PAPER_COLOUR, 255.0).astype(
-            np.uint8
-        )
+        image[row - 9 : row + 10, right - self.length - 3 : right + 3] = PAPER_PIXEL
         image[row - 1 : row + 2, right - self.length : right - head + 1] = ARROW_COLOUR
         for k in range(head):
             half = (head - k) * 7 // head
@@ -118,10 +115,10 @@ class HeightBar:
 
     def draw(self, image: np.ndarray) -> None:
         """Into a picture (height, width, 3)."""
-        left, ink, paper = self.size[0] - BAR_LEFT, 238, np.multiply(PAPER_COLOUR, 255.0).astype(np.uint8)
+        left, ink = self.size[0] - BAR_LEFT, 238
         up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
         colours = water_shading.display_colours(water_shading.relief_light(up, np.linspace(1.0, -1.0, self.height)))
-        image[self.top - 2 : self.top + self.height + 2, left - 2 : left + BAR_WIDTH + 2] = paper
+        image[self.top - 2 : self.top + self.height + 2, left - 2 : left + BAR_WIDTH + 2] = PAPER_PIXEL
         image[self.top : self.top + self.height, left : left + BAR_WIDTH] = colours[:, None]
         for k in range(3):
             row = min(self.size[1] - self.tick(k), self.top + self.height - 1)

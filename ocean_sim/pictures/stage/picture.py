@@ -1,5 +1,6 @@
 """One picture after another: sky, water, ships, text."""
 
+from collections.abc import Sequence
 from copy import copy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,7 +27,7 @@ PIXEL_SAMPLES = {
     "final": 2,
 }  # along each side of a pixel; where there is one, edges are smoothed afterwards
 STRIP_PICTURES, STRIP_SHRINKING = 8, 4  # pictures in a row of moments, and pixels along a side of one of its
-STRIP_GAP = 3  # [pixels] between them
+MOMENT_GAP = 3  # [pixels] between them
 MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that leaves the basin
 
 
@@ -272,6 +273,10 @@ class Moments:
         chosen = np.unique(
             np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
         )
-        pictures = [self.kept[k] for k in chosen]
-        between = np.full((pictures[0].shape[0], STRIP_GAP, 3), 255, np.uint8)
-        return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)
+        return picture_row([self.kept[k] for k in chosen], MOMENT_GAP)
+
+
+def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:
+    """Pictures of one height (height, width, 3) in a row, `gap` white pixels between them."""
+    between = np.full((pictures[0].shape[0], gap, 3), 255, np.uint8)
+    return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

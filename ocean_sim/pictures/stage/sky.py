@@ -3,8 +3,6 @@
 Directions are unit vectors, y up; colours are linear RGB.
 """
 
-import json
-
 import numpy as np
 
 from ocean_sim.basin.points import middles_of
@@ -41,6 +39,8 @@ MIE_SCATTERING, MIE_HEIGHT, MIE_FORWARD = np.full(3, 5.0e-6), 1200.0, 0.76  # [1
 MULTIPLE_SCATTERING = np.array(
     [0.02, 0.09, -0.75]
 )  # taken off at the horizon: light scattered often is whiter than once (ours)
+CLOUD_COVER, CLOUD_SEED = 0.5, 3  # share of the sky, and seed of their noise
+CLEAR_SIDE = 128  # pixels along a side of the image of the clear gradient
 SUN_RADIANCE = 22.0  # radiance of the sun before the air, in the units of these pictures
 SUN_COSINE = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.27 degrees
 
@@ -146,23 +146,22 @@ def sky_directions(side: int) -> np.ndarray:
     return np.stack([2.0 * x, 1.0 - square, 2.0 * z], axis=-1) / (1.0 + square)[..., None]
 
 
-def cloudy_sky(sun: np.ndarray = SUN_DIRECTION, side: int = 1024, cover: float = 0.5, seed: int = 3) -> Sky:
-    """The scattered sky with clouds over a share of it, from the cache where it was made before."""
-    content = json.dumps(["sky 11", [round(float(s), 9) for s in sun], side, cover, seed]).encode()
-    arrays = cached_arrays("sky", content, lambda: make_sky(sun, side, cover, seed))
-    return Sky(arrays["image"], sun, arrays["sunlight"])
+def cloudy_sky(side: int = 1024) -> Sky:
+    """The scattered sky with clouds, from the cache where it was made before."""
+    arrays = cached_arrays("sky", str(side).encode(), lambda: make_sky(side))
+    return Sky(arrays["image"], SUN_DIRECTION, arrays["sunlight"])
 
 
-def clear_sky_image(side: int = 128) -> Sky:
+def clear_sky_image() -> Sky:
     """The clear gradient as an image, without clouds."""
-    return Sky(clear_sky(sky_directions(side).reshape(-1, 3)).reshape(side, side, 3))
+    return Sky(clear_sky(sky_directions(CLEAR_SIDE).reshape(-1, 3)).reshape(CLEAR_SIDE, CLEAR_SIDE, 3))
 
 
-def make_sky(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, np.ndarray]:
+def make_sky(side: int) -> dict[str, np.ndarray]:
     """The image (side, side, 3) of the sky, and the colour of the sun."""
     from scipy.ndimage import zoom
 
-    coarse = sky_directions(128)
+    sun, coarse = SUN_DIRECTION, sky_directions(128)
     coarse[..., 1] = np.maximum(coarse[..., 1], 0.003)
     image = zoom(
         scattered_light(unit_vector(coarse), sun)[0],
@@ -175,7 +174,7 @@ def make_sky(sun: np.ndarray, side: int, cover: float, seed: int) -> dict[str, n
     d = sky_directions(side)
     image = image * (1.0 - np.clip(1.0 - np.abs(d[..., 1:2]) / 0.25, 0.0, 1.0) * MULTIPLE_SCATTERING)
     towards = d @ sun
-    image, veil = add_clouds(d, towards, image, sunlight, sun, cover, seed)
+    image, veil = add_clouds(d, image, sunlight)
     glow = 7.0 * np.exp(-(1.0 - towards) / 0.0007) + 0.7 * np.exp(-(1.0 - towards) / 0.010)
     glow += 45.0 * np.clip((towards - SUN_COSINE) / (0.15 * (1.0 - SUN_COSINE)) + 0.5, 0.0, 1.0)
     image = image + glow[..., None] * sunlight * (1.0 - 0.6 * veil)
@@ -225,17 +224,10 @@ def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 
 
-def add_clouds(
-    d: np.ndarray,
-    towards: np.ndarray,
-    clear: np.ndarray,
-    sunlight: np.ndarray,
-    sun: np.ndarray,
-    cover: float,
-    seed: int,
-) -> tuple[np.ndarray, np.ndarray]:
+def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The sky with a flat layer of clouds in front of it, and how much of it they hide (..., 1): fractal noise whose
     domain is warped by itself, brighter at thin edges and towards the sun."""
+    cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
     warp = (
@@ -247,9 +239,9 @@ def add_clouds(
     where = layer * [0.8, 1.0] + 1.2 * warp
     raw = np.clip((fractal_noise(where, 7, seed) - (0.62 - 0.22 * cover)) / 0.22, 0.0, 1.0)
     hidden = raw * raw * (3.0 - 2.0 * raw) * np.clip((d[..., 1] - 0.015) / 0.12, 0.0, 1.0) * 0.92
-    sunward = fractal_noise(where + 0.12 * sun[[0, 2]], 5, seed)
+    sunward = fractal_noise(where + 0.12 * SUN_DIRECTION[[0, 2]], 5, seed)
     thick = np.clip((sunward - (0.60 - 0.22 * cover)) / 0.25, 0.0, 1.0)
-    near = np.clip(towards, 0.0, 1.0)
+    near = np.clip(d @ SUN_DIRECTION, 0.0, 1.0)
     bright = np.exp(-2.2 * thick) * (0.35 + 1.6 * near**12 + 0.6 * near**3)
     lit = sunlight * [1.0, 0.93, 0.85] * (2.2 * bright)[..., None] + 0.55 * clear + [0.015, 0.018, 0.024]
     veil = hidden[..., None]

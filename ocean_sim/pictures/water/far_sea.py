@@ -53,7 +53,6 @@ class SeaSample:
 
     height: np.ndarray  # [m]
     convergence: np.ndarray  # of the water near the surface
-    variance: np.ndarray  # of the slopes along each axis of the waves that the grid is too wide for
 
 
 class PlaneWaves:
@@ -72,7 +71,7 @@ class PlaneWaves:
         height = x.real @ z.real - x.imag @ z.imag
         k = self.sea.wavenumber
         convergence = (x.real * k) @ z.real - (x.imag * k) @ z.imag
-        return SeaSample(height, convergence, np.zeros_like(height))
+        return SeaSample(height, convergence)
 
 
 def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:

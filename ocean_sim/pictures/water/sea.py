@@ -20,7 +20,7 @@ from ocean_sim.pictures.water.sea_state import SeaState
 from ocean_sim.pictures.water.sea_surface import SeaSurface
 from ocean_sim.pictures.water.splash import Spray
 from ocean_sim.pictures.water.wake import Kelvin, Wake, limited_answer
-from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, ShadingTerms, slope_variance
+from ocean_sim.pictures.water.water_shading import SEA_EXPOSURE, slope_variance
 from ocean_sim.pictures.water.waterline import CONTACT_WIDTH, RESTING_FOAM, Hull, WettedHull
 
 NODE_TRAITS = "nrm", "att", "car"  # normal; white, crest, variance of slopes; place by which foam finds its grain
@@ -73,13 +73,10 @@ class Sea(Content):
         empty = stage.pyvista.PolyData()
         self.far = water_glsl.Shaded(empty, water_glsl.BEYOND_PROGRAM + body, functions, textures, NODE_TRAITS)
         self.dome = Dome(stage, self.above["sky"])
-        glint = None if order.glint == "none" else order.glint
-        terms = ShadingTerms(order.fresnel, order.reflection, order.body, glint, order.foam)
-        shown = (
-            water_glsl.neutral_uniforms(len(self.hulls))
-            | water_glsl.sky_uniforms(sky)
-            | water_glsl.term_uniforms(terms)
-        )
+        terms = {"Fresnel": order.fresnel, "Reflection": order.reflection, "Body": order.body, "Foam": order.foam}
+        shown = water_glsl.neutral_uniforms(len(self.hulls)) | water_glsl.sky_uniforms(sky)
+        shown |= {f"use{name}": float(there) for name, there in terms.items()}
+        shown["glintKind"] = water_glsl.GLINTS[order.glint]
         shown["hullFoam"] = np.array([RESTING_FOAM, CONTACT_WIDTH, 0.0])
         shown["windAngle"] = state.angle
         shown["rippleLongest"] = np.clip(2.0 * state.resolved, *RIPPLE_LENGTHS)
@@ -204,7 +201,7 @@ class Sea(Content):
         for wake in self.wakes:
             white = np.maximum(white, wake.share(frame.time, frame.origin))
         white = np.where(white < foam.MIN_SHARE, 0.0, np.minimum(white, 1.0))
-        traits = np.stack([white, self.crest(now.height), now.variance], axis=-1)
+        traits = np.stack([white, self.crest(now.height), np.zeros_like(white)], axis=-1)
         points = np.insert(nodes, 1, now.height.ravel(), axis=1)
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 

@@ -52,7 +52,7 @@ class SeaSurface:
         return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights, convergence and lost slopes at all nodes (nx, nz).
+        """Heights and convergence at all nodes (nx, nz).
 
         `answer`: additions of ships, winds and steepness to the exact waves, at the points of the basin [m].
         """
@@ -63,11 +63,7 @@ class SeaSurface:
             near = self.exact.at(far_sea.complex_amplitudes(sea, frame.time, frame.origin))
             if answer is not None:
                 near = replace(near, height=near.height + x @ answer @ z.T)
-            return far_sea.SeaSample(
-                far.height + mine * (near.height - far.height),
-                near.convergence,
-                far.variance,
-            )
+            return far_sea.SeaSample(far.height + mine * (near.height - far.height), near.convergence)
         step = (self.upper - self.lower) / frame.elevation.shape
         drawn_together = foam.convergence(frame.elevation, step[0], step[1])
         # Seas that know nothing of each other: weights whose squares add up to one keep the height of the waves.
@@ -77,7 +73,6 @@ class SeaSurface:
         return far_sea.SeaSample(
             level + mine * (x @ (frame.elevation - level) @ z.T) + rest * far.height,
             mine * (x @ drawn_together @ z.T) + rest * far.convergence,
-            far.variance,
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:

@@ -148,11 +148,7 @@ class Shell(Content):
         textures = water_glsl.sky_textures(over)
         seen = textures | {"scene": self.behind, "back": self.farther, "before": self.far}
         functions = water_glsl.WATER_FUNCTIONS + DEPTH_FUNCTIONS + GRAIN_FUNCTIONS
-        plain = (
-            water_glsl.neutral_uniforms(0)
-            | water_glsl.term_uniforms(water_shading.ShadingTerms())
-            | water_glsl.sky_uniforms(over)
-        )
+        plain = water_glsl.neutral_uniforms(0) | water_glsl.sky_uniforms(over)
         self.water = water_glsl.Shaded(stage.pyvista.PolyData(), WATER_PROGRAM, functions, seen, WATER_TRAITS)
         measured = {
             name: water_glsl.image_texture(of.GetInput(), of.GetMipmap())

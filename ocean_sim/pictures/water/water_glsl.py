@@ -22,6 +22,8 @@ GAMMA_POLYNOMIAL = (
     0.0193,
     0.7503,
 )  # of the ratio of polynomials of a root that is x^(1/2.2): see the test
+CONSTANT_REFLECTANCE = 0.4  # share of the mirrored sky where Fresnel's is switched off
+GLINTS = {"none": 0.0, "physical": 1.0, "thesis": 2.0}  # of the sun, as the program numbers them
 
 
 def number(value: float) -> str:
@@ -387,26 +389,15 @@ def sky_uniforms(sky: Sky) -> dict[str, Any]:
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Uniforms of still, smooth water that ships do not touch yet: every one that its program knows besides light and
-    terms."""
+    """Uniforms of still, smooth water that ships do not touch yet, with all terms of its colour: every one that its
+    program knows besides light."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
-    ones = dict.fromkeys(("rippleLongest", "mirrorPixel"), 1.0)
+    ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
+    ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)
     known = {"exposure": w.SEA_EXPOSURE, "fogReach": w.FOG_DISTANCE, "mirrorView": np.eye(4), "hullFoam": np.ones(3)}
+    known["constantShare"] = CONSTANT_REFLECTANCE
     for k in range(ships):
         nothing |= {f"useHull{k}": 0.0}
         ones |= {f"mirrorSize{k}": 1.0, f"mirrorReach{k}": 1.0}
         known |= {f"hullBox{k}": np.zeros(3), f"hullSize{k}": np.ones(3), f"mirrorAt{k}": np.zeros(3)}
     return known | nothing | ones
-
-
-def term_uniforms(terms: w.ShadingTerms) -> dict[str, float]:
-    """Uniforms that choose the terms."""
-    return {
-        "useFresnel": float(terms.fresnel),
-        "constantShare": terms.constant,
-        "useReflection": float(terms.reflection),
-        "useBody": float(terms.body),
-        "glintKind": {None: 0.0, "physical": 1.0, "thesis": 2.0}[terms.glint],
-        "useFoam": float(terms.foam),
-        "useFog": float(terms.fog),
-    }

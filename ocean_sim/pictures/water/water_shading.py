@@ -3,9 +3,6 @@
 cosines and shares are (n,).
 """
 
-from dataclasses import dataclass
-from typing import Literal
-
 import numpy as np
 
 from ocean_sim.pictures.stage import sky as sky_module
@@ -66,20 +63,6 @@ def slope_variance(wind_speed: float) -> float:
     """Variance of the slopes of the sea along and across the wind together, of the speed [m/s] at 12.5 m (Cox & Munk
     1954, J. Opt. Soc. Am. 44, clean surface)."""
     return 0.003 + 0.00512 * wind_speed
-
-
-@dataclass(frozen=True)
-class ShadingTerms:
-    """Terms of the colour; without Fresnel's the sky takes a constant share."""
-
-    fresnel: bool = True
-    reflection: bool = True
-    body: bool = True
-    glint: Literal["physical", "thesis"] | None = "physical"
-    foam: bool = True
-    fog: bool = True
-    constant: float = 0.4
-    """Share of the mirrored sky where Fresnel's is switched off."""
 
 
 def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, eye: np.ndarray) -> np.ndarray:

@@ -48,13 +48,17 @@ def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) ->
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
     done = [row for row in there if row.get("error") is not None]
-    axis_limits(axes, key, trial, there, done)
+    high = [*map(text_height, done), *([trial.scatter] if trial.scatter is not None else [])]
+    for set_limits, values in ((axes.set_xlim, [row[key] for row in there]), (axes.set_ylim, high)):
+        if values:
+            set_limits(min(values) / 1.6, max(values) * 1.9)
     scatter_points(axes, key, trial, done)
     list_failures(axes, key, trial.schemes, [row for row in there if row.get("error") is None])
     best = [done[i] for i in pareto_front([(row[key], text_height(row)) for row in done])]
     at, error = [row[key] for row in best], [text_height(row) for row in best]
     axes.step(at, error, where="post", color="black", lw=0.8, zorder=1, label="front: none is cheaper and better")
-    panel_margins(axes, key, trial)
+    if trial.scatter is not None:
+        axes.axhspan(MIN_DRAWN_ERROR, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
     unit = next((row["unit"] for row in done if row["unit"] != "1"), "")
     axes.set_ylabel(f"error{f' [{unit}]' if unit else ''}")
     axes.grid(alpha=0.25, which="both", lw=0.4)
@@ -75,16 +79,6 @@ def spread_heights(axis: Any) -> None:
 
 def text_height(row: dict[str, Any]) -> float:
     return max(abs(row["error"]), MIN_DRAWN_ERROR)
-
-
-def axis_limits(axes: Any, key: str, trial: Trial, there: list[dict[str, Any]], done: list[dict[str, Any]]) -> None:
-    """Limits that hold all points, peers and failed runs."""
-    wide = [row[key] for row in there] + [peer.particles for peer in trial.peers if key == "particles"]
-    high = [*map(text_height, done), *(peer.error for peer in trial.peers)]
-    high += [trial.scatter] if trial.scatter is not None else []
-    for each, values in ((axes.set_xlim, wide), (axes.set_ylim, high)):
-        if values:
-            each(min(values) / 1.6, max(values) * 1.9)
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
@@ -144,24 +138,6 @@ def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict
             look = {"color": SERIES[n % len(SERIES)], "marker": "x", "ms": 8, "mew": 2, "ls": "none"}
             at = axes.get_xaxis_transform()
             axes.plot(own, [0.97 - 0.04 * n] * len(own), transform=at, label=f"{scheme}, failed", **look)
-
-
-def panel_margins(axes: Any, key: str, trial: Trial) -> None:
-    """The scatter of the experiments, and the errors of peers."""
-    if trial.scatter is not None:
-        axes.axhspan(MIN_DRAWN_ERROR, trial.scatter, color="0.9", zorder=0, label="scatter of experiments")
-    for peer in trial.peers:
-        label = f"{peer.program}, {peer.particles} particles"
-        if key == "particles":
-            axes.plot([peer.particles], [peer.error], "*", color="0.4", ms=9)
-            low, high = axes.get_xlim()
-            right = peer.particles**2 > low * high  # of the middle of a logarithmic axis: room is on the other side
-            side: dict[str, Any] = {"xytext": (-5, 5), "ha": "right"} if right else {"xytext": (5, 5), "ha": "left"}
-            axes.annotate(label, (peer.particles, peer.error), textcoords="offset points", fontsize=6, **side)
-        else:
-            axes.axhline(peer.error, color="0.4", ls=":", lw=0.9)
-            edge = axes.get_yaxis_transform()
-            axes.text(0.99, peer.error, label, transform=edge, ha="right", va="bottom", fontsize=6, color="0.3")
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:

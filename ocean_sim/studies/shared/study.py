@@ -1,13 +1,12 @@
 """Study: many runs, each of which gives lines of one table, kept as a CSV file."""
 
-import csv
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 from ocean_sim.files import csv_file, input_file
-from ocean_sim.files.atomic_file import atomic_write
 from ocean_sim.result import Result
 from ocean_sim.studies.shared import runs
 
@@ -22,23 +21,17 @@ class Point(Protocol):
         """Lines of the table; `run`: the folder of the run, which may hold nothing."""
 
 
+@dataclass
 class Study:
     """Points, and the rows of those that have been run; each point has a folder below `folder`."""
 
-    def __init__(
-        self,
-        points: Sequence[Point],
-        folder: Path,
-        workers: int,
-        table: Path | None = None,
-        scheduler: str | None = None,
-        limit: float | None = None,
-    ) -> None:
-        """`table`: a file that is whole after every run; `scheduler`: a Dask cluster elsewhere; `limit`: wall time
-        [s] after which a run is ended."""
-        self.points, self.folder, self.workers, self.table = points, folder, workers, table
-        self.scheduler, self.limit = scheduler, limit
-        self.found: dict[int, list[dict[str, Any]]] = {}
+    points: Sequence[Point]
+    folder: Path
+    workers: int
+    table: Path | None = None  # a file that is whole after every run
+    scheduler: str | None = None  # address of a Dask cluster elsewhere
+    limit: float | None = None  # wall time [s] after which a run is ended
+    found: dict[int, list[dict[str, Any]]] = field(default_factory=dict)  # rows by number of the point
 
     def run(self) -> Iterator[int]:
         """Run all points that have no answer yet; yields the number of those that are done, after each."""
@@ -55,17 +48,11 @@ class Study:
         return [row for k in sorted(self.found) for row in self.found[k]]
 
 
-def table_columns(rows: list[dict[str, Any]]) -> list[str]:
-    """Every key of the rows, in the order in which they first stand."""
-    return list(dict.fromkeys(key for row in rows for key in row))
-
-
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write all rows atomically; what is absent is empty, what is neither a number nor a word is JSON."""
-    with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, table_columns(rows), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({key: cell_text(value) for key, value in row.items()} for row in rows)
+    """Write all rows, with their keys as columns in the order in which they first stand; what is absent is empty, what
+    is neither a number nor a word is JSON."""
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    csv_file.write_table(path, columns, ([cell_text(row.get(name)) for name in columns] for row in rows))
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:

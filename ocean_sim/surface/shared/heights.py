@@ -78,18 +78,6 @@ class Heights:
         self.fill_heights(np.ascontiguousarray(points, dtype=precision), heights)
         return heights.astype(float)
 
-    def area_and_volume(self, bed: float) -> list[float]:
-        """Area of `mesh` [m2], and the volume between it and a flat bed at a height [m3], without making the mesh."""
-        dx, dz = (float(up - low) / (n - 1) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
-        h = self.copy.values().astype(float).reshape(self.count)
-        along_x, along_z = np.diff(h, axis=0), np.diff(h, axis=1)
-        legs = ((h[:-1, :-1], along_x[:, :-1], along_z[:-1]), (h[1:, 1:], -along_x[:, 1:], -along_z[1:]))
-        area = volume = 0.0
-        for height, rise_x, rise_z in legs:  # of the two triangles of a cell, from the corner where they meet at right
-            area += np.sqrt((dx * dz) ** 2 + (dz * rise_x) ** 2 + (dx * rise_z) ** 2).sum()
-            volume += (height + (rise_x + rise_z) / 3.0 - bed).sum()
-        return [0.5 * float(area), 0.5 * dx * dz * float(volume)]
-
     def mesh(self) -> Mesh:
         """A sheet from side to side, two triangles between four columns; only without inset."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))

@@ -86,19 +86,16 @@ class Problem:
     slot: str = "fluid"
     """Slot of the scene that the scheme is a kind of."""
     schemes: tuple[str, ...] = ("delta_sph",)
-    """Schemes that run by default."""
-    only: bool = False
-    """True if no other scheme has the subject of the set-up."""
+    """Schemes that run by default. Every kind of fluid can run what `delta_sph` runs; else no other scheme can."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
         """The scene under a scheme, without observers."""
-        quiet = {name: None for name in observer_names() if name != "manifest"}
         part = self.scene[self.slot] | {"kind": scheme}
-        return load(self.scene | quiet | {self.slot: part}, dict(overrides or {}))
+        return load_without_observers(self.scene | {self.slot: part}, overrides)
 
     def schemes_for(self, asked: list[str]) -> list[str]:
         """The fitting ones of the schemes asked for, or the set-up's own if none are asked for."""
-        fitting = kinds("fluid") if self.slot == "fluid" and not self.only else self.schemes
+        fitting = kinds("fluid") if "delta_sph" in self.schemes else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
@@ -118,6 +115,16 @@ class Problem:
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()
         return replace(self, promises=promises, slow=slow)
+
+
+def load_without_observers(scene: dict[str, Any], overrides: Mapping[str, Any] | None = None) -> SceneConfig:
+    """Read a scene, and leave out all observers that it need not have."""
+    return load(scene | {name: None for name in observer_names() if name != "manifest"}, dict(overrides or {}))
+
+
+def other_simulation(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
+    """The simulation of another scene without observers, on the same processor."""
+    return Simulation(load_without_observers(scene | {"runtime": simulation.scene.resolved()["runtime"]}))
 
 
 def percent_error(value: float, reference: float) -> Number:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ocean_sim import waves
 from ocean_sim.simulation import Simulation
-from ocean_sim.validation.shared.state import sampled_states
+from ocean_sim.validation.shared.state import record_run
 
 FREQUENCY_DENSITY = 1.25  # fitted frequencies over those of a record's length: waves enter and leave during it
 MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the records could hold
@@ -28,11 +28,7 @@ def flume_scene(length: float, depth: float, spacing: float, duration: float, pi
 
 def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
     """Times (n,) [s], about `every` [s] apart, and elevations (n, m) [m] at points (m, 2) x, z [m]."""
-    times, elevation = [], []
-    for water in sampled_states(simulation, simulation.scene.duration, every):
-        times.append(water.time)
-        elevation.append(simulation.fluid.elevations(points))
-    return np.array(times), np.array(elevation)
+    return record_run(simulation, every, lambda _: simulation.fluid.elevations(points))
 
 
 def resample_evenly(

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ocean_sim.conventions import GRAVITY
+from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
 from ocean_sim.simulation import Simulation
 
 if TYPE_CHECKING:
-    from ocean_sim.fluid.open_sea.wave_tile import Layer, Tile
     from ocean_sim.fluid.spectral_sea import SpectralSea
 
 SPECTRAL_SCHEMES = ("spectral_sea",)
@@ -30,7 +30,7 @@ def sea_of(simulation: Simulation) -> "SpectralSea":
     return cast("SpectralSea", simulation.fluid)
 
 
-def nearest_image(tile: "Tile", centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_image(tile: Tile, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x (cells, 1) and z (1, rows) [m] of the nearest image of each cell, from a centre (2,) [m]."""
     x, z = tile.nodes()
     dx, dz = x - centre[0], z - centre[1]
@@ -43,7 +43,7 @@ def smooth_ramp(share: float) -> float:
     return part**2 * (3.0 - 2.0 * part)
 
 
-def travel_ahead(layer: "Layer", eta: np.ndarray) -> None:
+def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
     """Set an elevation (cells, rows) [m] of a layer and the potential with which it travels towards +x."""
     tile = layer.tile
     e, omega = tile.to_modes(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)

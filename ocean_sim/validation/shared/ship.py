@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ocean_sim.conventions import GRAVITY
 from ocean_sim.parts import compared
 from ocean_sim.simulation import Simulation
+from ocean_sim.waves import heading_vector, regular_wave
 
 if TYPE_CHECKING:
     from ocean_sim.ship import Load, Ship
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from ocean_sim.ship.body.rigid_body import RigidBody
 
 BILGE_CORNERS = 8
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion
+WAVE_COUNT, JUDGED_WAVES, WAVE_STEPS = 20, 4, 60  # of `record_in_waves`: waves, the last that count, steps in each
 COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 
@@ -106,6 +110,19 @@ def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "
     while simulation.time < until:
         simulation.step()
         yield simulation.time, ship_of(simulation).body
+
+
+def record_in_waves(simulation: Simulation, rest: float, height: float, period: float, heading: float) -> np.ndarray:
+    """Put the ship upright at the height `rest` [m] into regular waves of a height [m], a period [s] and a heading
+    [deg], and run: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] in the last waves."""
+    fluid: Any = simulation.fluid  # of kind linear_waves
+    clock: Any = simulation.time_step  # of kind fixed
+    set_pose(simulation, position=np.array([0.0, rest, 0.0]), orientation=UPRIGHT)
+    fluid.begin(regular_wave(height, period, heading_vector(heading, 3), simulation.basin.depth, GRAVITY))
+    simulation.time, simulation.next_dt = 0.0, period / WAVE_STEPS
+    clock.adjust(dt=period / WAVE_STEPS)
+    rows = [(t, *b.position, *b.angles) for t, b in follow_body(simulation, WAVE_COUNT * period - 1e-9)]
+    return np.array(rows[-JUDGED_WAVES * WAVE_STEPS :]).T
 
 
 def zero_crossing_period(times: np.ndarray, values: np.ndarray) -> float:

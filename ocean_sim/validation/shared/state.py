@@ -1,6 +1,6 @@
 """Particles as arrays in the order of their ids: read, set, and sampled over time."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import fsum
 
@@ -70,7 +70,7 @@ def set_state(
     if pressure is not None:
         particles.pressure.from_numpy(pressure[order].astype(particles.position.precision))
     water.begin()
-    simulation.next_dt = simulation.time_step.next(simulation.fluid)
+    simulation.next_dt = simulation.time_step.next(simulation.fluid.limits())
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
@@ -88,3 +88,12 @@ def sampled_states(simulation: Simulation, until: float, every: float) -> Iterat
         if not simulation.fluid.status.finite:
             raise Diverged(f"velocities or densities are not finite; t = {simulation.time:.4g} s")
         yield particle_state(simulation)
+
+
+def record_run(
+    simulation: Simulation, every: float, quantity: Callable[[State], float | Sequence[complex] | np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) [s] about `every` [s] apart over the whole run, and a quantity of each state, (n,) or (n, m)."""
+    seen = [(state.time, quantity(state)) for state in sampled_states(simulation, simulation.scene.duration, every)]
+    times, values = zip(*seen)
+    return np.array(times), np.array(values)

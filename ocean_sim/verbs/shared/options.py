@@ -1,11 +1,13 @@
 """Options and arguments that several verbs take, with their completion in a shell."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ocean_sim.conventions import Refused
+from ocean_sim.parts import named
 
 
 def complete_scene(begun: str) -> list[str]:
@@ -18,11 +20,13 @@ def complete_scene(begun: str) -> list[str]:
     return [name for name in (*packaged_scenes(), *sorted(files)) if name.startswith(begun)]
 
 
-def complete_profile(begun: str) -> list[str]:
-    """Profiles that begin so."""
-    from ocean_sim.parts import named
+def completion(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
+    """Completion in a shell by those of the names that begin as a word does."""
 
-    return [name for name in named("run") if name.startswith(begun)]
+    def complete(begun: str) -> list[str]:
+        return [name for name in names() if name.startswith(begun)]
+
+    return complete
 
 
 Scene = Annotated[
@@ -35,7 +39,7 @@ Profile = Annotated[
     str | None,
     typer.Option(
         help="A profile, which says what the machine can afford: a name in configs/run/.",
-        autocompletion=complete_profile,
+        autocompletion=completion(lambda: named("run")),
     ),
 ]
 Sets = Annotated[

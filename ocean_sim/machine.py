@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -17,8 +18,7 @@ EXTRA_PACKAGES = {
     "pictures": ("pyvista", "vtk", "imageio", "imageio-ffmpeg", "matplotlib"),
     "cluster": ("distributed",),
 }
-STOP_SIGNAL_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU")
-STOP_SIGNALS = [getattr(signal, name) for name in STOP_SIGNAL_NAMES if name in signal.Signals.__members__]
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 stop_requested = threading.Event()  # to end
 KILL_TIMEOUT = 1.0  # [s] that a process may take to end that has been killed
 CGROUP_LIMIT_FILES = (
@@ -37,6 +37,12 @@ def available_cores() -> int:
 def cache_directory() -> Path:
     """The user's cache for compiled kernels and probes: $XDG_CACHE_HOME/ocean-sim, by default ~/.cache/ocean-sim."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ocean-sim"
+
+
+def kernel_cache() -> Path:
+    """Folder of the kernels that this copy of the program has compiled; each other copy has a folder of its own."""
+    copy = hashlib.sha256(os.fsencode(Path(__file__).parent)).hexdigest()[:8]
+    return cache_directory() / "kernels" / copy
 
 
 def memory_limit() -> int:
@@ -60,10 +66,6 @@ def available_memory() -> int:
 
 def resource_limit(name: str) -> int:
     """Limit of the system on this process, by the name in `resource`; sys.maxsize where there is none."""
-    if sys.platform == "win32":
-        return sys.maxsize
-    import resource
-
     limit = resource.getrlimit(getattr(resource, name))[0]
     return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
@@ -169,10 +171,6 @@ def parent_pipe() -> Iterator[int]:
 def kill_session(child: subprocess.Popen[str]) -> None:
     """End a child that leads a session of its own, and every process that it has started, and wait for them: one that
     is ended may still be in the middle of making a file."""
-    if not hasattr(os, "killpg"):
-        child.kill()
-        child.wait()
-        return
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -186,9 +184,8 @@ def kill_session(child: subprocess.Popen[str]) -> None:
 def yield_to_others(by: int) -> None:
     """Let other processes go first on busy cores, where the system can: on Linux also those of other sessions, among
     which it may share out the cores however nice their processes are (`autogroup` in sched(7)); `by` 0 ends that."""
-    if hasattr(os, "nice"):
-        os.nice(by)
-    if hasattr(os, "getsid") and os.getsid(0) == os.getpid():  # this session is its own
+    os.nice(by)
+    if os.getsid(0) == os.getpid():  # this session is its own
         with suppress(OSError):
             Path("/proc/self/autogroup").write_text(str(by))
 
@@ -211,7 +208,7 @@ def exit_after(wait: Callable[[], object]) -> None:
 
     def end() -> None:
         wait()
-        if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
+        if os.getpgrp() == os.getpid():
             os.killpg(0, signal.SIGKILL)
         os._exit(1)
 

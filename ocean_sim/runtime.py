@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import sys
 import tempfile
 import threading
@@ -19,7 +20,7 @@ import numpy as np
 from ocean_sim import kernel_library
 from ocean_sim.conventions import Lacking
 from ocean_sim.kernel_library import FieldsBuilder, SNodeTree, impl, ti, to_numpy_type
-from ocean_sim.machine import available_cores, cache_directory
+from ocean_sim.machine import available_cores, kernel_cache
 from ocean_sim.model import Model, quantity
 
 TAICHI_BACKENDS = {
@@ -35,6 +36,9 @@ MAX_FIELD_SETS = 512  # sets of fields that Taichi 1.7 holds; it crashes beyond
 FIELD_SET_MARGIN = 128  # sets of fields of one simulation, at most
 OPTIMISE_VARIABLE = "OCEAN_SIM_OPTIMISE"  # where it is "0", kernels compile sooner and run slower: for tests
 CACHE_SIZE = 1 << 30  # [bytes] of compiled kernels kept, the least recently used given up
+# Without the last, Taichi 1.7.4 reads a field once before a serial loop that writes it, and not again in each turn.
+UNOPTIMISED_OPTIONS = {"opt_level": 0, "cfg_optimization": False, "cache_loop_invariant_global_vars": False}
+UNUSED_CACHE_AGE = 30 * 86_400.0  # [s] after which the kernels of another copy of the program are removed
 STALE_LOCK_AGE = 30.0  # [s] that a process may keep the kernel cache locked; it takes well under a second
 FREEING_BACKENDS = ("cpu", "cuda", "vulkan")  # backends on which Taichi 1.7 can give the memory of fields back
 GRAPHICS_CARD_CHOICES = ("cuda", "vulkan", "metal", "gpu")  # what one asks for to have a graphics card
@@ -404,8 +408,7 @@ def _start(config: RuntimeConfig) -> Backend:
             offline_cache_file_path=str(_kernel_cache()),
             offline_cache_max_size_of_files=CACHE_SIZE,
             log_level=ti.CRITICAL,  # an error is raised, and not printed as well
-            cfg_optimization=False,  # the same bytes and speed; it takes a quarter to half of the time to compile
-            opt_level=0 if os.environ.get(OPTIMISE_VARIABLE) == "0" else 1,
+            **(UNOPTIMISED_OPTIONS if os.environ.get(OPTIMISE_VARIABLE) == "0" else {}),
         )
     obtained = impl.current_cfg().arch.name
     arch = obtained if obtained in GRAPHICS_BACKENDS else "cpu"
@@ -526,9 +529,10 @@ def allocated_bytes() -> int:
 
 
 def _kernel_cache() -> Path:
-    path = cache_directory() / "kernels"
+    path = kernel_cache()
     try:
         path.mkdir(parents=True, exist_ok=True)
+        os.utime(path)
     except OSError as error:
         raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
     # Of a process that was killed Taichi would wait for the lock for ever, compiling everything anew without a word.
@@ -536,6 +540,10 @@ def _kernel_cache() -> Path:
     with suppress(OSError):  # there is none, or another process has removed it
         if time.time() - lock.stat().st_mtime > STALE_LOCK_AGE:
             lock.unlink()
+    for other in path.parent.iterdir():
+        with suppress(OSError):
+            if time.time() - other.stat().st_mtime > UNUSED_CACHE_AGE:
+                shutil.rmtree(other) if other.is_dir() else other.unlink()
     return path
 
 

@@ -42,6 +42,8 @@ BEGAN = pytest.StashKey[float]()
 GATE_SECONDS = 10.0  # of processor time that a module of the gate may take with an empty cache
 _costs: dict[str, float] = defaultdict(float)
 
+os.environ.setdefault(runtime.OPTIMISE_VARIABLE, "0")  # kernels compile sooner; `./sandbox test --all` sets "1"
+
 # A shell that starts tests in the background, or `nohup`, has them and their children ignore these signals.
 for _signal, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
     if signal.getsignal(_signal) is signal.SIG_IGN:
@@ -170,7 +172,7 @@ def taichi_of_a_module(request: pytest.FixtureRequest) -> Iterator[None]:
     runtime._started = None
     with pytest.MonkeyPatch.context() as patch:
         if request.node.get_closest_marker("optimised"):
-            patch.delenv(runtime.OPTIMISE_VARIABLE, raising=False)
+            patch.setenv(runtime.OPTIMISE_VARIABLE, "1")
         yield
 
 

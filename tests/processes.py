@@ -1,7 +1,7 @@
-"""Other processes, as Linux tells of them."""
+"""Other processes, as Linux tells of them, and waits for events."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,12 +14,17 @@ def alive(process: int) -> bool:
         return False
 
 
-def end(*processes: int) -> bool:
-    """Whether they all end within 10 s."""
-    patience = time.monotonic() + 10.0
-    while any(alive(n) for n in processes) and time.monotonic() < patience:
+def wait_for(event: str, happened: Callable[[], object]) -> None:
+    """Return once an event has happened; fails by its name after five minutes, which a loaded machine does not take."""
+    end = time.monotonic() + 300.0
+    while not happened():
+        assert time.monotonic() < end, f"waited 300 s for this: {event}"
         time.sleep(0.01)
-    return not any(alive(n) for n in processes)
+
+
+def wait_for_end(*processes: int) -> None:
+    """Return once these processes have ended."""
+    wait_for(f"the end of {processes}", lambda: not any(alive(n) for n in processes))
 
 
 def children(process: int) -> Iterator[int]:

@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +19,7 @@ from ocean_sim.verbs import doctor
 from ocean_sim.verbs import render as render_verb
 from ocean_sim.verbs.run import balance_remarks, run_facts, run_folder
 from ocean_sim.verbs.shared import console
+from tests.processes import wait_for
 
 SMALL = """title: A small tank
 duration: 0.05
@@ -58,7 +58,7 @@ def test_a_run_never_writes_over_another_unless_asked(ask):
     with run_folder("sea", None, False) as folder:
         assert folder == Path("runs/sea")
     Path("runs/sea").mkdir(parents=True)
-    Path("runs/sea/manifest.json").write_text("{}")
+    Path("runs/sea/manifest.json").write_text('{"files": ["film.mp4"]}')
     Path("runs/sea/film.mp4").write_text("old")
     Path("runs/sea/mine.txt").write_text("mine")
     with run_folder("sea", None, False) as folder:
@@ -388,13 +388,10 @@ def test_an_interrupted_run_keeps_what_was_written(folder):
         text=True,
     )
     events = folder / "long" / "accuracy.csv"
-    waited = time.monotonic()
-    while time.monotonic() - waited < 60.0 and not (
-        events.exists() and len(re.findall(r"^\d", events.read_text(), re.M)) > 2
-    ):
-        time.sleep(0.05)
+    rows = lambda: re.findall(r"^\d", events.read_text(), re.M) if events.exists() else []
+    wait_for("three rows", lambda: len(rows()) > 2 or child.poll() is not None)
     os.kill(child.pid, signal.SIGINT)
-    _, err = child.communicate(timeout=60.0)
+    _, err = child.communicate(timeout=300.0)
     assert child.returncode == 1
     assert err.startswith("stopped at t = ") and "Traceback" not in err
     assert json.loads((folder / "long" / "manifest.json").read_text())["outcome"] == "stopped"

@@ -20,6 +20,7 @@ from ocean_sim.reading.scene import load
 from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
 from ocean_sim.state import checkpoint_file
+from tests.processes import wait_for
 
 QUIET = ["--set", "render=null", "--set", "report=null", "--set", "runtime.threads=1"]
 SEA = """duration: 0.4
@@ -299,8 +300,7 @@ def begun(*words: str) -> "subprocess.Popen[str]":
 
 
 def waited(done, child: "subprocess.Popen[str]") -> None:
-    while not done() and child.poll() is None:
-        time.sleep(0.01)
+    wait_for("a checkpoint, or the end of the run", lambda: done() or child.poll() is not None)
 
 
 def killed(child: "subprocess.Popen[str]", folder: Path, progress: int, chance: Random) -> bool:
@@ -323,6 +323,7 @@ def last_row(path: Path) -> float:
     return float(path.read_text().rsplit("\n", 1)[0].rsplit("\n", 1)[-1].split(",")[0])
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("kills, text", [(3, LONG), pytest.param(50, TANK, marks=pytest.mark.slow)])
 def test_a_run_that_is_killed_again_and_again_leaves_the_bytes_of_one_that_is_not(kills, text, tmp_path):
     """Without a word of warning, at random moments; no more than one interval is lost each time. 50 take minutes;

@@ -6,7 +6,6 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from ocean_sim.result import Result
 from ocean_sim.result import run as run_scene
 from ocean_sim.simulation import Simulation
 from tests.fuzz._small_sea import SMALL_SEA
-from tests.processes import alive
+from tests.processes import wait_for_end
 
 SEA = SMALL_SEA | {"duration": 0.2, "frames": None}
 
@@ -156,10 +155,7 @@ with parent_pipe() as theirs:
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as begun:
         drawing = int(begun.stdout.readline())
         begun.kill()
-    patience = time.monotonic() + 10.0
-    while alive(drawing) and time.monotonic() < patience:
-        time.sleep(0.02)
-    assert not alive(drawing)
+    wait_for_end(drawing)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="puts processes on one core")

@@ -12,8 +12,9 @@ import pytest
 
 from ocean_sim import Simulation, load, runtime
 from ocean_sim.kernel_library import ti
-from ocean_sim.machine import available_cores
+from ocean_sim.machine import available_cores, kernel_cache
 from ocean_sim.simulation import require_doubles
+from ocean_sim.verbs.shared.progress import kernel_notice
 
 SEA = {
     "basin": {"length": 20.0, "width": 20.0, "depth": 5.0, "walls": "none"},
@@ -55,16 +56,43 @@ double(1.0)
 
 
 @pytest.mark.parametrize(("age", "kept"), [(0.0, False), (60.0, True)])
-def test_the_lock_of_a_killed_process_does_not_cost_the_kernel_cache(tmp_path, age, kept):
-    cache, script = tmp_path / "ocean-sim" / "kernels", tmp_path / "kernel.py"
+def test_the_lock_of_a_killed_process_does_not_cost_the_kernel_cache(tmp_path, monkeypatch, age, kept):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    cache, script = kernel_cache(), tmp_path / "kernel.py"
     cache.mkdir(parents=True)
     lock = cache / "ticache.lock"
     lock.touch()
     os.utime(lock, (time.time() - age,) * 2)
     script.write_text(KERNEL)
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
-    subprocess.run([sys.executable, str(script)], check=True, env=environment)
+    subprocess.run([sys.executable, str(script)], check=True)
     assert bool(list(cache.glob("*.tic"))) is kept and lock.exists() is not kept
+
+
+def test_kernels_of_other_copies_are_kept_apart_and_removed_when_long_unused(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    used, unused = kernel_cache().parent / "used", kernel_cache().parent / "unused"
+    for folder, days in ((used, 29.0), (unused, 31.0)):
+        folder.mkdir(parents=True)
+        (folder / "kernel.tic").touch()
+        os.utime(folder, (time.time() - 86_400.0 * days,) * 2)
+    script = tmp_path / "kernel.py"
+    script.write_text(KERNEL)
+    subprocess.run([sys.executable, str(script)], check=True)
+    assert list(kernel_cache().glob("*.tic")) and used.exists() and not unused.exists()
+
+
+def test_a_run_says_how_many_kernels_the_cache_has_dropped(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert kernel_notice().startswith("compiling kernels")
+    kernel_cache().mkdir(parents=True)
+    kernels = [kernel_cache() / f"{k}.tic" for k in range(5)]
+    for kernel in kernels:
+        kernel.touch()
+    assert kernel_notice() == kernel_notice() == "loading kernels"
+    for kernel in kernels[:3]:
+        kernel.unlink()
+    assert "; 3 unused for longest were dropped" in kernel_notice()
+    assert kernel_notice() == "loading kernels"
 
 
 TWICE = """
@@ -95,7 +123,7 @@ def test_the_same_fields_once_more_are_not_compiled_once_more(tmp_path, told, mo
         environment = {**os.environ, "XDG_CACHE_HOME": str(home)}
         (tmp_path / "twice.py").write_text(TWICE)
         subprocess.run([sys.executable, str(tmp_path / "twice.py"), times, told], check=True, env=environment)
-        kept.append(len(list((home / "ocean-sim" / "kernels").glob("*.tic"))))
+        kept.append(len(list((home / "ocean-sim" / "kernels").rglob("*.tic"))))
     assert kept[0] > 0 and (kept[1] > kept[0]) is more
 
 

@@ -4,10 +4,10 @@ process. The files that its manifest lists give way to another run, and no other
 An entry of a manifest is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
 """
 
+import fcntl
 import os
 import re
 import socket
-import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from errno import EACCES, EAGAIN
@@ -56,19 +56,6 @@ class FolderClaimed(Refused):
     """Another process writes into a folder."""
 
 
-if sys.platform == "win32":
-    import msvcrt
-
-    def _lock_file(file: int) -> None:
-        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _lock_file(file: int) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
 class Claim:
     """Folder, made where there is none, that only this holder may write into; use it as a context manager.
 
@@ -100,7 +87,7 @@ class Claim:
                     raise Refused(f"{self.folder}: {why}") from None
                 continue  # another holder has removed the folder, which was made for nothing
             try:
-                _lock_file(file)
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 if os.path.samestat(os.fstat(file), os.stat(self.path)):
                     return file
             except FileNotFoundError:
@@ -122,8 +109,7 @@ class Claim:
 
     def close(self) -> None:
         """Let others claim it."""
-        if sys.platform != "win32":  # which removes no open file
-            self.path.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)
         os.close(self.file)
         if self.made:
             with suppress(OSError):  # there is something in it

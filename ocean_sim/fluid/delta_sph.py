@@ -471,12 +471,9 @@ class DeltaSph(Sph):
         sizes = config.list_sizes(config.lattice(basin), running_arch())
         super().__init__(config, basin, sizes, accounts, wind)
         particles, self.closed = self.particles, basin.closed
-        self.deviation, self.pressing = self.carried[
-            :CARRIED_NUMBERS
-        ]  # in mid-step: [kg/m3], and (p + bulk rate) / rho^2
-        self.next_deviation, self.next_pressing = self.grid.carried[
-            :CARRIED_NUMBERS
-        ]  # the same before the sort of a step
+        # In mid-step: deviation [kg/m3] and (p + bulk rate) / rho^2; and the same before the sort of a step.
+        self.deviation, self.pressing = self.carried[:CARRIED_NUMBERS]
+        self.next_deviation, self.next_pressing = self.grid.carried[:CARRIED_NUMBERS]
         self.excess, self.rate = (staggered_field(float, particles.n) for _ in range(2))  # [kg/m3] at its end, and rate
         self.excesses = FieldCopy(self.excess)
         self.slope = particles.mass * self.smoothing.slope  # -m grad W / x_ij over its shape
@@ -486,9 +483,7 @@ class DeltaSph(Sph):
         else:
             graded = self.carried[CARRIED_NUMBERS : CARRIED_NUMBERS + GRADED_NUMBERS]
             self.share, self.spin, self.strain = graded  # of diffusion, and squares [1/s2]
-            self.fresh = tuple(
-                staggered_field(float, particles.n) for _ in range(GRADED_NUMBERS)
-            )  # the same at its end
+            self.fresh = tuple(staggered_field(float, particles.n) for _ in range(GRADED_NUMBERS))  # at its end
             self.memory = SHEAR_MEMORY * basin.depth / self.reference_speed  # [s]
             self.unseen, self.lately = 0.0, ti.field(float, shape=())  # [s] since the shear was looked at; over memory
             calm = WINDY_CALM_STRAIN if wind.blows else CALM_STRAIN

@@ -99,23 +99,24 @@ class Moving:
         wanted = cue.pose * self.ramp_share(ride.time)[:, None]
         within, limited = self.workspace.scale_back(wanted)
         pose, slowed = self.governor.follow(within, wanted)
-        free = self.hexapod.legs(pose)
-        lengths = np.clip(free, self.hexapod.low, self.hexapod.high)
-        legs, velocity, held = self.legs.follow(lengths)
+        legs, velocity, held = self.move_legs(self.legs, pose)
         limited |= cue.limited | slowed | held
-        limited |= self.correct_late_poses(pose, legs, (held > 0) | (free != lengths).any(axis=1))
         force, rate = self.felt_motion(pose)
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
-    def correct_late_poses(self, pose: np.ndarray, legs: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """Set the poses (n, 6) of late legs to those of the legs (n, 6), in place; limits (n,) that this took."""
-        limited = np.zeros(len(pose), dtype=int)
+    def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of legs that follow poses (n, 6), and limits (n,) that acted. The
+        pose of legs that come late takes the place of the wanted one."""
+        free = self.hexapod.legs(pose)
+        within = np.clip(free, self.hexapod.low, self.hexapod.high)
+        lengths, speeds, limited = legs.follow(within)
+        late = (limited > 0) | (free != within).any(axis=1)
         if late.any():
-            found = self.hexapod.pose(legs[late], pose[late])
+            found = self.hexapod.pose(lengths[late], pose[late])
             lost = np.isnan(found)  # legs that no pose near has: the one that was wanted stays
             pose[late] = np.where(lost, pose[late], found)
-            limited[late] = np.where(lost.any(axis=1), SINGULARITY_LIMIT, 0)
-        return limited
+            limited[late] |= np.where(lost.any(axis=1), SINGULARITY_LIMIT, 0)
+        return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
         """Rows after a last one of a time [s] and number that bring the platform from its last two poses (2, 6) back to
@@ -129,11 +130,8 @@ class Moving:
         t = (count * every)[:, None]
         glide = past[1] + (past[1] - past[0]) / every * GLIDE_TIME * (1.0 - np.exp(-t / GLIDE_TIME))
         pose = glide * (1.0 - (smooth_step(np.minimum(t / self.ramp, 1.0)) if self.ramp > 0.0 else 1.0))
-        free = self.hexapod.legs(pose)
-        within = np.clip(free, self.hexapod.low, self.hexapod.high)
         drives = Legs(machine, every, lengths[1], (lengths[1] - lengths[0]) / every)
-        legs, velocity, held = drives.follow(within)
-        limited = held | self.correct_late_poses(pose, legs, (held > 0) | (free != within).any(axis=1))
+        legs, velocity, limited = self.move_legs(drives, pose)
         home = (count >= round(self.ramp / every)) & (np.abs(legs - self.hexapod.neutral_legs).max(axis=1) < LEG_MATCH)
         self.past = past
         force, rate = self.felt_motion(pose)

@@ -121,7 +121,7 @@ class SeakeepingConfig(FloatingConfig):
             if a in names and b in names and not table.has_coupling(a, b):
                 neither = f"the table has {a} and {b}, and nothing of what they do to each other"
                 yield f"{neither}: neither feels the other; add {' and '.join(columns_of(a, b))}"
-        periods = still.periods(Motions(*self.moved_at_once(still))._asdict())
+        periods = still.periods(self.moved_at_once(still))
         for name in names:
             period = periods.get(name)
             if period is not None and not table.omega[0] <= 2.0 * pi / period <= table.omega[-1]:
@@ -191,7 +191,7 @@ class SeakeepingShip(FloatingShip):
         self.resistance = config.resistance(self.hydrostatics)
         if self.contact is None:
             self.slamming = Slamming(self.hydrostatics, float(self.added[1]))
-        self.motion_limits = self.limits_of_motion(Motions(*self.added)._asdict())
+        self.motion_limits = self.limits_of_motion(self.added)
 
     def damping(self, now: Immersion) -> np.ndarray:
         resisted = self.resistance.load(now.motion)

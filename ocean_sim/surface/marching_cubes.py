@@ -19,7 +19,7 @@ from ocean_sim.fluid import Fluid, with_particles
 from ocean_sim.kernel_library import ti, tm, to_numpy_type
 from ocean_sim.model import quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, SurfaceConfig
-from ocean_sim.runtime import Array, Template, in_kernels
+from ocean_sim.runtime import Template, in_kernels
 from ocean_sim.surface import AREA_AND_VOLUME, Mesh, Surface
 from ocean_sim.surface.shared.heights import Heights
 from ocean_sim.surface.shared.isosurface import Counts, Isosurface
@@ -201,19 +201,6 @@ class MarchingCubes:
                 f"{self.config.most_triangles}; try a larger surface.spacing, or see whether the water has come apart"
             )
         return self.isosurface.mesh(counts), counts
-
-    def spray(self) -> np.ndarray:
-        """(n,) True for particles, in storage order, that lie outside the surface drawn."""
-        self.update_field()
-        lonely = np.empty(self.map.particles.count.now, dtype=np.int32)
-        self.find_spray(lonely)
-        return lonely.astype(bool)
-
-    @ti.kernel
-    def find_spray(self, lonely: Array):
-        for i in range(lonely.shape[0]):
-            p = self.map.particles.position
-            lonely[i] = int(self.map.shares_along(tm.vec3(p.x[i], p.y[i], p.z[i]), 0.0, 1)[0] < self.isovalue)
 
     @ti.kernel
     def find_heights(self):

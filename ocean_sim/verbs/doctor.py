@@ -15,10 +15,10 @@ from ocean_sim.verbs.shared.options import Json
 PACKAGE_NAMES = ("ocean-sim", "taichi", "quadrants", "numpy", "pydantic", "pyvista", "vtk", "h5py", "imageio-ffmpeg")
 BACKEND_NAMES = ("cpu", "cuda", "vulkan", "metal")
 BACKEND_PROBE = """
-from ocean_sim.machine import cache_directory
+from ocean_sim.machine import kernel_cache
 from ocean_sim.runtime import RuntimeConfig, start
 start(RuntimeConfig(arch={arch!r}))
-print(cache_directory())
+print(kernel_cache())
 """
 PREVIEW_PROBE = "from ocean_sim.pictures.live.vulkan import require; require(show=False)"
 FILM_PROBE = """

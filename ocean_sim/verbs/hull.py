@@ -376,8 +376,6 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
     from ocean_sim.ship.naval.stability import CROSS_HEELS
 
     kb = afloat.kb
-    added = by_rule(afloat)
-    extra = {"heave": added[1], "pitch": added[3], "roll": added[5]}
     kg = float(afloat.matter.centre[1]) - afloat.keel
     heels = [0.0, *LEVER_HEELS]
     by_heel = dict(zip(stability.heels.tolist(), stability.levers.tolist()))
@@ -399,8 +397,8 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
         "flooding_deg": None if isinf(angle) else angle,
         "flooding_at": opening or None,
         "criteria": [{**row._asdict(), "ok": row.ok} for row in stability.criteria],
-        "periods_s": afloat.periods(extra),
-        "dry_periods_s": afloat.periods(),
+        "periods_s": afloat.periods(by_rule(afloat)),
+        "dry_periods_s": afloat.periods(np.zeros(6)),
     }
     if cross:
         curves = stability.cross_curves()

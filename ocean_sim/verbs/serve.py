@@ -133,7 +133,7 @@ def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
 
 def has_screen() -> bool:
     """True if a person may sit at this machine."""
-    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def report(

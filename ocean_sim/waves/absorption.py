@@ -56,9 +56,7 @@ def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: flo
     flux = (1.0 / (r - 1j * omega))[:, :, None, None] * shape * decay[:, :, None, :]
     thickness, one = length / ZONE_LAYERS, np.eye(DEPTH_MODES)
     # From the wall outwards: the admittance that the layers behind show to each layer gives its reflected modes.
-    back = np.broadcast_to(
-        one.astype(complex), (len(omega), DEPTH_MODES, DEPTH_MODES)
-    )  # modes that return over those that come
+    back = np.broadcast_to(one.astype(complex), (len(omega), DEPTH_MODES, DEPTH_MODES))  # over modes that come
     for j in range(ZONE_LAYERS, 0, -1):
         there = np.exp(-thickness * decay[:, j])
         nearer = there[:, :, None] * back * there[:, None, :]

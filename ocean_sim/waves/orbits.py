@@ -14,9 +14,8 @@ import numpy as np
 
 from ocean_sim.files import csv_file
 
-BREAKING_ACCELERATION = (
-    0.4  # of gravity: downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.)
-)
+# [gravity] downward acceleration from which crests break (Snyder & Kennedy 1983, J. Phys. Oceanogr.).
+BREAKING_ACCELERATION = 0.4
 RING_SPACINGS = 2.0  # [spacings] width of the ring of particles on whose circle circulation is taken
 MIN_WAVE_POINTS = 4.0  # [points of the grid] waves that count: shorter ones are the particles themselves
 

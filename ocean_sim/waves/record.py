@@ -31,9 +31,8 @@ MAX_SEGMENTS = 8  # of the record at most, in Welch's estimate
 SEGMENT_PERIODS = 6.0  # periods of the peak in each of several segments, at least
 RECORD_PERIODS = 3.0  # periods of the peak in the record, at least: those of a Hann window and of its image stand apart
 MIN_IRREGULAR_WAVES = 20  # waves in a record that statistics of irregular waves need at least
-REGULAR_ERROR = (
-    0.2  # sampling error beyond which STEADY waves or more are regular ones, which have none: a few frequencies
-)
+# Sampling error beyond which a record is one of regular waves, which have none: a few frequencies.
+REGULAR_ERROR = 0.2
 STILL_RANGE = 1e-9  # [m] a range within which a record counts as constant
 MAX_ELEVATION = 50.0  # [m] from the median; 29 m is the highest measured (Holliday et al. 2006, Geophys. Res. Lett. 33)
 OUTLIER_RATIO = 10.0  # times the usual distance from the median: a wave is within 6

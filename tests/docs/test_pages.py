@@ -67,6 +67,7 @@ def test_every_command_is_one_that_the_program_knows(page):
         command_of(verb).make_context(verb, words)
 
 
+@pytest.mark.anchor
 def test_commands_that_only_look_do_what_they_promise(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     seen = set()

@@ -89,6 +89,7 @@ def differing(one: dict[str, bytes], other: dict[str, bytes]) -> list[str]:
     return [name for name in sorted({*one, *other}) if one.get(name) != other.get(name)]
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in FEW else pytest.mark.slow) for n in SCENES])
 def test_the_threads_change_no_byte(name, tmp_path):
     one, two = (contents(SCENES[name], n, tmp_path / str(n)) for n in (1, 2))

@@ -287,6 +287,12 @@ def test_obstacles_that_cannot_be_are_said(obstacle, sentence):
         load({"basin": {"length": 1.0, "depth": 0.5, "obstacles": boxes}, "fluid": {"kind": "mueller", "spacing": 0.1}})
 
 
+def test_fill_above_the_lid_of_a_closed_basin_is_refused():
+    basin, fill = {"length": 1.0, "depth": 0.5, "lid": {}}, [{"min": [-0.5, -0.5], "max": [0.5, 0.2]}]
+    with pytest.raises(SceneError, match="the box reaches out of the basin along y"):
+        load({"basin": basin, "fluid": {"kind": "mueller", "spacing": 0.1, "fill": fill}})
+
+
 def test_without_obstacles_nothing_of_this_is_imported():
     code = (
         "import sys, ocean_sim; s = ocean_sim.load({'basin': {'length': 1.0, 'depth': 0.5}, 'duration': 1.0,"

@@ -47,6 +47,7 @@ def test_boxes_that_stand_on_one_another_are_one_column(water):
     assert started[0][:, 3].max() > 0.9
 
 
+@pytest.mark.anchor
 def test_momentum_and_angular_momentum_are_kept_to_rounding(water):
     fluid = water("delta_sph", basin=OPEN, particles=400, reference_speed=2.0)
     rng = np.random.default_rng(3)
@@ -113,6 +114,7 @@ def off(fluid) -> np.ndarray:
     return np.abs(fluid.particles.pressure.to_numpy() + 1000.0 * GRAVITY * y) / (1000.0 * GRAVITY * 0.5)
 
 
+@pytest.mark.anchor
 def test_still_water_holds_its_pressure_into_the_corners(again):
     """After a second, to 1.5 % of that at the bed (rms), and to 1 % in the corners."""
     fluid = slice_of_water(again)

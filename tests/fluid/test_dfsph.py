@@ -198,6 +198,7 @@ def test_a_limit_of_iterations_that_is_met_is_counted(again):
     assert density.error > 1e-7 and divergence.error > 1e-7
 
 
+@pytest.mark.anchor
 def test_momentum_is_kept_to_rounding(again):
     fluid = rushing_together(again)
     gained = np.abs(fluid.particles.velocity.to_numpy()).sum()
@@ -216,6 +217,7 @@ def still(water):
     return fluid
 
 
+@pytest.mark.anchor
 def test_still_water_stays_still_and_holds_its_pressure(still):
     """Without viscosity of its own; the lattice would give way, and simmer at 0.2 to 0.3 sqrt(g H), after 1 s."""
     assert still.fastest < 0.02

@@ -144,6 +144,7 @@ def test_free_fall_to_the_order_of_the_integrator(water):
     assert way[0] / way[1] == pytest.approx(2.0, rel=1e-9)
 
 
+@pytest.mark.anchor
 def test_the_momentum_of_a_block_in_still_air_is_g_t(water):
     fluid = water(basin=OPEN, particles=200, kinematic_viscosity=0.05, accounts=True)
     for _ in range(40):
@@ -200,6 +201,7 @@ def test_changing_one_term_changes_only_its_impulse(again, term):
         np.testing.assert_allclose(other["wind"], [3e-4 * mass, 1e-4 * mass, 0.0], rtol=1e-9)
 
 
+@pytest.mark.anchor
 def test_walls_hold_still_water_and_carry_its_weight(water):
     fluid = water(
         basin={"length": 0.6, "width": 0.6, "depth": 0.4}, spacing=0.1, kinematic_viscosity=0.02, accounts=True

@@ -133,6 +133,7 @@ def test_without_a_sea_no_account_speaks_of_one():
         assert "sea" not in simulation.fluid.impulse and "bed" not in simulation.fluid.impulse
 
 
+@pytest.mark.anchor
 def test_the_rim_calms_water_where_the_sea_is_calm_and_lies_opposite_the_ship():
     """Water that all moves is at rest first at the seam, half a patch from the ship, wherever she is."""
     scene = patch({"kind": "linear_waves", "rim": {"rate": 20.0}}, fluid={"kind": "delta_sph", "spacing": 0.1})

@@ -58,6 +58,7 @@ def sea(taichi_cpu):
     return build
 
 
+@pytest.mark.anchor
 def test_a_tile_keeps_energy_and_phase_at_any_step():
     tile = Tile(50.0, 32, 32, 30.0, G)
     layer = Layer(tile, rim=False)

@@ -175,6 +175,7 @@ STILL = {
 }  # an absent wind is one that blows nowhere
 
 
+@pytest.mark.anchor
 def test_a_slot_that_is_left_out_is_not_imported_or_compiled(whole_and_without):
     compiled = set(whole_and_without["whole"]["kernels"])
     for slot, found in list(whole_and_without.items())[1:]:

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from ocean_sim.pictures.stage import opengl
 from ocean_sim.pictures.stage import sky as sky_module
 from ocean_sim.pictures.water import water_mesh, water_shading
 from ocean_sim.reading.scene import load
-from tests.processes import alive, children, end
+from tests.processes import alive, children, wait_for, wait_for_end
 
 with_opengl = pytest.mark.skipif(opengl.probe() is not None, reason="no OpenGL on this machine")
 
@@ -139,6 +138,7 @@ def test_missing_opengl_is_a_sentence(kept, watched, monkeypatch, capsys):
     assert "libegl1" in render.probe()
 
 
+@pytest.mark.anchor
 def test_a_drawing_process_that_dies_is_a_sentence(kept, monkeypatch, tmp_path):
     folder, forgotten = kept(), []
     monkeypatch.setattr(opengl, "window", lambda: "vtkEGLRenderWindow")
@@ -156,9 +156,7 @@ def test_a_drawing_process_is_ended_with_what_it_has_started(kept, monkeypatch, 
     words = f"sleep 60 &\ntouch {folder}/.film.$$.tmp.mp4\necho $! > {noted}\nwait"
     monkeypatch.setattr(sys, "executable", script(tmp_path, words))
     drawer = render.Drawer([render.order_of(folder)], goes_on=True)
-    patience = time.monotonic() + 10.0
-    while not (noted.exists() and noted.read_text().strip()) and time.monotonic() < patience:
-        time.sleep(0.01)
+    wait_for("the number of the encoder", lambda: noted.exists() and noted.read_text().strip())
     child, encoder = drawer.child.pid, int(noted.read_text())
     drawer.stop()
     assert not alive(encoder) and not alive(child)
@@ -184,15 +182,17 @@ def led_by(process):
 
 def drawing_and_encoding(process):
     """The process that draws by turns with it and the encoder of its film, as soon as both are there."""
-    patience = time.monotonic() + 300.0
-    while time.monotonic() < patience:
+    found = []
+
+    def both_are_there():
         led = led_by(process)
         second = [n for n, command in led.items() if "ocean_sim.observers.render" in command]
         encoder = [n for n, command in led.items() if "ffmpeg" in command and "film" in command]
-        if second and encoder:
-            return second[0], encoder[0]
-        time.sleep(0.01)
-    raise AssertionError(f"it leads {led_by(process)}")
+        found[:] = [*second[:1], *encoder[:1]]
+        return second and encoder
+
+    wait_for("a drawing process and the encoder of its film", both_are_there)
+    return tuple(found)
 
 
 def test_after_an_interruption_the_drawing_process_is_ended(kept, watched, monkeypatch):
@@ -303,9 +303,7 @@ def test_pictures_drawn_while_a_run_goes_on_are_those_drawn_afterwards_to_the_by
     drawn = []
     order = render.order_of(going, painters=painters, **asked)
     drawer = render.Drawer([order], lambda done, of: drawn.append((done, of)), goes_on=True)
-    patience = time.monotonic() + 300.0
-    while not drawn and time.monotonic() < patience:
-        time.sleep(0.02)
+    wait_for("the first picture", lambda: drawn)
     for path in files[2:]:
         shutil.copy(path, going / "frames" / "coming")
         os.replace(going / "frames" / "coming", going / "frames" / path.name)
@@ -367,13 +365,13 @@ def test_no_drawing_process_outlives_another(killed, kept, tmp_path):
         drawer.child.stdin.close()  # as the system does for a process that has died
     else:
         os.kill({"first": first, "second": second}[killed], signal.SIGKILL)
-    assert end(second)
+    wait_for_end(second)
     if killed == "asking":
         drawer.stop()
     else:
         with pytest.raises(render.RenderFailed, match=r"died \(signal 9\)"):
             drawer.finish()
-    assert end(first, encoder)  # the encoder is nobody's child here: it may take a moment
+    wait_for_end(first, encoder)  # the encoder is nobody's child here: it may take a moment
     assert not list(tmp_path.glob("*film*"))
 
 

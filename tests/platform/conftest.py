@@ -2,7 +2,6 @@
 
 import socket
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 from ocean_sim.platform.shared.datagrams import Receiver, preset_geometry, receive_stream
 from ocean_sim.platform.shared.motion_log import Ride
 from ocean_sim.platform.shared.packets import unpack
+from tests.processes import wait_for
 
 DATA = Path(__file__).parent / "data"
 G = 9.81
@@ -118,7 +118,4 @@ class Receiving:
 
 def until(holds):
     """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not holds() and time.monotonic() < end:
-        time.sleep(0.005)
-    assert holds()
+    wait_for("that the condition of this test holds", holds)

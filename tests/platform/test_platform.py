@@ -48,6 +48,7 @@ def legs_after(frame, seconds, washout="ship", **motion):
     return Config(washout=washout, ramp=0.0).build(DT).follow(rows).legs[-1] - 2.706
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("frame", FRAME_AXES)
 def test_signs_through_the_whole_chain(frame):
     """Legs 1 to 6: port front, port, port aft, then starboard aft, starboard, starboard front."""

@@ -31,6 +31,7 @@ def test_every_part_validates(slot, name):
     assert slot in load(scene | {slot: name}).parts()
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("slot, kind", KINDS)
 def test_every_kind_validates_and_says_its_own_name(slot, kind):
     model = config_of(slot, kind)
@@ -58,6 +59,7 @@ def test_scenes_point_editors_to_the_schema():
 DEAR = ("gallery/dam_break_on_a_box", "thesis/fig6_3a_noise_only", "thesis/fig6_3b_narrow", "thesis/long_hour")
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in DEAR else name for name in packaged_scenes()]
 )

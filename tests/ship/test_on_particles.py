@@ -106,6 +106,7 @@ def heave(scene: dict, until: float) -> np.ndarray:
     return np.array(found) / scene["fluid"]["spacing"]
 
 
+@pytest.mark.anchor
 def test_a_box_afloat_is_not_thrown():
     """2.5 spacings of draught do not fit the lattice: with the points inside left out she rises by 0.6 spacings."""
     assert abs(heave(at_rest(2.5), 0.6)).max() < 0.06

@@ -150,6 +150,7 @@ def test_a_run_that_goes_on_from_a_checkpoint_leaves_the_same_bytes(tmp_path):
     assert whole["state_sha256"] == cut["state_sha256"]
 
 
+@pytest.mark.anchor
 def test_two_ships_among_particles_push_each_other_through_the_water_and_momentum_is_kept():
     """Boxes of kind `pressure` in a slice without walls or gravity to speak of: one is driven into the water, which
     moves the other; what one of them is held back from is the negative control."""

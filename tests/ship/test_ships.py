@@ -53,6 +53,7 @@ def barge():
         yield simulation, simulation.ship.body
 
 
+@pytest.mark.anchor
 def test_afloat_nothing_acts(barge):
     simulation, rest = barge
     load = load_at(simulation, **state(rest))
@@ -135,6 +136,7 @@ def test_under_way_it_feels_a_centripetal_force(barge):
     assert abs(both[0] - alone[0]) > 0.2 * simulation.ships["ship"].added[2] * 3.0 * r
 
 
+@pytest.mark.anchor
 def test_the_same_bytes_with_one_thread_or_two():
     states = []
     for threads in (1, 2):
@@ -149,6 +151,7 @@ def test_the_same_bytes_with_one_thread_or_two():
     np.testing.assert_array_equal(*states)
 
 
+@pytest.mark.anchor
 def test_a_ship_in_a_long_wave_follows_its_slope():
     """Twenty lengths long: heave 1, pitch k a; a hull that is pushed straight up would pitch BM / GM = 1.1 times."""
     period = np.sqrt(2.0 * np.pi * 400.0 / 9.81)

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Thread
@@ -19,7 +18,7 @@ from ocean_sim.files.yaml_file import SceneError, parse_mapping
 from ocean_sim.parts import PACKAGE
 from ocean_sim.studies.shared import runs as runs_module
 from ocean_sim.studies.sweep import read_plan
-from tests.processes import alive
+from tests.processes import wait_for, wait_for_end
 
 SEA = """basin: {length: 40.0, width: 40.0, depth: 7.5}
 fluid: {kind: linear_waves, height: 0.5, period: 4.0}
@@ -197,8 +196,7 @@ def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
 @pytest.mark.slow
 def test_a_killed_worker_is_a_failure_and_the_others_go_on():
     def kill_the_second() -> None:
-        while not (begun / "begun").exists():
-            time.sleep(0.02)
+        wait_for("the second run", (begun / "begun").exists)
         for child in list(runs_module._running):
             if Path(child.args[-1]) == begun.resolve():
                 os.kill(child.pid, signal.SIGKILL)
@@ -268,8 +266,7 @@ def test_two_workers_of_a_real_cluster_one_of_which_is_killed():
         asked = orders(4, wait=2.0)
 
         def kill() -> None:
-            while not list(Path("out").glob("*/begun")):
-                time.sleep(0.05)
+            wait_for("the first run", lambda: list(Path("out").glob("*/begun")))
             os.kill(pid, signal.SIGKILL)
 
         Thread(target=kill).start()
@@ -286,15 +283,13 @@ list(runs_module.run_answers({orders(5, wait=60.0)!r}, Path("out"), workers=2))
 """
     path = os.pathsep.join([str(PACKAGE.parent), str(tmp_path)])
     study = subprocess.Popen([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, stderr=-1)
-    while len(pids := list(Path("out").glob("*/begun"))) < 2 and study.poll() is None:
-        time.sleep(0.05)
+    wait_for("two runs", lambda: len(list(Path("out").glob("*/begun"))) == 2 or study.poll() is not None)
+    pids = list(Path("out").glob("*/begun"))
     study.send_signal(sign)
-    study.communicate(timeout=30)
+    study.communicate(timeout=300)
     assert study.returncode != 0 and len(pids) == 2
-    until = time.monotonic() + 20.0
-    while (left := [pid for pid in map(int, (p.read_text() for p in pids)) if alive(pid)]) and time.monotonic() < until:
-        time.sleep(0.05)
-    assert not left and len(list(Path("out").glob("*/begun"))) == 2  # none was begun after
+    wait_for_end(*(int(path.read_text()) for path in pids))
+    assert len(list(Path("out").glob("*/begun"))) == 2  # none was begun after
 
 
 def test_another_package_has_other_answers(monkeypatch):

@@ -37,6 +37,7 @@ def with_cloth():
     return state()
 
 
+@pytest.mark.anchor
 def test_the_water_moves_bit_for_bit_as_without_a_cloth(with_cloth):
     assert state(surface=None)[0] == with_cloth[0]
 

@@ -18,6 +18,7 @@ from ocean_sim.kernel_library import ti
 from ocean_sim.parts import Preflight
 from ocean_sim.pictures.water.smoothed_mesh import smooth_mesh
 from ocean_sim.surface.marching_cubes import Config, MarchingCubes, flat_share
+from tests.surface.spray import spray
 from tests.surface.test_isosurface import topology
 
 SPACING = 0.1  # [m] of the particles
@@ -202,7 +203,7 @@ def test_both_ends_of_a_period_are_one_place(canal):
 
 def test_a_lone_drop_is_spray_and_no_surface(tank):
     surface = put(tank, [*STILL, [0.3, 0.4, 0.1]])
-    assert np.flatnonzero(surface.spray()).tolist() == [len(STILL)]
+    assert np.flatnonzero(spray(surface)).tolist() == [len(STILL)]
     assert topology(surface.mesh()) == (True, 2)
     assert abs(surface.elevations(np.array([[0.3, 0.1]]))[0]) < 0.05 * SPACING
 
@@ -229,7 +230,7 @@ def test_whatever_the_water_does_the_surface_is_finite_and_closed(tank, fine):
         assert np.isfinite(mesh.vertices).all() and np.isfinite(mesh.normals).all(), what
         left_over = surface.map.n - len(places)
         assert surface.outside == outside + left_over, what
-        assert lonely is None or surface.spray().sum() == lonely + left_over, what
+        assert lonely is None or spray(surface).sum() == lonely + left_over, what
         heights = surface.elevations(line(np.linspace(-1.0, 1.0, 50)))
         assert ((heights >= -0.6) & (heights <= 0.6)).all(), what
 

@@ -5,6 +5,7 @@ import pytest
 
 from ocean_sim.reading.scene import load
 from ocean_sim.simulation import Simulation
+from tests.surface.spray import spray
 
 SEA = {
     "basin": {"length": 24.0, "width": 20.0, "depth": 5.0},
@@ -25,7 +26,7 @@ def state(**sets) -> dict[str, np.ndarray]:
         if surface is not None:
             mesh = surface.mesh()
             found |= {"vertices": mesh.vertices, "triangles": mesh.triangles, "normals": mesh.normals}
-            found |= {"spray": surface.spray(), "heights": surface.elevations(mesh.vertices[:, [0, 2]])}
+            found |= {"spray": spray(surface), "heights": surface.elevations(mesh.vertices[:, [0, 2]])}
         return found
 
 

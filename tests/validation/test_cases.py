@@ -138,6 +138,7 @@ def test_a_run_that_diverged_gives_rows_that_say_so():
     assert all("diverged: velocities are no numbers" in row["source"] for row in rows)
 
 
+@pytest.mark.anchor
 def test_the_command_writes_a_table_and_a_picture(tmp_path, capsys):
     code = answered(
         ["validate", "conservation", "--scheme", "mueller", "--coarse", "--set", "runtime.threads=1"]

@@ -93,7 +93,7 @@ def test_a_replay_has_a_title_whatever_its_folder_is_called(run, tmp_path):
     assert "<title>run ? &lt;b&gt;</title>" in document
 
 
-@pytest.mark.slow
+@pytest.mark.anchor
 @in_a_browser
 def test_a_replay_opens_from_a_file_and_scrubs(run, tmp_path):
     path = replay_file([run], tmp_path / "replay.html")

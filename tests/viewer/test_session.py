@@ -5,7 +5,6 @@ import shutil
 import socket
 import threading
 from contextlib import suppress
-from time import perf_counter, sleep
 
 import numpy as np
 import pytest
@@ -21,6 +20,7 @@ from ocean_sim.viewer.replay import Recorded, replay_file
 from ocean_sim.viewer.server import Order
 from ocean_sim.viewer.session import Session, Source
 from ocean_sim.viewer.watch import Watch
+from tests.processes import wait_for
 from tests.viewer import page_packets
 
 COARSE = {"runtime.threads": 1, "fluid.spacing": 2.5, "runtime.precision": "f64", "accuracy": None}
@@ -346,9 +346,7 @@ def test_who_steers_in_the_page_rides_on_the_platform(tmp_path):
                 one.step()
             assert one.simulation.ships["ship"].orders[1] > 0.0
             assert {"stream", "platform_log"} <= parts_of(one)
-        patience = perf_counter() + 5.0
-        while perf_counter() < patience and not (came and came[-1].time > 1.0 and not any(came[-1].pose)):
-            sleep(0.01)
+        wait_for("the pose at rest", lambda: came and came[-1].time > 1.0 and not any(came[-1].pose))
     assert came[0].seq == 0 and len(came[0].legs) == 6 and any(any(each.pose) for each in came)
     assert not any(came[-1].pose)  # it ends at neutral
     with Session(rig(tmp_path), Desk(), tmp_path, list) as one:

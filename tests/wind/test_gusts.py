@@ -64,6 +64,7 @@ def test_it_acts_in_the_included_shapes_less_the_excluded(build, force, include,
     assert np.array_equal(inside, expected(POINTS))
 
 
+@pytest.mark.anchor
 def test_the_force_is_mass_times_acceleration(build, force):
     wind = build("gusts", volumes=[gust(acceleration=[-12.125, 20.0, 7.0])])
     np.testing.assert_allclose(force(wind, [0.0, 0.0, 0.0], mass=3.0), [[-36.375, 60.0, 21.0]], rtol=1e-14)

@@ -27,6 +27,7 @@ LAWS = {
 }
 
 
+@pytest.mark.anchor
 @pytest.mark.parametrize("u10", LAWS)
 def test_drag_laws_as_published(u10):
     found = [1e3 * DRAG_LAWS[law](u10) for law in ("wu", "garratt", "zijlema")]

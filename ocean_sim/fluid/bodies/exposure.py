@@ -24,9 +24,8 @@ AREAS_PER_THREAD = 4096  # particles whose areas are added by one thread
 MAX_AREA_FACTOR = 2.0  # factor by which exposed areas are scaled at most
 MAX_SURFACE_SLOPE = 1.0  # greatest slope in the fit of the bend
 MIN_DETERMINANT = 0.01  # share of its greatest below which places lie on a line, and no bend across it is found
-RENEWAL_DISTANCE = (
-    0.5  # [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew
-)
+# [spacings] that water and crests may go before areas, smoothed over a support on each side, are found anew.
+RENEWAL_DISTANCE = 0.5
 
 
 def memory(n: int, word: int, bends: bool) -> int:

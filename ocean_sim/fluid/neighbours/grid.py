@@ -45,9 +45,8 @@ class Grid:
             *(*Components(self.n), *Components(self.n), staggered_field(int, self.n)),
             *(staggered_field(float, self.n) for _ in (*carried, *self.left)),
         )
-        self.carried = self.moved[
-            STATE_COLUMNS.size : STATE_COLUMNS.size + len(carried)
-        ]  # what is carried, on its way to the sort
+        # Carried numbers on their way to the sort.
+        self.carried = self.moved[STATE_COLUMNS.size : STATE_COLUMNS.size + len(carried)]
         self.part = staggered_field(int, self.n)  # of which cell: its number times `parts`, and more
         self.count = ti.field(int, shape=size.count_numbers)
         self.start = ti.field(int, shape=self.cell_count + 1)

@@ -221,9 +221,8 @@ class HighOrder:
         now = self.surface_state(e, p)
         self.rate_cache[self.time] = eta_n, phi_n = self.surface_rates(now, self.time)
         eta_t, phi_t = tile.to_values(np.array([eta_n + self.vertical_factor * p, phi_n - g * e]))
-        growth = self.resolved_modes * tile.to_modes(
-            phi_t - sum(now.w) * eta_t
-        )  # at a place that does not move with the surface
+        # At a place that does not move with the surface.
+        growth = self.resolved_modes * tile.to_modes(phi_t - sum(now.w) * eta_t)
         flat = self.higher_orders(self.eta, p, now.w[0])[0]
         return e, flat, self.higher_orders(self.eta, growth, tile.to_values(self.vertical_factor * growth))[0]
 

@@ -100,9 +100,8 @@ class SteepSource:
         for _ in range(steps := int(np.ceil(left / self.step - 1e-9))):
             self.sea.advance(left / steps)
         e, below, _ = self.sea.potentials()
-        part = self.sea.nonlinear_share(
-            time
-        )  # until it has set in, the potential at the still level is that of a linear sea
+        # Until it has set in, the potential at the still level is that of a linear sea.
+        part = self.sea.nonlinear_share(time)
         potential = part * below + (1.0 - part) * self.sea.tile.to_modes(self.sea.phi)
         real, crossed = self.feed_factors
         both = self.sea.resolved_modes * self.origin_phase * np.array([potential, real * potential + crossed * e])

@@ -15,10 +15,7 @@ from ocean_sim.kernel_library import ti, tm
 from ocean_sim.runtime import in_kernels
 
 FRAME_PUSH, FRAME_RATE, FRAME_TURN, FRAME_PIVOT = range(4)
-FULL_SHARE_ROWS, NO_SHARE_ROWS = (
-    0.75,
-    1.25,
-)  # [rows] heights up to which a particle bears its share, and from which none
+FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a particle bears its share, from which none
 
 
 @in_kernels

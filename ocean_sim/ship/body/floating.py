@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationInfo, field_validator
 
 from ocean_sim.basin import Basin
-from ocean_sim.conventions import WATER_DENSITY, Motions
+from ocean_sim.conventions import WATER_DENSITY
 from ocean_sim.files.input_file import relative_to_scene
 from ocean_sim.model import Vector3, quantity
 from ocean_sim.parts import LedgerRow, Preflight, Problems, named
@@ -107,7 +107,7 @@ class FloatingConfig(VesselConfig):
         if isinf(still.draught):
             return Afloat(still.matter.mass, still.draught, 0.0, 0.0, {})
         across, along = still.metacentric_height(), still.metacentric_height(0)
-        periods = still.periods(Motions(*self.moved_along(still).tolist())._asdict())
+        periods = still.periods(self.moved_along(still))
         return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:

@@ -83,7 +83,7 @@ class FloatingShip(Vessel):
         self.moor(config.moorings, config.points)
         self.usual_volume = min(still.needed_volume, still.voxels.volume)  # under water [m3]
         self.weight = np.array([[0.0, -matter.mass * still.gravity, 0.0], [0.0, 0.0, 0.0]])
-        self.motion_limits = self.limits_of_motion()
+        self.motion_limits = self.limits_of_motion(self.added)
         # Of the last load: velocity relative to the water, volume under water [m3], and for slamming its speed upwards
         # relative to the water [m/s], and what a force upwards at its centre of buoyancy is as a load, (2, 3).
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
@@ -156,8 +156,8 @@ class FloatingShip(Vessel):
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         return self.cubes.displaced_water(self.body, self.water)
 
-    def limits_of_motion(self, added: dict[str, float] | None = None) -> Limits:
-        """STEPS_A_PERIOD steps in the fastest natural motion, with added mass where given."""
+    def limits_of_motion(self, added: np.ndarray) -> Limits:
+        """STEPS_A_PERIOD steps in the fastest natural motion, with (6,) added mass."""
         still = self.hydrostatics
         periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
         if self.moorings is not None:

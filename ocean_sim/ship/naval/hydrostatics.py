@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ocean_sim.conventions import GRAVITY
+from ocean_sim.conventions import GRAVITY, Motions
 from ocean_sim.ship.body.rigid_body import axis_rotation
 from ocean_sim.ship.hull.mesh import ClosedMesh, gauss_points, inside_stretches, lone_corner_first
 from ocean_sim.ship.hull.shapes import HullShape, drawn_mesh
@@ -152,11 +152,11 @@ class Hydrostatics:
         m = self.matter
         return {"heave": m.mass, "roll": float(m.inertia[2, 2]), "pitch": float(m.inertia[0, 0])}
 
-    def periods(self, added: dict[str, float] | None = None) -> dict[str, float | None]:
-        """Natural periods of heave, roll and pitch [s], with added mass where given; None without restoring force."""
-        found = {}
+    def periods(self, added: np.ndarray) -> dict[str, float | None]:
+        """Natural periods of heave, roll and pitch [s] with (6,) added mass; None without restoring force."""
+        found, water = {}, Motions(*added.tolist())._asdict()
         for motion, k in self.stiffness.items():
-            inertia = self.inertia[motion] + (added or {}).get(motion, 0.0)
+            inertia = self.inertia[motion] + water[motion]
             found[motion] = 2.0 * pi * sqrt(inertia / k) if k > 0.0 else None
         return found
 

@@ -1,11 +1,12 @@
 """Progress of a run and of its pictures, for who watches the command line."""
 
 from collections import Counter
+from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ocean_sim.conventions import figures
-from ocean_sim.machine import cache_directory
+from ocean_sim.machine import kernel_cache
 from ocean_sim.simulation import OutcomeObserver
 from ocean_sim.verbs.shared import console
 from ocean_sim.verbs.shared.bar import FILM_CURE, Bar, Drawing
@@ -18,11 +19,18 @@ MIN_TIMED_STEPS = 20  # for a mean time of a step
 
 
 def kernel_notice() -> str:
-    """Sentence on the work before the first step."""
-    cache = cache_directory() / "kernels"
-    if cache.is_dir() and any(cache.rglob("*.tic")):
-        return "loading kernels"
-    return f"compiling kernels (a first run; they are kept in {cache})"
+    """Sentence on the work before the first step, and on the kernels that Taichi has dropped since the last one."""
+    cache = kernel_cache()
+    count, note = sum(1 for _ in cache.glob("*.tic")), cache.with_suffix(".count")
+    if count == 0:
+        return f"compiling kernels (a first run; they are kept in {cache})"
+    dropped = 0
+    with suppress(OSError, ValueError):  # no note yet, or one that cannot be written
+        dropped = int(note.read_text()) - count if note.exists() else 0
+        note.write_text(f"{count}\n")
+    if dropped > 0:
+        return f"loading kernels; {dropped} unused for longest were dropped from {cache}, as it had reached its limit"
+    return "loading kernels"
 
 
 class Progress(OutcomeObserver):

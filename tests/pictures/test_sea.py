@@ -13,7 +13,7 @@ from scipy.ndimage import median_filter, zoom
 
 from ocean_sim import waves
 from ocean_sim.basin import points as points_module
-from ocean_sim.observers import frames, render
+from ocean_sim.observers import render
 from ocean_sim.pictures import frame_files
 from ocean_sim.pictures.stage import opengl, overlays
 from ocean_sim.pictures.stage.picture import Picture
@@ -44,7 +44,7 @@ def spectrum(seed: int = 1) -> waves.Components:
 
 def kept_waves(sea: waves.Components) -> dict[str, np.ndarray]:
     """As frames keep them."""
-    return frames.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=False))
+    return frame_files.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=False))
 
 
 def state(exact: waves.Components | None = None) -> SimpleNamespace:
@@ -435,8 +435,8 @@ def test_frames_keep_the_waves_of_a_sea_in_closed_form_and_nothing_of_particles(
         "sea_phase",
         "sea_ramp",
     }
-    assert frames.wave_arrays(SimpleNamespace(plane_waves=None, can_be_disturbed=False)) == {}
-    assert frames.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=True))["sea_answers"]
+    assert frame_files.wave_arrays(SimpleNamespace(plane_waves=None, can_be_disturbed=False)) == {}
+    assert frame_files.wave_arrays(SimpleNamespace(plane_waves=sea, can_be_disturbed=True))["sea_answers"]
 
 
 def test_foam_covers_what_is_asked_for():

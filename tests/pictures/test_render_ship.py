@@ -189,7 +189,7 @@ def resident():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
 over = threading.Event()
 over.set()
-sizes = [resident() for _ in render.draw(Order(**json.loads(sys.argv[1])), over)]
+sizes = [resident() for _ in render.draw_order(Order(**json.loads(sys.argv[1])), over)]
 print("resident", max(sizes[20:120]), max(sizes[400:500]))
 """
 

@@ -1,10 +1,10 @@
-"""The way from a user's text to a checked scene; here the keys of a scene that belong to no part of it."""
+"""Reading of a scene, from a user's text to a checked SceneConfig; here the keys of a scene outside its parts."""
 
 from ocean_sim.model import Model, quantity
 
 
 class Heading(Model):
-    """Statements of a scene about itself."""
+    """Title, seed, duration and resolution of a scene."""
 
     title: str = ""
     """The experiment in one line."""

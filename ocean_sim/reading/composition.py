@@ -50,7 +50,7 @@ class Choice:
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """The preset or kind with the keys written over it, at the line that names it and not in the preset's file."""
+        """The preset or kind with the keys written over it; errors cite the line of its name, not the preset's file."""
         return merge_nodes(self.base, self.own)
 
 
@@ -66,7 +66,7 @@ class Composition:
     notes: list[str] = field(default_factory=list)
 
     def lay(self, place: str, node: Node, below: Choice | None) -> None:
-        """Lay `node` over what stands in a place: null empties it, a name replaces it, a mapping changes it."""
+        """Lay `node` over the choice in a slot: null empties it, a name replaces it, a mapping changes its keys."""
         try:
             if node.data is None:
                 self.slots[place] = None
@@ -87,7 +87,7 @@ class Composition:
                 self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
-        """The place and node of each ship in a mapping of them; any other value is a problem."""
+        """Yield place (`ships.tug`) and node of each ship in a mapping by name; other values become problems."""
         if node.data is None:
             return
         if not node.is_mapping:
@@ -109,7 +109,7 @@ class Composition:
             self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """Another kind, or preset, that keeps the keys it also has; the others are dropped with a note."""
+        """The choice with another kind or preset; keys that the new kind lacks are dropped with a note."""
         slot = slot_of(place)
         base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -122,7 +122,7 @@ class Composition:
         return Choice(base, written.with_data(kept))
 
     def set(self, key: str, value: Node) -> None:
-        """One `--set`: a slot, a key inside one, or any other key."""
+        """Apply one `--set`: to a slot, a key inside one, or a key outside the slots."""
         path = tuple(key.split("."))
         path = (KEYS_BESIDE_SLOTS[path[0]], *path) if path[0] in KEYS_BESIDE_SLOTS else path
         if "" in path:
@@ -143,7 +143,7 @@ class Composition:
             self.root = self.put(self.root, path, (), value)
 
     def without_dot(self, word: str) -> str | None:
-        """The key of a part that a word is without its dot: `fluid.spacing` of `fluidspacing` or `fluid_spacing`."""
+        """The dotted key meant by a word without its dot (`fluid_spacing`: `fluid.spacing`), or None."""
         for place, choice in self.slots.items():
             key = word.removeprefix(place).lstrip("_")
             if choice is None or not word.startswith(place):
@@ -153,7 +153,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Lay what stands beside the part that it belongs to over that part."""
+        """Lay a key written at the top level, beside the slot to which it belongs, over that slot."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -164,14 +164,14 @@ class Composition:
             self.set_part(slot, (key,), node)
 
     def set_ships(self, value: Node) -> None:
-        """`--set ships=...`: null leaves none, a mapping changes those that it names."""
+        """Apply `--set ships=...`: null removes all ships, a mapping changes those that it names."""
         if value.data is None:
             self.slots = {place: choice for place, choice in self.slots.items() if slot_of(place) == place}
         for place, ship in self.named_ships(value):
             self.set_part(place, (), ship)
 
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
-        """A part as a whole, or the key at a path below its place."""
+        """Replace or change the part at a place, or set the key at `path` inside it."""
         below = self.slots.get(place)
         if place in self.failed and path:
             return
@@ -188,7 +188,8 @@ class Composition:
             self.slots[place] = Choice(below.base, whole.with_data(own))
 
     def put(self, node: Node, path: tuple[str, ...], above: tuple[str, ...], value: Node) -> Node:
-        """`node` with the value at `path` replaced; mappings on the way are made where they are missing."""
+        """Copy of `node` with the value at `path` replaced, missing mappings created; `above`: path of `node`
+        itself."""
         if not path:
             return value
         step, data = path[0], node.data
@@ -211,7 +212,7 @@ class Composition:
 
 
 def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
-    """A scene, a profile and `--set`, one over the other; slots come out as mappings with `kind`."""
+    """Lay a profile and the `--set` values over a scene; each part in the result is a mapping with `kind`."""
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
         if slot in scene.data:
@@ -256,7 +257,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
 
 
 def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """The choice that a name or a mapping with `kind` stands for; raises SceneError."""
+    """The choice for a name or a mapping with `kind`; `within`: presets that refer to it. Raises SceneError."""
     slot = slot_of(place)
     if isinstance(node.data, str):
         name, own = node, node.with_data({})
@@ -281,7 +282,7 @@ def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
 
 
 def without_kind(place: str, node: Node) -> Problem:
-    """The problem of a part that names no kind."""
+    """The problem to report for a part that names no kind, with a guess of the kind that was meant."""
     slot = slot_of(place)
     end = f"there are {', '.join(known_names(slot))}"
     if not node.is_mapping:
@@ -297,20 +298,19 @@ def without_kind(place: str, node: Node) -> Problem:
 
 
 def keys_of(slot: str) -> list[str]:
-    """Every key that some kind of a slot has, `kind` included."""
+    """Names of all keys of all kinds of a slot, `kind` included."""
     return list(dict.fromkeys(key for kind in kinds(slot) for key in config_of(slot, kind).model_fields))
 
 
 def key_for_name(name: str, ship: Node) -> str | None:
-    """The key of a ship that stands where the name of one should, with a value that is no ship, else None."""
+    """The ship's key that a user wrote under `ships` in place of a ship's name; None where `name` can be a ship's."""
     if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known_names(ALONE)):
         return None
     return likeliest(name, keys_of(ALONE))
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """The kind that has more of the keys of a mapping than any other has, by their names or by what they likely mean;
-    None where several have as many."""
+    """The kind that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)
@@ -319,7 +319,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """A problem; that of an unknown key which no other is like says which other kinds of the slot have it."""
+    """The problem, with the kinds that have the key added where it is an unknown key without a suggestion."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found
@@ -330,12 +330,12 @@ def with_owners(found: Problem, slot: str, place: str) -> Problem:
 
 
 def kind_named(slot: str, name: str) -> str:
-    """The kind that a preset, or a kind, stands for; raises SceneError."""
+    """The kind of a preset or kind of this name; raises SceneError."""
     return choice_of(slot, node_of({"kind": name}, Location(name))).kind
 
 
 def known_names(slot: str) -> list[str]:
-    """Every name that a slot understands: presets and kinds."""
+    """All names that a slot accepts, sorted: presets and kinds."""
     return sorted({*named(slot), *kinds(slot)})
 
 

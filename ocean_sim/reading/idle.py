@@ -1,4 +1,4 @@
-"""Keys that change nothing, because another key or part is missing, zero or in their place; angles in wrong units.
+"""Warnings of keys without effect (another key or part is missing, zero or overrides them) and of likely radians.
 
 A key counts as given where its value is not its default.
 """
@@ -28,7 +28,7 @@ def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
 
 
 def has_key(mapping: Any, key: str) -> bool:
-    """True if this kind has a key and it is given: a kind with another key of a rule may lack this one."""
+    """True if the model has this key, which not every kind does, and its value is not None."""
     return key in type(mapping).model_fields and getattr(mapping, key) is not None
 
 
@@ -110,7 +110,7 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
 
 
 def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
-    """All models inside a value, each with its path and its place, which names entries of lists and mappings too."""
+    """Yield (path, place, model) for all models in a value; the place also has list indices and mapping keys."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:
@@ -121,7 +121,7 @@ def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[
 
 
 def like_radians(mapping: Model) -> Iterator[str]:
-    """Key and a sentence of each angle in degrees that is a whole part of pi, to three digits."""
+    """Yield a sentence for each angle in degrees that looks like radians: a multiple of pi/12 to three digits."""
     for key in [key for key in type(mapping).model_fields if key.endswith("_deg") and getattr(mapping, key)]:
         turns = np.abs(getattr(mapping, key)) / PI_TWELFTH
         if ((turns > 0.5) & (turns < 24.5) & (np.abs(turns - np.rint(turns)) < PI_TOLERANCE)).any():
@@ -135,7 +135,7 @@ def spectrum_seeds(scene: Model) -> set[int]:
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
-    """A sentence for each key of a scene and its parts that is given and changes nothing, or may be in radians."""
+    """Yield a sentence for each key of a scene and its parts that is given without effect, or may be in radians."""
     for root, part in parts.items():
         rules = IDLE_RULES
         if isinstance(part, FluidConfig):

@@ -71,7 +71,7 @@ class Key(NamedTuple):
 
     @property
     def section(self) -> str:
-        """The table in which the reference lists it: `basin`, `wind.stress`, `motion`."""
+        """Table of the reference that lists the key: `basin`, `wind.stress`, `motion`."""
         words = self.path.split(".")
         kind = len(words) > 1 and words[0] in SLOTS and words[1] in kinds(words[0])
         return ".".join(words[: 2 if kind else 1])
@@ -79,13 +79,13 @@ class Key(NamedTuple):
 
 @cache
 def whole_schema() -> dict[str, Any]:
-    """The schema, made once."""
+    """The JSON Schema of a scene, cached."""
     return scene_schema()
 
 
 @cache
 def scene_keys() -> tuple[Key, ...]:
-    """All keys, in the order of the models."""
+    """All keys of all parts and kinds, in the order of the schema."""
     found: dict[str, Key] = {}
     for name, node in whole_schema()["properties"].items():
         if name in SLOTS:
@@ -103,7 +103,7 @@ def definition(name: str) -> dict[str, Any]:
 
 
 def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iterator[Key]:
-    """The keys of a model, and of the models inside it."""
+    """Yield the keys of a model's schema and of the models inside it; `within`: models already entered."""
     for name, inner in node.get("properties", {}).items():
         if name == "kind" and "const" in inner:
             continue
@@ -111,13 +111,13 @@ def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iter
 
 
 def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
-    """A key, and the keys inside its value."""
+    """Yield the key at a path and the keys inside its value."""
     yield key_of_node(path, node, required)
     yield from keys_inside(path, node, within)
 
 
 def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
-    """The keys below a value; a model inside itself is left out."""
+    """Yield the keys inside a value's schema; models in `within` are not entered again."""
     yield from kind_inside(path, node)
     for member in union_members(node):
         name = member.get("$ref")
@@ -133,12 +133,12 @@ def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Ite
 
 
 def of_names(node: dict[str, Any]) -> dict[str, Any]:
-    """The schema of each value in a mapping whose names the user gives."""
+    """The schema of the values of a mapping whose keys are names given by the user."""
     return next(iter(node["patternProperties"].values()))
 
 
 def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
-    """The key `kind` of a value that may be one of several mappings, each with its sentence."""
+    """Yield the key `kind` of a value that may be one of several models; nothing for other values."""
     mappings = [definition(member["$ref"]) for member in union_members(node) if "$ref" in member]
     chosen = {
         m["properties"]["kind"]["const"]: m for m in mappings if "const" in m.get("properties", {}).get("kind", {})
@@ -169,7 +169,7 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 
 
 def plain_meaning(node: dict[str, Any]) -> str:
-    """The description of a key, or of the model that it holds, without the parts that editors show beside it."""
+    """The description of a key, or of its model, without the unit and default that editors show."""
     text = node.get("meaning") or node.get("description")
     return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
@@ -181,7 +181,7 @@ def bounds_of(node: dict[str, Any]) -> Iterator[str]:
 
 
 def kind_of(node: dict[str, Any]) -> str:
-    """The type of a value, in words."""
+    """The type of a value by its schema, in words: `number`, `list of 3 numbers`, `mapping`."""
     if "$ref" in node:
         target = definition(node["$ref"])
         return "mapping" if "properties" in target else kind_of(next(union_members(target)))
@@ -200,7 +200,7 @@ def kind_of(node: dict[str, Any]) -> str:
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
-    """The words that a value may be."""
+    """The words that a value may be by its schema; empty where any are allowed."""
     given = [node["const"]] if "const" in node else node.get("enum", [])
     return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
 
@@ -214,7 +214,7 @@ def example_path(path: str) -> str:
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
-    """A value that suits a key: the kind's own example, its default, or one of its size."""
+    """An example value for a key, as YAML: that stated by its kind, or else by its schema."""
     words = path.split(".")
     if len(words) == 3 and words[0] in SLOTS:
         given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
@@ -224,7 +224,7 @@ def value_of(path: str, node: dict[str, Any]) -> str:
 
 
 def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> str:
-    """A value of a node: its default, else one of its size; of a mapping the keys that it must have, else its first."""
+    """An example value for a schema, as YAML: its default, a stated example, or one of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
@@ -250,7 +250,7 @@ def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> st
 
 
 def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
-    """A mapping of a model: its kind and its required keys; if there are none, its first number, or first key."""
+    """An example of a model as YAML: kind and required keys; if there are none, one number or the first key."""
     own, needed = node["properties"], node.get("required", [])
     names = [name for name in own if name in needed or (name == "kind" and "const" in own[name])]
     if names in ([], ["kind"]):
@@ -260,7 +260,7 @@ def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
 
 
 def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
-    """A number of the size that its unit has, within its bounds."""
+    """An example number within the bounds of the schema, of a size usual for its unit."""
     low, high = bound_of(node, "minimum", "exclusiveMinimum"), bound_of(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
@@ -271,18 +271,18 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
-    """A bound of a number, under the first of these names that the node or one of its members has."""
+    """The first bound among these names in a schema or the members of its union; None where it has none."""
     return next((place[name] for place in (node, *union_members(node)) for name in names if name in place), None)
 
 
 @cache
 def by_path() -> dict[str, Key]:
-    """All keys by their paths."""
+    """All keys of a scene by their paths."""
     return {key.path: key for key in scene_keys()}
 
 
 def keys_at(word: str) -> list[Key]:
-    """The keys that a path means: itself and those directly below it; without the kind, those of every kind."""
+    """The key at a path, then those directly below it; a path without the kind stands for every kind."""
     wanted = word.replace("[]", "").strip(".").split(".")
     steps = [step for step in wanted if not step.isdigit()]
     exact, below = [], []
@@ -304,12 +304,12 @@ def is_path_match(path: list[str], steps: list[str]) -> bool:
 
 
 def named_so(word: str) -> list[str]:
-    """The paths of the keys whose last word this is."""
+    """Paths of all keys whose last word is `word`."""
     return [key.path for key in scene_keys() if key.path.rpartition(".")[2] == word]
 
 
 def keys_elsewhere(word: str) -> str:
-    """The end of a refusal: where keys of this name are, if there are any."""
+    """The end of an error message that lists up to three paths of keys of this name; empty if there are none."""
     paths = sorted(named_so(word), key=lambda path: (path.count("."), path))
     if len(paths) == 1:
         return f"; there is {paths[0]}"

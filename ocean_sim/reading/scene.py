@@ -84,7 +84,7 @@ class SceneConfig(Heading):
     _inputs: dict[str, str] = PrivateAttr({})
 
     def parts(self) -> dict[str, PartConfig]:
-        """The part in every slot that has one, then the observers, by name."""
+        """The parts by place (`wind`, `ships.tug`), then the observers by name; empty slots are left out."""
         found: dict[str, PartConfig] = {}
         for slot in SLOTS:
             part = None if slot == ALONE else getattr(self, slot)
@@ -94,7 +94,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """The facts of the scene before anything is built; made once, and again for a copy with other parts."""
+        """The facts that parts need of the whole scene before it is built; cached until the parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -103,13 +103,13 @@ class SceneConfig(Heading):
         return known
 
     def ledger(self) -> list[LedgerRow]:
-        """A row for each thing that the scene will allocate or compile, and why; nothing is allocated to find out."""
+        """Rows with the memory and kernels that each part will need; nothing is allocated."""
         preflight = self.preflight
         return [row for key, part in self.parts().items() for row in of_place(key, part.ledger(preflight))]
 
     def inputs(self) -> dict[str, str]:
-        """SHA-256 of each file that the scene names and its numbers depend on, by name; raises Refused where one has
-        changed since the scene was loaded."""
+        """SHA-256 by name of each input file that the scene's numbers depend on; raises Refused if one has changed
+        since the scene was loaded."""
         parts = [part.model_dump() for part in (self.basin, *self.parts().values())]
         found = {name: file_digest(name) for name in sorted(set(input_names(parts)))}
         for name, now in found.items():
@@ -119,7 +119,7 @@ class SceneConfig(Heading):
         return found
 
     def files(self) -> list[str]:
-        """Names of the files that a run of it leaves in its folder, in which * stands for digits and dots."""
+        """Names of the files that a run writes into its folder; * stands for digits and dots."""
         return sorted({name for each in self.observers.values() for name in each.files_of(self.preflight)})
 
     def warnings(self) -> list[str]:
@@ -134,8 +134,8 @@ class SceneConfig(Heading):
         return [*told, *idle_keys(whole, preflight)]
 
     def resolved(self) -> dict[str, Any]:
-        """The scene as plain data that loads to this scene again. What it left open is null; its spacings contain the
-        resolution."""
+        """The scene as plain data that load again to an equal scene. Keys left out are null, and spacings are already
+        multiplied by the resolution."""
         data = self.model_dump(mode="json", by_alias=True, serialize_as_any=True, exclude={"notes"})
         ships, observers = data[SEVERAL], data.pop("observers")
         written = (ALONE, ships.get(ALONE)) if not ships or ALONE in ships else (SEVERAL, ships)
@@ -146,27 +146,27 @@ class SceneConfig(Heading):
 
 
 def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
-    """The rows of a part's ledger; those of one of several ships are put to her name."""
+    """The ledger rows of a part; where there are several ships, under the ship's own name."""
     return rows if slot_of(place) == place else [row._replace(part=place) for row in rows]
 
 
 def observer_names() -> tuple[str, ...]:
-    """Every observer there is."""
+    """Names of all observers of the program."""
     return kinds("observers")
 
 
 def on_unless_null(slots: Iterable[str]) -> list[str]:
-    """The observers that are on unless a scene sets them to null, by the slots that it fills."""
+    """Names of the observers that run by default in a scene with these slots filled."""
     return [*ALWAYS_ON, *(name for name, slot in ON_WITH.items() if slot in slots)]
 
 
 def load(
     source: str | Path | dict[str, Any], overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The scene in a file (or the name of a packaged scene, or a dict), with overrides and a profile laid over it.
+    """Load the scene in a file, a packaged scene of this name or a dict, with overrides and a profile laid over it.
 
-    Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory.
-    Raises SceneError, which holds everything that is wrong at once.
+    Names of files in it, and in overrides, are relative to its own file; in a dict, to the working directory. Raises
+    SceneError, which lists all mistakes at once.
     """
     if not isinstance(source, str | PathLike | dict):
         raise Unsuited(f"load: source is the name or the file of a scene, or a dict, not {source!r:.60}")
@@ -183,14 +183,14 @@ def load(
 def load_text(
     text: str, name: str, folder: Path, overrides: dict[str, Any] | None = None, profile: str | None = None
 ) -> SceneConfig:
-    """The scene in a text, as if it stood in a file of this name in a folder, from which its names of files start."""
+    """The scene in a YAML text that errors call `name`; file names start in `folder`. Raises SceneError."""
     return _compose_and_check(parse_mapping(text, name), folder.absolute(), overrides, profile)
 
 
 def _compose_and_check(
     scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None
 ) -> SceneConfig:
-    """The scene that a mapping is; raises SceneError."""
+    """The checked scene of a mapping with profile and overrides laid over it; raises SceneError."""
     layer, problems = profile_layer(profile)
     sets = {key: _override_node(key, value) for key, value in (overrides or {}).items()}
     composition = compose(scene, layer, sets)
@@ -202,7 +202,7 @@ def _compose_and_check(
 
 
 def scene_path(source: str | Path) -> Path:
-    """The file that a path, or the name of a packaged scene, stands for."""
+    """The file of a scene given by its path or as the name of a packaged scene; raises SceneError."""
     path, packaged = Path(source), library("scenes") / f"{source}.yaml"
     if path.suffix not in (".yaml", ".yml") and not path.is_file() and packaged.is_file():
         return packaged
@@ -220,7 +220,7 @@ def packaged_scenes() -> list[str]:
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """The file of a profile, and what is wrong with it; profiles hold what a machine can afford, and no physics."""
+    """The mapping in a profile's file, and its problems; a profile sets numerical effort, no physics."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -237,13 +237,13 @@ def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
 
 
 def _override_node(key: str, value: Any) -> Node:
-    """A node of the value that `--set`, or Python, gives for a key."""
+    """The value of an override as a node whose location reads `--set KEY=VALUE`."""
     shown = "" if isinstance(value, Node) else shorten(in_yaml(value), MAX_VALUE_BYTES)
     return node_of(value, Location(f"{OVERRIDE_NAME} {key}={shown}"))
 
 
 def _check_models(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
-    """The models of a composed scene, or None; `problems` grows by everything that is wrong."""
+    """The checked scene of a composed tree, or None; every mistake is appended to `problems`."""
     root, data = composition.root, composition.root.data
     headings = tuple(Heading.model_fields)
     problems += _unknown_keys(root, headings)
@@ -293,20 +293,20 @@ def _check_models(composition: Composition, problems: list[Problem], folder: Pat
 
 
 def _part_places(data: dict[str, Node]) -> list[str]:
-    """The places where a part may stand, in the order of the slots."""
+    """All places of parts (`wind`, `ships.tug`), filled or not, in the order of the slots."""
     ships = [key_of(name) for name in data[SEVERAL].data] if SEVERAL in data else []
     return [place for slot in SLOTS for place in ((slot, *ships) if slot == ALONE else (slot,))]
 
 
 def _place_node(data: dict[str, Node], place: str) -> Node | None:
-    """The node in a place, or of an observer; None where there is none."""
+    """The node of a part by its place, or of an observer by its name; None where it is absent."""
     slot, _, name = place.partition(".")
     node = data.get(slot)
     return node.child(name) if node is not None and name else node
 
 
 def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
-    """Ships that begin in one another."""
+    """Problems of ships whose outlines overlap at the start."""
     if len(preflight.ships) < 2:
         return []
     problems: list[Problem] = []
@@ -322,7 +322,7 @@ def _overlapping_ships(preflight: Preflight, root: Node) -> list[Problem]:
 
 
 def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
-    """Unknown keys at the top level."""
+    """Problems of unknown keys at the top level of a scene."""
     known, problems = (*headings, "basin", *SLOTS, *KEYS_BESIDE_SLOTS, SEVERAL, "runtime", *observer_names()), []
     for key, node in root.data.items():
         if key not in known:
@@ -333,7 +333,7 @@ def _unknown_keys(root: Node, headings: tuple[str, ...]) -> list[Problem]:
 
 
 def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
-    """The end of a refusal of a key that is one of a part, and the suggestion: first what the chosen kinds have."""
+    """End of an error message for a top-level key that belongs in a part, and the path to suggest or None."""
     from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:
@@ -349,7 +349,7 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
 def _part_model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
-    """The value of a key as its model, by default that of the kind in a slot; None where it is absent or wrong."""
+    """The Config of a part, of class `model` or that of its kind; None where it is absent or wrong."""
     node = _place_node(composition.root.data, name)
     if node is not None and node.data is not None:
         if model is not None:
@@ -364,7 +364,7 @@ def _part_model(
 
 
 def _kind_mismatches(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
-    """Parts whose kinds do not go together, whatever their keys; `flat`: in 2-D, where a surface helps no ship."""
+    """Problems of kinds of parts that do not go together; `flat`: in 2-D, where ships need no surface."""
     fluid, surface = parts.get("fluid"), parts.get("surface")
     if not isinstance(fluid, FluidConfig):
         return []
@@ -397,7 +397,7 @@ def _missing_needs(
     data: dict[str, Node],
     root: Node,
 ) -> list[Problem]:
-    """Observers that lack a part they observe; a part with problems counts as present."""
+    """Problems of observers that need an absent part; a part with problems of its own counts as present."""
     problems, there = [], {*observers, *parts, *wrong}
     for name, config in observers.items():
         absent = [need for need in config.needs if need not in there]
@@ -410,7 +410,7 @@ def _missing_needs(
 def _observers(
     data: dict[str, Node], root: Node, problems: list[Problem], folder: Path | None
 ) -> dict[str, ObserverConfig]:
-    """The observers that a scene names or does not switch off, in the order in which they take turns."""
+    """The checked observers that are named or on by default, in the order in which they run."""
     observers: dict[str, ObserverConfig] = {}
     default = on_unless_null({ALONE if key == SEVERAL else key for key in data})
     for name in observer_names():
@@ -429,8 +429,8 @@ def _observers(
 
 
 def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
-    """The tree of a scene with every spacing of water, surface and ship times `factor`; a budget of particles shrinks
-    by what that leaves out. What `--set` gives stays as it is given."""
+    """The scene with spacings of water, surface and ships times `factor`, and particle counts divided by its power of
+    the dimension. Values from `--set` are kept."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
         if isinstance(node.data, dict):
@@ -457,7 +457,7 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
 
 
 def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
-    """The problems that a part reports, each at its location in the file."""
+    """The problems that part `name` reports by key path, each with its location in the file."""
     problems = []
     for path, sentence in found:
         inner = _place_node(root.data, name) or root

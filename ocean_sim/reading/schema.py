@@ -23,7 +23,7 @@ from ocean_sim.runtime import RuntimeConfig
 
 
 def scene_schema() -> dict[str, Any]:
-    """JSON Schema, draft 2020-12; descriptions as editors show them, with unit and default."""
+    """The JSON Schema of a scene (draft 2020-12); descriptions contain unit and default, for editors."""
     observers = {name: import_module(f"ocean_sim.observers.{name}") for name in kinds("observers")}
     models = [Heading, basin.Config, RuntimeConfig, *(module.Config for module in observers.values())]
     models += [config_of(slot, kind) for slot in SLOTS for kind in kinds(slot)]
@@ -60,12 +60,12 @@ def scene_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """The schema as a file that editors read."""
+    """The JSON Schema of a scene as JSON text."""
     return json.dumps(scene_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """A name, a mapping with `kind`, or null."""
+    """Schema of a slot: a name of a kind or preset, a mapping with `kind`, or null."""
     module = import_module(f"ocean_sim.{slot}")
     words = known_names(slot)
     told = [part_sentence(slot, word) for word in words]
@@ -81,7 +81,7 @@ def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
 
 
 def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """A preset with some keys of its own: those of its kind, none of them required."""
+    """Schema of a mapping whose `kind` is a preset: the keys of its kind, none of them required."""
     kind = choice_of(slot, node_of(name, Location(name))).kind
     properties = definitions[f"{slot}.{kind}"]["properties"] | {
         "kind": {"const": name, "description": part_sentence(slot, name)}
@@ -96,7 +96,7 @@ def _preset_schema(slot: str, name: str, definitions: dict[str, Any]) -> dict[st
 
 
 def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
-    """Append unit and default to a description, which is what editors show; `meaning` keeps it without."""
+    """Append unit and default to the description of a key; `meaning` keeps the text without them."""
     if "meaning" in node or "const" in node:
         return
     union = node.get("anyOf", node.get("oneOf", [node]))
@@ -112,15 +112,14 @@ def _add_explanation(node: dict[str, Any], definitions: dict[str, Any]) -> None:
 
 
 class _Generator(GenerateJsonSchema):
-    """Schema without the titles that pydantic makes of names, with the docstrings of keys. A model does not read them
-    as it is made, as pydantic would: that took a tenth of the time to a first step."""
+    """Generator of a schema without pydantic's titles, with the docstrings of keys as descriptions. They are read here,
+    not when a model class is created, which would slow down every start."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
 
     def normalize_name(self, name: str) -> str:
-        """The name of a definition: `wind.stress` of a kind; of another model that of its class, where it is the only
-        one."""
+        """Name of a definition: `wind.stress` for the Config of a kind, else module and class."""
         return name.removeprefix("ocean_sim.").removesuffix(".Config")
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
@@ -135,7 +134,7 @@ class _Generator(GenerateJsonSchema):
 
 
 def _docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """The text under each key of a model, in its own class or the last above it that declares the key."""
+    """Docstring of each key of a model, from the last class of its inheritance that declares the key."""
     found: dict[str, str] = {}
     for above in reversed(model.__mro__[: model.__mro__.index(BaseModel)]):
         for node, after in pairwise([*_class_body(above), None]):
@@ -146,7 +145,7 @@ def _docstrings(model: type[BaseModel]) -> dict[str, str]:
 
 
 def _class_body(model: type) -> list[ast.stmt]:
-    """The statements of a class."""
+    """The syntax trees of the statements in a model's class."""
     body: list[ast.stmt] = _module_tree(model.__module__).body
     for name in model.__qualname__.split("."):
         body = next(node.body for node in body if isinstance(node, ast.ClassDef) and node.name == name)

@@ -1,4 +1,4 @@
-"""One sentence on each thing that a scene may name; no kind is imported for it."""
+"""One descriptive sentence for each kind, preset and scene, read from source files without importing a kind."""
 
 import ast
 from functools import cache
@@ -11,26 +11,26 @@ from ocean_sim.parts import PACKAGE, kinds, library, named
 
 @cache
 def part_sentence(slot: str, name: str) -> str:
-    """The sentence of a kind, or of a preset."""
+    """Sentence that describes a kind (from its module) or a preset (from its file)."""
     if name in named(slot) and name not in kinds(slot):
         return file_sentence(library("configs") / slot / f"{name}.yaml")
     return module_sentence(PACKAGE / slot / f"{name}.py")
 
 
 def module_sentence(path: Path) -> str:
-    """The sentence that the docstring of a module begins with."""
+    """The first sentence of a module's docstring, from its file."""
     return opening_sentence(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "")
 
 
 def opening_sentence(docstring: str) -> str:
-    """The lines of a docstring up to the first that ends a sentence, as one."""
+    """The first sentence of a docstring on one line: its lines up to the first that ends with a full stop."""
     lines = docstring.split("\n\n")[0].splitlines()
     last = next((k for k, line in enumerate(lines) if line.endswith(".")), len(lines) - 1)
     return " ".join(line.strip() for line in lines[: last + 1])
 
 
 def file_sentence(path: Path) -> str:
-    """The title in a file, or else the beginning of its first comment."""
+    """The title in a YAML file, or else the first sentence of its first comment."""
     title = read_mapping(path).data.get("title")
     if title is not None and isinstance(title.data, str):
         return title.data

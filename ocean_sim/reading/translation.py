@@ -1,4 +1,4 @@
-"""Errors of pydantic in the words of scenes: with location, bound and unit."""
+"""Validation errors of pydantic rewritten as problems of a scene, with location, bound and unit."""
 
 import re
 from collections.abc import Iterator
@@ -112,8 +112,8 @@ Path = tuple[str | int, ...]
 def validated(
     model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
 ) -> Model | None:
-    """The model of a node, or None, and then `problems` grows. `folder`: to which names of files are relative, by
-    default the working directory."""
+    """The data of a node checked as this model; None if it is wrong, and its problems are appended to `problems`.
+    `folder`: base of relative file names, by default the working directory."""
     beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
@@ -126,7 +126,7 @@ def validated(
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
-    """Numbers so large or small that no product of a few of them could be computed."""
+    """Yield a problem for each number whose size is so extreme that products would overflow or vanish."""
     if isinstance(node.data, dict | list):
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from out_of_range(inner, (*path, key))
@@ -142,8 +142,7 @@ def dotted(path: Path) -> str:
 
 
 def likeliest(word: str, choices: Any) -> str | None:
-    """The choice that a word most likely meant: one but for a slip, one that begins it, another word for the same, one
-    that it begins, or one that is spelled almost so."""
+    """The choice most likely meant by a word, or None: by small slips, prefixes, synonyms, then similar spelling."""
     by_lower = {normal_form(str(choice)): str(choice) for choice in choices}
     lower = normal_form(word)
     if lower in by_lower:
@@ -157,12 +156,12 @@ def likeliest(word: str, choices: Any) -> str | None:
 
 
 def normal_form(word: str) -> str:
-    """A word in the form in which words are compared."""
+    """A word in lower case with underscores, for comparison."""
     return word.lower().replace("-", "_").replace(" ", "_")
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """The end of a refusal, '; did you mean ...' or '; there are ...', and the suggestion alone."""
+    """The end of an error message, '; did you mean ...' or '; there are ...', and the suggestion or None."""
     choices = [str(choice) for choice in choices]
     suggestion = likeliest(word, choices)
     if suggestion is not None:
@@ -171,7 +170,7 @@ def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """The end of a refusal of an unknown key, and the suggestion; one with dots, as `--set` takes it, is a mapping."""
+    """End of an error message for an unknown key, and the suggestion or None; a dotted key is shown as a mapping."""
     first, *inner = word.split(".")
     if inner and first in choices:
         return f"; in a scene it is written {first}: {{{': {'.join(inner)}: ...{'}' * len(inner)}", None
@@ -179,7 +178,7 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def translate_errors(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
-    """Every problem in a validation error; of each union only those of its likeliest member."""
+    """All problems in a validation error; of a union only the errors of its likeliest member."""
     found = [_locate_error(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_problem_of(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
@@ -188,7 +187,7 @@ def translate_errors(error: ValidationError, model: type[BaseModel], root: Node,
 
 
 class _Found(NamedTuple):
-    """One pydantic error: its place in the data, and the values that the schema of the model allows there."""
+    """One pydantic error with its path and node in the data, and the facts of the schema that messages need."""
 
     kind: str
     message: str
@@ -238,7 +237,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
 
 
 def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The members of a union of JSON Schema, or the schema itself."""
+    """Yield the members of a union in a JSON Schema, nested ones included; of another schema itself."""
     union = schema.get("anyOf", schema.get("oneOf"))
     if union is None:
         yield schema
@@ -247,7 +246,7 @@ def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The members of a union, each as its definition."""
+    """Yield the members of a union in a JSON Schema, with references replaced by their definitions."""
     for member in union_members(schema):
         if "$ref" in member:
             yield from open_union(definitions[member["$ref"].removeprefix("#/$defs/")], definitions)
@@ -256,13 +255,13 @@ def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
-    """True if pydantic means a member of a union by a tag: its name, or a word of its discriminator."""
+    """True if pydantic's `tag` denotes this member of a union: its title, or a value of its discriminator."""
     keys = place.get("properties", {}).values()
     return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
 def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
-    """The schema of the value under a key or an index."""
+    """The schema of the value under a key or an index of this one; empty if anything may stand there."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
@@ -272,7 +271,7 @@ def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
 
 
 def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
-    """A list that is too short is reported once, not once for each missing entry, nor for entries that are wrong."""
+    """True if an error on the length of a list follows from another error on it, which is reported instead."""
     if found.kind == "too_short" and len(found.node.data) >= found.context["min_length"]:
         return True
     return _is_short(found) and any(_is_short(f) and f.node is found.node and f.path > found.path for f in all_found)
@@ -302,7 +301,7 @@ def _expected_form(found: _Found) -> str:
 
 
 def _problem_of(found: _Found, prefix: Path) -> Problem:
-    """One error as a problem."""
+    """A pydantic error as a problem with key, location and message; `prefix`: path of the model in the scene."""
     key, location = dotted(prefix + found.path), found.node.location
     value, context, suggestion = describe_value(found.node.plain()), found.context, None
     bound = next((name for name in BOUND_WORDS if name in context), None)
@@ -349,7 +348,7 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
 
 
 def _number_hint(found: _Found) -> str:
-    """The number that a text means: YAML 1.2 reads one in quotes, with a comma or with a unit as text."""
+    """The end of an error message with the number meant by a text such as '1,5' or '3 m'; empty if it is none."""
     text, numbers = found.node.data, ("float_type", "int_type")
     measure = MEASURE_PATTERN.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
     if measure is None:
@@ -363,7 +362,7 @@ def _number_hint(found: _Found) -> str:
 
 
 def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
-    """The form of a value: a mapping with the keys that it must have, else its first ones; a list with an entry."""
+    """Outline of a value such as `{height: ..., period: ...}` or `[..., ...]`; empty for plain values."""
     if "properties" in place:
         names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"

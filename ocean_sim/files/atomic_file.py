@@ -14,14 +14,14 @@ DRAFT_PATTERN = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the 
 
 
 def draft_path(path: Path) -> Path:
-    """The name of a file next to `path`, of the same suffix, while this process writes it."""
+    """Path of the unfinished file next to `path`, with the same suffix and this process's id in its name."""
     return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
 
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Draft next to `path`, of the same suffix: renamed to `path` at the end of the block, removed if it fails. A link
-    stays, and its target is replaced; a pipe or a device is written to directly."""
+    """Yield a draft next to `path`, renamed to `path` at the end of the block and removed if the block fails. A link is
+    kept and its target replaced; a pipe or a device is written to directly."""
     if path.exists() and not path.is_file():
         with file_named_in_errors(path):
             yield path
@@ -38,13 +38,13 @@ def atomic_write(path: Path) -> Iterator[Path]:
 
 
 def write_facts(path: Path, data: dict[str, Any]) -> None:
-    """Write a JSON file, in whole or not at all."""
+    """Write data as a JSON file atomically."""
     with atomic_write(path) as draft:
         draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
 class file_named_in_errors:
-    """Name the file in an OSError raised inside the block, in place of no file or of its draft."""
+    """Context manager that puts `path` into an OSError of its block that names no file, or the draft."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))
@@ -58,15 +58,14 @@ class file_named_in_errors:
 
 
 def require_disk_space(path: Path, size: int) -> None:
-    """Raises OSError where a disk has no room for so many bytes of a file: before a library writes that does not say
-    so."""
+    """Raise OSError where a disk has less than `size` bytes free, since HDF5 does not report a full disk."""
     if disk_usage(path.parent).free < size:
         raise OSError(ENOSPC, os.strerror(ENOSPC), str(path))
 
 
 @contextmanager
 def reserve_disk_space(folder: Path) -> Iterator[None]:
-    """Room on the disk of a folder that is free again afterwards: for the words that tell of a disk that ran full."""
+    """Occupy some disk space in a folder during the block, freed at its end for the last messages of a run."""
     path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long

@@ -56,7 +56,7 @@ CHECKS = (
 
 
 class Lines(NamedTuple):
-    """A CSV file as text: the keys of its comments, the line with the names of its columns, and its rows."""
+    """Text of a CSV file: `key: value` pairs of its comments, the line with the column names, and the rows."""
 
     head: dict[str, str]
     heading: str
@@ -64,7 +64,7 @@ class Lines(NamedTuple):
 
 
 def split_lines(text: str) -> Lines:
-    """The parts of the text of a CSV file; an empty heading where there are only comments."""
+    """Comments, heading and rows of a CSV text; the heading is empty where there are only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
     heading, *rows = [line for line in written if line[0] != "#"] or [""]
@@ -72,7 +72,7 @@ def split_lines(text: str) -> Lines:
 
 
 class Table(dict[str, np.ndarray]):
-    """Columns (n,) by name of a table that a person names; a cell that is not a number is NaN. Raises Unreadable, a
+    """Columns (n,) by name of a CSV file named by a user, NaN where a cell is not a number. Raises Unreadable, a
     ValueError, also where there is no row."""
 
     __eq__ = object.__eq__  # a scene that keeps its table is compared by what is written, not by arrays
@@ -93,14 +93,14 @@ class Table(dict[str, np.ndarray]):
         super().__init__(build_columns(path, self.names, self.rows, self.cells, numeric_column))
 
     def cells(self, row: str) -> list[str]:
-        """The cells of a row, numbers with a decimal point."""
+        """The cells of a row as text, with a decimal point in numbers."""
         if self.separator == " ":
             row = " ".join(row.split())
         found = [cell.strip() for cell in split_cells(row, self.separator)]
         return [cell.replace(",", ".") if self.comma and DECIMAL_NUMBER.fullmatch(cell) else cell for cell in found]
 
     def has_decimal_commas(self) -> bool:
-        """True if numbers have a decimal comma; raises Unreadable where some have and others a point."""
+        """True if numbers have a decimal comma; raises Unreadable where a file mixes commas and points."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows, 1):
             found = {
@@ -112,7 +112,7 @@ class Table(dict[str, np.ndarray]):
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
-        """Columns (n,), whose cells from the row `since` on are finite numbers; raises Unreadable."""
+        """The wanted columns (n,); raises Unreadable where one is missing or not finite from row `since` on."""
         missing = [name for name in wanted if name not in self]
         if missing:
             there = quoted_piece(", ".join(self.names), 80)
@@ -129,7 +129,7 @@ class Table(dict[str, np.ndarray]):
         return [self[name] for name in wanted]
 
     def resolution(self, name: str) -> float:
-        """Largest difference of two numbers of a column that their digits allow, as written and in double precision."""
+        """Rounding of the numbers in a column, by their written digits and double precision, in the column's unit."""
         k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
@@ -137,7 +137,7 @@ class Table(dict[str, np.ndarray]):
         return float(max(10.0**-decimals, 10.0 ** (np.ceil(np.log10(most)) - digits), 4.0 * np.spacing(most)))
 
     def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
-        """Times [s], which rise, of at least so many rows, and columns (n,) of finite numbers; raises Unreadable."""
+        """Increasing times (n,) [s], then the wanted finite columns (n,), n >= `fewest`; raises Unreadable."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
@@ -148,7 +148,7 @@ class Table(dict[str, np.ndarray]):
         return [time, *found]
 
     def like_radians(self) -> list[str]:
-        """A warning of each column in degrees that could be radians: within a turn of 2 pi, and not all whole."""
+        """Warnings of columns in degrees that could be radians: none beyond 2 pi, and not all whole numbers."""
         angles = {name: values for name, values in self.items() if name.endswith("_deg")}
         found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
         return [
@@ -157,7 +157,7 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """Warning of times (n,) [s] of which a run of this duration [s] reaches none; `instead`: values that hold then."""
+    """A warning in a list if a run of this duration [s] reaches none of the times (n,) [s], else empty."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
@@ -166,8 +166,8 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """The separator of a table by its first two lines: that which gives both as many cells; else one that stands
-    between names."""
+    """Cell separator of a table: the first that splits heading and first row into equally many cells, else one in the
+    heading, else a comma."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
@@ -177,8 +177,8 @@ def find_separator(names: str, row: str) -> str:
 
 
 def read_columns(path: str | Path) -> dict[str, np.ndarray]:
-    """Each column, (n,), of a table that a run wrote, as float64 or as words, by its name; none where there are no
-    names. Raises Unreadable, a ValueError."""
+    """Columns (n,) by name of a run's CSV file, float64 or text; empty without a heading. Raises Unreadable, a
+    ValueError."""
     text = input_file.read_text(path)
     _, heading, rows = split_lines(text[: text.rfind("\n") + 1])
     names = [name.strip() for name in split_cells(heading)] if heading else []
@@ -186,7 +186,7 @@ def read_columns(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_columns_if_any(path: Path) -> dict[str, np.ndarray]:
-    """The columns of a table over time that a run wrote; none where it was not written, or has no rows."""
+    """Columns (n,) by name of a run's time series; empty where the file is missing, unreadable or has no rows."""
     with suppress(ValueError):  # no line of names: killed at once
         found = read_columns(path) if path.exists() else {}
         return found if len(found.get(TIME_COLUMN, ())) else {}
@@ -194,13 +194,13 @@ def read_columns_if_any(path: Path) -> dict[str, np.ndarray]:
 
 
 def read_records(text: str) -> list[dict[str, str]]:
-    """The rows of the text of a CSV file, each cell as text by the name of its column."""
+    """Rows of a CSV text, each as a dict of cell texts by column name."""
     _, heading, rows = split_lines(text)
     return [dict(zip(map(str.strip, split_cells(heading)), split_cells(row))) for row in rows]
 
 
 def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]], **notes: str) -> None:
-    """Write a table, in whole or not at all, under comment lines with notes; None is an empty cell."""
+    """Write a CSV file atomically, with notes as comment lines above it; None becomes an empty cell."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         csv.writer(file, lineterminator="\n").writerows([list(names), *rows])
@@ -209,8 +209,8 @@ def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object
 def build_columns(
     path: str | Path, names: list[str], rows: list[str], cells_of: Callable, column_of: Callable
 ) -> dict[str, np.ndarray]:
-    """Each column by its name: (n,) numbers, all at once where every cell is one, or else `column_of` the name and the
-    cells, which are `cells_of` each row."""
+    """Columns (n,) by name, parsed at once if all cells are numbers; else `cells_of` splits each row and `column_of`
+    converts the cells of a named column. Raises Unreadable."""
     if (name := first_duplicate(names)) is not None:
         raise WHOLE_TABLE_RULE.broken(path, f"it has two columns {quoted_piece(name)}")
     with suppress(ValueError):  # some cell is not a number, or some row is not whole
@@ -226,7 +226,7 @@ def build_columns(
 
 
 def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is empty, or words where any of the cells is one."""
+    """Cells as numbers (n,), NaN where empty; as text (n,) if any cell is a word."""
     try:
         return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
@@ -234,8 +234,8 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """(n,) numbers, NaN where a cell is not one. Times may be dates, each with a time of day, in one zone or without:
-    then they are the seconds since the first."""
+    """Cells as numbers (n,), NaN where a cell is none. A time column of ISO dates with times of day, all with a zone or
+    all without, becomes seconds since the first."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
@@ -253,15 +253,15 @@ def parse_number(cell: str) -> float:
 
 
 def split_cells(line: str, separator: str = ",") -> list[str]:
-    """The cells of a row."""
+    """The cells of a row as text, without their double quotes."""
     return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
 
 
 def first_duplicate(names: list[str]) -> str | None:
-    """The first name that occurs twice."""
+    """The first name that repeats an earlier one, or None."""
     return next((name for k, name in enumerate(names) if name in names[:k]), None)
 
 
 def quoted_piece(text: str, most: int = 40) -> str:
-    """A piece of a file, cut short: for messages."""
+    """Text in quotes, cut to `most` characters, for messages."""
     return repr(text if len(text) <= most else f"{text[: most - 3]}...")

@@ -1,7 +1,7 @@
-"""Read files that a user names or a run left, by rules that every refusal cites.
+"""Read files that a user names or a run wrote, with rules that error messages cite.
 
 A name in a scene is relative to the scene's file, and may climb out of its folder or be absolute: it is the user's own
-machine. What is not a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
+machine. Anything but a regular file (a folder, a pipe, a device) is refused before it is opened: reading it might never
 end.
 """
 
@@ -32,7 +32,7 @@ SCENE_FOLDER_KEY = "folder"  # the key of the scene's folder in pydantic's conte
 
 
 class Unreadable(Refused, ValueError):
-    """A file that cannot be read, named, and why in a sentence."""
+    """A file that cannot be read; the message gives its path and the reason."""
 
     def __init__(self, path: str | Path, reason: str) -> None:
         self.reason = reason
@@ -40,20 +40,20 @@ class Unreadable(Refused, ValueError):
 
 
 class Rule(str):
-    """One rule of a file: a sentence without its full stop, which ends every refusal by it."""
+    """A rule for files, in a sentence without its full stop; it ends the error message of a file that breaks it."""
 
     @property
     def sentence(self) -> str:
-        """The rule with a capital letter."""
+        """The rule with a capital first letter."""
         return self[0].upper() + self[1:]
 
     def broken(self, path: str | Path, found: str) -> Unreadable:
-        """The error of a file in which this was found."""
+        """The error for a file that breaks the rule; `found`: the offending content, in words."""
         return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
 
 
 class Checked(NamedTuple):
-    """All rules of one reader, for the docs; a module of readers keeps its own as `CHECKS`."""
+    """Rules of one reader, listed in the docs; each module of readers has its own as `CHECKS`."""
 
     title: str
     rules: tuple[Rule, ...]
@@ -71,7 +71,7 @@ CHECKS = (Checked("Every file", (REGULAR_FILE_RULE, TEXT_RULE)),)
 
 
 def display_path(path: str | Path) -> str:
-    """A path as a user would open it from where they are, cut short."""
+    """A path for messages: relative if inside the working directory, printable, at most 120 characters."""
     relative = os.path.relpath(path) if str(path) else "''"
     name = str(path) if relative.startswith(os.pardir) else relative
     name = "".join(c if c.isprintable() else "?" for c in name)
@@ -79,7 +79,7 @@ def display_path(path: str | Path) -> str:
 
 
 def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
-    """Size of a regular file of at most `most` bytes; raises Unreadable, and OSError where there is none."""
+    """Size of a regular file [bytes]; raises Unreadable beyond `most` bytes, OSError where there is no file."""
     found = os.stat(path)
     if S_ISDIR(found.st_mode):
         raise Unreadable(path, "this is a folder, not a file")
@@ -91,8 +91,8 @@ def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
 
 
 def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
-    """Content of a regular file of at most `most` bytes, and no more than its size says: files that the kernel makes up
-    may never end. Raises Unreadable."""
+    """Content of a regular file of at most `most` bytes; raises Unreadable. Never more than the stated size is read, as
+    some files of the kernel do not end."""
     try:
         size = size_of(path, most)
         with Path(path).open("rb") as file:
@@ -106,12 +106,12 @@ def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
 
 
 def marked_codec(data: bytes) -> str | None:
-    """Codec of text by its byte order mark; None where it has none."""
+    """Name of the codec that a byte order mark announces; None without one."""
     return next((codec for codec in MARKED_CODECS if data.startswith(BYTE_ORDER_MARK.encode(codec))), None)
 
 
 def read_text(path: str | Path, most: int = MAX_FILE_BYTES) -> str:
-    """Text of a file without its byte order mark; in UTF-8 where it has none. Raises Unreadable."""
+    """Text of a file, decoded by its byte order mark, else as UTF-8; raises Unreadable."""
     data = read_bytes(path, most)
     codec = marked_codec(data) or "utf-8"
     try:
@@ -129,7 +129,7 @@ def read_json(path: str | Path) -> Any:
 
 
 def read_json_object(path: str | Path) -> dict[str, Any]:
-    """The object in a JSON file; empty where there is none that can be read."""
+    """The object in a JSON file; an empty dict where the file is missing, damaged or holds another value."""
     with suppress(Unreadable):
         found = read_json(path)
         return found if isinstance(found, dict) else {}
@@ -137,7 +137,7 @@ def read_json_object(path: str | Path) -> dict[str, Any]:
 
 
 def read_npz(path: str | Path) -> dict[str, np.ndarray]:
-    """Arrays of an npz file, by name; never objects, which would be code. Raises Unreadable."""
+    """Arrays of an npz file by name, without Python objects, which could run code. Raises Unreadable."""
     data = BytesIO(read_bytes(path))
     try:
         with ZipFile(data) as archive:
@@ -151,8 +151,8 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
-    """Content of a data set in an HDF5 file, of these kinds and at most so many bytes, judged by the file's own
-    declarations before anything is unpacked. Raises ValueError, and the errors of HDF5 at a damaged file."""
+    """Array in an HDF5 data set, checked for `kinds` of dtype and at most `most` bytes before it is unpacked. Raises
+    ValueError, and errors of HDF5 where the file is damaged."""
     import h5py
 
     own = isinstance(group.get(name, getlink=True), h5py.HardLink)  # a link leads to any file, or to itself
@@ -171,16 +171,16 @@ def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = 
 
 
 def file_digest(path: str | Path) -> str:
-    """SHA-256 of the content of a file; raises Unreadable."""
+    """SHA-256 of a file's content as hexadecimal text; raises Unreadable."""
     return hashlib.sha256(read_bytes(path)).hexdigest()
 
 
 class InputName(str):
-    """The name of a file on whose content the numbers of a run depend."""
+    """Name of a file whose content affects the numbers of a run."""
 
 
 def input_names(dumped: Any) -> Iterator[str]:
-    """Each input's name in dumped models."""
+    """Yield each InputName in models dumped to dicts and lists."""
     if isinstance(dumped, InputName):
         yield str(dumped)
     elif isinstance(dumped, dict | list | tuple):
@@ -189,7 +189,7 @@ def input_names(dumped: Any) -> Iterator[str]:
 
 
 def relative_to_scene(name: str, info: ValidationInfo) -> str:
-    """A file's name as it is found from anywhere: from the folder of the scene that is being read."""
+    """A file name joined to the folder of the scene that is being read, if there is one (pydantic validator)."""
     folder = (info.context or {}).get(SCENE_FOLDER_KEY)
     return name if folder is None or not name else str(Path(folder, name))
 

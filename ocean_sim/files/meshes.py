@@ -26,9 +26,8 @@ OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOff
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Points (n, 3) and triangles, with fields (n,) or (n, 3) of the points: `Normals` as nx, ny, nz; `RGB` as red,
-    green and blue of 8 bits, where there is none `foam` as grey, too; any other by its name, of three numbers as name_x
-    and so on."""
+    """Write points (n, 3) [m] and triangles (m, 3) as PLY and return the path; `fields` are (n,) or (n, 3). `Normals`
+    become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours; other vectors become name_x, name_y, name_z."""
     columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
         columns |= {f"n{axis}": values for axis, values in zip(AXIS_NAMES, fields["Normals"].T)}
@@ -55,17 +54,17 @@ def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: d
 
 
 def ply_type(values: np.ndarray) -> str:
-    """The type by which values are written."""
+    """NumPy type code in which an array is written to PLY: 8-bit or 32-bit integers, or 32-bit floats."""
     if values.dtype == np.uint8:
         return "|u1"
     return "<i4" if values.dtype.kind in "iu" else "<f4"
 
 
 class Glb:
-    """Parts are added, then it is saved."""
+    """Writer of a binary glTF file of meshes that move: add meshes and animations, then call `save`."""
 
     def __init__(self, times: np.ndarray) -> None:
-        """`times`: of the moments [s]."""
+        """`times`: moments (k,) [s] of all animations."""
         self.data = bytearray()
         self.tree: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "ocean-sim"},
@@ -81,7 +80,7 @@ class Glb:
         self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
 
     def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
-        """The number under which an array (n,) or (n, components) is found."""
+        """Store an array (n,) or (n, components), with its bounds if asked for, and return its accessor's index."""
         values = np.ascontiguousarray(values)
         self.data += b"\0" * (-len(self.data) % 4)
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
@@ -101,8 +100,8 @@ class Glb:
     def mesh(
         self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
     ) -> int:
-        """A node with points (n, 3) [m], triangles, and linear RGB of all or of each point (n, 3); `moved`: the points
-        at every moment (k, n, 3). Returns its number."""
+        """Add a mesh of points (n, 3) [m] and triangles and return its node's index; `colour`: linear RGB (3,) or (n,
+        3), `moved`: points (k, n, 3) at every moment."""
         traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
         base = [1.0, 1.0, 1.0, 1.0]
         if colour.ndim == 2:
@@ -126,8 +125,8 @@ class Glb:
         return len(self.tree["nodes"]) - 1
 
     def show_at_moments(self, nodes: dict[int, int], moments: int) -> None:
-        """Show each of these nodes, by the number of a moment, only then: a node of scale zero is not drawn (glTF 2.0,
-        3.5.2)."""
+        """Show each node, given by its moment's index, at that moment only: at others its scale is zero, which hides it
+        (glTF 2.0, 3.5.2)."""
         for k, node in nodes.items():
             seen = np.zeros((moments, 3), np.float32)
             seen[k] = 1.0
@@ -135,8 +134,8 @@ class Glb:
             self.animate(node, "scale", seen, "STEP")
 
     def animate(self, node: int, path: str, values: np.ndarray, between: str = "LINEAR") -> None:
-        """Values at every moment: `translation` (k, 3) [m], `rotation` (k, 4) quaternions x, y, z, w, `scale` (k, 3),
-        or `weights`; `between` moments as the format calls it."""
+        """Animate a property (`path`) of a node over the k moments: `translation` (k, 3) [m], `rotation` (k, 4)
+        quaternions x, y, z, w, `scale` (k, 3) or `weights`; `between`: glTF's name of the interpolation."""
         run = self.tree["animations"][0]
         sampler = {"input": self.times, "output": self.accessor(values.astype(np.float32)), "interpolation": between}
         run["samplers"].append(sampler)
@@ -157,14 +156,14 @@ class Glb:
 
 
 class Series:
-    """A file that grows moment by moment; use it as a context manager. Raises OSError before a disk is full: HDF5 ends
-    the process where it cannot write.
+    """Writer of a VTKHDF file, one moment after the other; a context manager. Raises OSError before the disk is full,
+    since HDF5 would end the process.
 
-    Cells that are as they were in the moment before are written once.
+    Cells equal to those of the moment before are not written again.
     """
 
     def __init__(self, path: Path, topology: str) -> None:
-        """`topology`: kind of the cells, one of CELL_CORNERS."""
+        """`topology`: kind of the cells, a key of CELL_CORNERS."""
         import h5py
 
         self.path, self.topology = path, topology
@@ -179,7 +178,8 @@ class Series:
         self.fields: list[str] = []
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
-        """A moment [s]: (n, 3) points [m], cells (m, corners) as numbers of points, and values of the points."""
+        """Append a moment [s]: points (n, 3) [m], cells (m, corners) as point indices, fields (n, ...) of the
+        points."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
         require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
         before = len(self.root["Points"]) if self.times else 0
@@ -196,7 +196,7 @@ class Series:
             self.steps[name].append(self.begins[name])
 
     def write_cells(self, cells: np.ndarray, points: int) -> None:
-        """A new part."""
+        """Append cells (m, corners) over so many points as a new part, which later moments may share."""
         self.append("NumberOfPoints", np.array([points]))
         self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
         for k, (name, corners) in enumerate(CELL_CORNERS.items()):
@@ -211,7 +211,7 @@ class Series:
         self.cells, self.held, self.parts = cells, points, self.parts + 1
 
     def append(self, name: str, values: np.ndarray) -> None:
-        """Rows after those that are there."""
+        """Append rows to the data set `name`, which is created if missing."""
         if name not in self.root:
             chunk = (max(1, min(len(values), 65536)), *values.shape[1:])
             self.root.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]), chunks=chunk)
@@ -221,7 +221,7 @@ class Series:
         rows[len(rows) - len(values) :] = values
 
     def finish(self) -> None:
-        """Say where in the arrays each moment begins."""
+        """Write the group `Steps`: the times, and the offsets at which each moment's arrays begin."""
         group = self.root.create_group("Steps")
         group.attrs["NSteps"] = len(self.times)
         group["Values"] = np.array(self.times)

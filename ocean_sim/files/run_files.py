@@ -1,5 +1,5 @@
-"""Folders of runs. One has one writer at a time: who writes into it claims it first, by a lock that ends with its
-process. The files that its manifest lists give way to another run, and no others.
+"""Run folders: only one process may write into one, by a lock that ends with the process, and a new run replaces only
+the files that the old run's manifest lists.
 
 An entry of a manifest is a path below the folder, in which * stands for digits and dots: `frames/frame_*.npz`.
 """
@@ -25,13 +25,13 @@ MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it i
 
 
 def is_unfinished(name: str) -> bool:
-    """True if a file has the name of one that a killed writer left."""
+    """True if a file's name is that of a draft or reserve file left by a killed process."""
     return re.fullmatch(DRAFT_PATTERN, name) is not None or name == RESERVE_FILE
 
 
 def foreign_names(folder: Path, *ours: str) -> list[str]:
-    """Names in a folder that fit none of the patterns `ours`; nothing where there is none, or where a run, or
-    the first of `ours`, shows that it has been written into before."""
+    """Names in a folder that match none of the patterns `ours`; empty if the folder is missing, or holds a manifest or
+    a file named as the first pattern, so that Ocean Sim has written there before."""
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
@@ -41,8 +41,8 @@ def foreign_names(folder: Path, *ours: str) -> list[str]:
 
 
 def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
-    """A claim on a folder that messages call `named`; raises Refused, also where patterns of names are given, the
-    telling one first, and the folder holds other things (see `foreign_names`)."""
+    """A claim on a folder, called `named` in messages. Raises Refused for a file, and, given patterns `ours`, for a
+    folder with other things in it (see `foreign_names`)."""
     named = named or str(out)
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")
@@ -53,15 +53,15 @@ def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
 
 
 class FolderClaimed(Refused):
-    """Another process writes into a folder."""
+    """Another process is writing into a folder."""
 
 
 class Claim:
-    """Folder, made where there is none, that only this holder may write into; use it as a context manager.
+    """Exclusive right to write into a folder, which is created if missing; a context manager.
 
-    The lock is the kernel's, so a process that is killed holds nothing. Drafts of killed writers are removed, and so is
-    at the end a folder that has stayed empty. Raises Claimed where another holds it, Refused
-    where it can be no folder, and Lacking where the file system knows no locks.
+    The lock is the kernel's, so it ends with its process. Drafts of killed processes are removed, and at the end so is
+    a folder that was created here and stayed empty. Raises FolderClaimed if another process holds the folder, Refused
+    if none can be created there, and Lacking if the file system has no locks.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -75,8 +75,8 @@ class Claim:
                 left.unlink()
 
     def locked(self) -> int:
-        """The open lock file, locked. A holder removes it at the end: a lock on a file that has lost its name is
-        none."""
+        """Descriptor of the lock file, opened and locked. The holder deletes it at the end, so a lock counts only if
+        the file still has its name."""
         for _ in range(MAX_CLAIM_TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -101,14 +101,14 @@ class Claim:
         raise Refused(f"{self.folder}: no folder can be made here")
 
     def holder(self) -> str:
-        """Holder of the lock, in words."""
+        """Process and host that hold the lock, in words."""
         try:
             return input_file.read_bytes(self.path).decode(errors="replace") or "another process"
         except input_file.Unreadable:
             return "another process"
 
     def close(self) -> None:
-        """Let others claim it."""
+        """Release the lock and delete its file, so that other processes can claim the folder."""
         self.path.unlink(missing_ok=True)
         os.close(self.file)
         if self.made:
@@ -123,18 +123,18 @@ class Claim:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest of a run; empty where there is none that can be read."""
+    """The manifest of a run as a dict; empty where it is missing or unreadable."""
     return input_file.read_json_object(folder / MANIFEST_FILE)
 
 
 def listed_files(manifest: dict[str, Any]) -> list[str]:
-    """The entries of a manifest."""
+    """Entries of a manifest: the files of its run, with the manifest itself first."""
     files = manifest.get("files")
     return [MANIFEST_FILE, *(name for name in (files if isinstance(files, list) else []) if isinstance(name, str))]
 
 
 def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
-    """The files of a folder that fit entries; none of them leads out of it."""
+    """Files in a folder that match entries of a manifest; entries that lead out of the folder are ignored."""
     names: dict[Path, list[str]] = {}
     for path in map(Path, entries):
         if not path.is_absolute() and ".." not in path.parts:
@@ -148,8 +148,8 @@ def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
 
 
 def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
-    """Delete the files of the run in a folder, and the folders that this leaves empty. Raises Refused, before any is
-    deleted, where a file of somebody else has the name of one that is `coming`."""
+    """Delete the files of the run in a folder, and subfolders left empty. Raises Refused, before any deletion, if a
+    file that is not the run's would be replaced by one of those `coming`."""
     ours = matching_files(folder, listed_files(read_manifest(folder)))
     for other in sorted(matching_files(folder, coming) - ours):
         raise Refused(f"{other}: this file is not of the run that is there, and the new run would replace it; move it")
@@ -161,7 +161,7 @@ def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
 
 
 def add_to_manifest(folder: Path, files: Iterable[Path]) -> None:
-    """List files that were made of a run in its folder, where it has a manifest."""
+    """Add files made later from a run to the manifest in its folder, if it has one."""
     if manifest := read_manifest(folder):
         new = {file.relative_to(folder).as_posix() for file in files if file.is_relative_to(folder)}
         write_facts(folder / MANIFEST_FILE, manifest | {"files": sorted({*listed_files(manifest), *new})})

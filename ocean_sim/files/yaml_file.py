@@ -32,7 +32,7 @@ UNQUOTED_WORD = re.compile(r"[A-Za-z]([ :]?[\w.'/-])*")  # text that needs no qu
 
 
 class Location(NamedTuple):
-    """Place of a text; line and column count from 1, and are None for a text from no file."""
+    """File, line and column of a piece of text; line and column count from 1, and are None outside a file."""
 
     file: str
     line: int | None = None
@@ -40,7 +40,7 @@ class Location(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """One mistake of a user, its place, and the likeliest intention."""
+    """One mistake of a user: its place, key and message, and the likeliest replacement or None."""
 
     file: str
     line: int | None
@@ -54,7 +54,7 @@ class Problem(NamedTuple):
 
 
 class SceneError(Refused):
-    """Everything that is wrong with a scene, in the order of its lines."""
+    """All problems of a scene, sorted by file and line."""
 
     def __init__(self, problems: list[Problem]) -> None:
         self.problems: list[Problem] = sorted(
@@ -63,7 +63,7 @@ class SceneError(Refused):
         super().__init__("\n".join(self.lines()))
 
     def lines(self) -> Iterator[str]:
-        """A line for each problem, as many as a person reads, and the number of the others."""
+        """Yield a line per problem until the message is long enough, then the number of those left out."""
         left = MAX_MESSAGE_BYTES
         for k, each in enumerate(self.problems):
             line = shorten(str(each), MAX_LINE_BYTES)
@@ -75,7 +75,7 @@ class SceneError(Refused):
 
 
 def shorten(text: str, most: int) -> str:
-    """A text of at most so many bytes, its middle left out."""
+    """Text cut in the middle to at most `most` bytes."""
     data = text.encode(errors="backslashreplace")  # halves of characters, too
     if len(data) <= most:
         return text
@@ -90,7 +90,7 @@ def problem_at(location: Location, key: str, message: str, suggestion: str | Non
 
 @dataclass(frozen=True)
 class Node:
-    """A value and where it was written: a mapping holds nodes by key, a list holds nodes, the rest are plain."""
+    """A YAML value with its location: `data` is a dict of nodes, a list of nodes, or a plain value."""
 
     data: Any
     location: Location
@@ -109,7 +109,7 @@ class Node:
         return None
 
     def plain(self) -> Any:
-        """The value without its locations."""
+        """The value as plain dicts, lists and scalars, without locations."""
         if isinstance(self.data, dict):
             return {key: node.plain() for key, node in self.data.items()}
         if isinstance(self.data, list):
@@ -117,12 +117,12 @@ class Node:
         return self.data
 
     def with_data(self, data: Any) -> "Node":
-        """Another value at the same location."""
+        """A node with other data at the same location."""
         return Node(data, self.location, self.key_location)
 
 
 def node_of(data: Any, location: Location) -> Node:
-    """Plain data as nodes that all have one location."""
+    """Plain data as nodes that all have one location; nodes are returned unchanged."""
     if isinstance(data, Node):
         return data
     if isinstance(data, dict):
@@ -135,7 +135,7 @@ def node_of(data: Any, location: Location) -> Node:
 
 
 def merge_nodes(below: Node, above: Node) -> Node:
-    """`above` laid over `below`: mappings key by key, everything else replaced."""
+    """`above` merged over `below`: mappings key by key, anything else replaced."""
     if not (below.is_mapping and above.is_mapping):
         return above
     data = dict(below.data)
@@ -145,7 +145,7 @@ def merge_nodes(below: Node, above: Node) -> Node:
 
 
 def read_mapping(path: Path, name: str | None = None) -> Node:
-    """The mapping in a file; raises SceneError naming the file as `name`."""
+    """The mapping in a YAML file, called `name` in errors; raises SceneError."""
     name = name or display_path(path)
     try:
         return parse_mapping(read_text(path, MAX_TEXT_BYTES), name)
@@ -154,7 +154,7 @@ def read_mapping(path: Path, name: str | None = None) -> Node:
 
 
 def parse_mapping(content: str, name: str) -> Node:
-    """The mapping that a text is; raises SceneError, which calls it `name`."""
+    """The mapping in a YAML text, called `name` in errors; raises SceneError."""
     node = parse_yaml(content, Location(name, 1, 1))
     if node.data is None:
         raise SceneError([problem_at(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
@@ -166,7 +166,7 @@ def parse_mapping(content: str, name: str) -> Node:
 
 
 def parse_setting(text: str) -> tuple[str, Node]:
-    """A `--set key=value`: the dotted key, and the value read as YAML."""
+    """Dotted key and value (read as YAML) of a `--set key=value`; raises SceneError."""
     key, equals, value = text.partition("=")
     location = Location(f"--set {text}")
     if not equals or not key.strip():
@@ -177,7 +177,7 @@ def parse_setting(text: str) -> tuple[str, Node]:
 
 
 def parse_yaml(text: str, start: Location) -> Node:
-    """YAML text as nodes; locations are kept where `start` has a line. Raises SceneError."""
+    """YAML text as nodes, with line numbers if `start` has one. Raises SceneError."""
     import yaml
 
     try:
@@ -200,13 +200,13 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """The location of a mark of PyYAML, which counts from 0, in a text that starts there."""
+    """Location of a PyYAML mark (which counts from 0) in a text that begins at `start`."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
 @cache
 def yaml_loaders() -> tuple[Any, ...]:
-    """PyYAML's own loader, after that of libyaml where there is one: it takes a tenth of the time."""
+    """Loaders of PyYAML to try in turn: libyaml's, ten times as fast, where present, then the one in Python."""
     import yaml
 
     bases = (yaml.CBaseLoader, yaml.BaseLoader) if yaml.__with_libyaml__ else (yaml.BaseLoader,)
@@ -214,14 +214,14 @@ def yaml_loaders() -> tuple[Any, ...]:
 
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
-    """The tag of a value that is written without one, by the core schema of YAML 1.2."""
+    """Tag of a scalar written without one, by the core schema of YAML 1.2."""
     match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's tree of a text by the first loader, or by the next, which has better messages, if the first finds a
-    mistake. Raises SceneError where the text is too long or nested too deeply."""
+    """PyYAML's node tree of a text by the first of the loaders, or, after an error, the next, whose messages are
+    better. Raises SceneError, also where the text is too long or nested too deeply."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 
@@ -242,7 +242,7 @@ def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
 
 
 def unprintable_character(text: str, error: Any, start: Location) -> Problem:
-    """A character that YAML does not allow, and where it is."""
+    """Problem of a character that YAML does not allow, with its location."""
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
     location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
@@ -252,7 +252,7 @@ def unprintable_character(text: str, error: Any, start: Location) -> Problem:
 
 
 def in_yaml(value: Any) -> str:
-    """A plain value in a line of YAML."""
+    """A plain value as one line of YAML."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, list | tuple):
@@ -262,7 +262,7 @@ def in_yaml(value: Any) -> str:
 
 
 def describe_value(value: Any) -> str:
-    """A value in the words of YAML, cut short: for messages."""
+    """A value in YAML, shortened for messages."""
     if value is None or isinstance(value, bool):
         return in_yaml(value)
     if isinstance(value, dict):
@@ -277,7 +277,7 @@ def describe_value(value: Any) -> str:
 
 
 class _Reader:
-    """Reader of PyYAML's tree into nodes; YAML 1.2 has no merge keys."""
+    """Converts PyYAML's node tree to nodes with locations; merge keys are refused, as YAML 1.2 has none."""
 
     def __init__(self, start: Location) -> None:
         self.start = start

@@ -1,8 +1,8 @@
-"""Checkpoint files: HDF5 behind a head of 512 bytes that holds the hash of all the rest.
+"""Checkpoint files: HDF5 behind a header of 512 bytes with the hash of the rest.
 
 The hash is compared before the file is read, so a torn or changed file is recognised before any library parses it.
-Inside, `tree`, `scene` and `made` are JSON in bytes, for HDF5 keeps strings in a heap, and never ends reading a damaged
-one; `arrays` holds one data set a field or array, by its path in the simulation.
+Inside, `tree`, `scene` and `made` are JSON in bytes, since HDF5 keeps strings in a heap, and may never end reading a
+damaged one; `arrays` holds one data set per field or array, by its path in the simulation.
 """
 
 import hashlib
@@ -29,11 +29,11 @@ CHECKPOINT_PATTERN = "checkpoint_*.h5"
 
 
 class UnreadableCheckpoint(Exception):
-    """A file is not a whole checkpoint; the message says why."""
+    """A file is not an intact checkpoint; the message gives the reason."""
 
 
 class Checkpoint(NamedTuple):
-    """State of a run, and facts of the program that made it."""
+    """State of a run at a time, with its scene and the versions that computed it."""
 
     time: float  # [s]
     steps: int
@@ -44,7 +44,7 @@ class Checkpoint(NamedTuple):
 
 
 def checkpoint_name(time: float) -> str:
-    """The file name of the checkpoint at a time [s]."""
+    """File name of the checkpoint at a time [s]."""
     return f"checkpoint_{time:013.6f}.h5"
 
 
@@ -71,12 +71,12 @@ def write_checkpoint(checkpoint: Checkpoint, folder: Path) -> Path:
 
 
 def file_header(data: bytes) -> bytes:
-    """Header of a file with this data."""
+    """The 512-byte header for a checkpoint file with this data: format name and SHA-256."""
     return f"{HEADER_LINE}\nsha256 {hashlib.sha256(data).hexdigest()}\n".encode().ljust(HEADER_BYTES, b"\0")
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """The checkpoint in a file; raises Unreadable."""
+    """The checkpoint in a file; raises UnreadableCheckpoint."""
     import h5py
 
     try:
@@ -100,19 +100,19 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
 
 def require_mapping(value: Any) -> dict[str, Any]:
-    """The value, which has to be a mapping; raises TypeError."""
+    """The value itself if it is a dict; raises TypeError otherwise."""
     if not isinstance(value, dict):
         raise TypeError
     return value
 
 
 def time_of(path: Path) -> float:
-    """The time [s] that the name of a checkpoint tells; raises ValueError."""
+    """Time [s] in the name of a checkpoint file; raises ValueError."""
     return float(path.stem.removeprefix("checkpoint_"))
 
 
 def checkpoint_files(folder: Path) -> Iterator[Path]:
-    """The checkpoints of a run folder, newest first."""
+    """Paths of the checkpoints in a run folder, newest first."""
     times = {}
     for path in folder.glob(CHECKPOINT_PATTERN):
         try:

@@ -1,5 +1,4 @@
-"""Copy many Taichi fields to and from NumPy in one kernel: a kernel for each would take longer to compile than a run to
-start."""
+"""Copy many Taichi fields to and from NumPy in one kernel, as compiling one kernel per field would delay the start."""
 
 from collections.abc import Iterator
 from math import prod
@@ -15,8 +14,8 @@ MAX_ROW_LENGTH = 2**31 - 1  # numbers in a row: kernels count them in 32 bits
 
 @in_kernels
 class FieldBundle:
-    """Scalar fields of one type, laid out in one row. One loop of a kernel takes all fields of one shape: loops are the
-    part that takes long to compile."""
+    """Scalar fields of one type, copied to and from one NumPy row. Fields of equal shape share a loop of the kernel, as
+    compile time grows with the number of loops."""
 
     def __init__(self, fields: list[ti.ScalarField]) -> None:
         self.shapes = [field.shape for field in fields]
@@ -27,7 +26,7 @@ class FieldBundle:
         self.row = np.zeros(sum(sizes), dtype=to_numpy_type(fields[0].dtype))
 
     def read(self) -> list[np.ndarray]:
-        """An array for each field, of its shape."""
+        """Values of each field as an array of its shape."""
         self.copy_to(self.row)
         ends = [*self.firsts[1:], len(self.row)]
         rows = [self.row[first:end].copy() for first, end in zip(self.firsts, ends, strict=True)]
@@ -38,7 +37,7 @@ class FieldBundle:
 
     @ti.func
     def index_of(self, field: ti.template(), index):  # type: ignore[valid-type]
-        """The number of an entry among those of its field."""
+        """Flat (C order) index of an entry of a field."""
         k = 0
         for axis in ti.static(range(len(field.shape))):
             k = k * field.shape[axis] + index[axis]
@@ -62,14 +61,14 @@ class FieldBundle:
 
 
 class FieldContents:
-    """Reads and writes fields by name; the second time nothing is compiled."""
+    """Reads and writes Taichi fields by name; a second call with the same fields compiles nothing."""
 
     def __init__(self) -> None:
         self.known: list[ti.Field] = []
         self.bundles: list[tuple[list[str], FieldBundle]] = []
 
     def read(self, fields: dict[str, ti.Field]) -> dict[str, np.ndarray]:
-        """Values of each field, by its name."""
+        """Values of each field as an array, by its name."""
         self.bundle(fields)
         arrays = {name: field.to_numpy() for name, field in fields.items() if not isinstance(field, ti.ScalarField)}
         for names, bundle in self.bundles:
@@ -77,7 +76,7 @@ class FieldContents:
         return arrays
 
     def write(self, fields: dict[str, ti.Field], arrays: dict[str, np.ndarray]) -> None:
-        """Fill each field; the arrays have its shape and type."""
+        """Set each field to the array of its name, which has its shape and type."""
         self.bundle(fields)
         for name, field in fields.items():
             if not isinstance(field, ti.ScalarField):
@@ -86,7 +85,7 @@ class FieldContents:
             bundle.write([arrays[name] for name in names])
 
     def bundle(self, fields: dict[str, ti.Field]) -> None:
-        """Put fields of one type together."""
+        """Group the scalar fields by type into bundles, unless these same fields are grouped already."""
         if len(fields) == len(self.known) and all(a is b for a, b in zip(fields.values(), self.known)):
             return
         self.known, self.bundles = list(fields.values()), []
@@ -97,8 +96,7 @@ class FieldContents:
 
 
 def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
-    """The names of fields of so many numbers each, in their order: as many together as a kernel takes and a row
-    holds."""
+    """Yield field names, given with their sizes, in groups small enough for one kernel and one row."""
     together: list[str] = []
     length = 0
     for name, size in sizes.items():
@@ -112,6 +110,6 @@ def group_names(sizes: dict[str, int]) -> Iterator[list[str]]:
 
 
 def array_shape(field: ti.Field) -> tuple[int, ...]:
-    """The shape of the array that holds the values of a field."""
+    """Shape of the NumPy array for a field: its own, then that of its vectors or matrices."""
     own = getattr(field, "n", None), getattr(field, "m", None)
     return (*field.shape, *(() if isinstance(field, ti.ScalarField) else own[: field.ndim]))

@@ -1,14 +1,14 @@
-"""Walk through the state of a run, take it as plain data and arrays, and put it back.
+"""Save the state of a run as plain data and arrays, and restore it.
 
-Every attribute of every object of this package that can be reached is taken, so a new part cannot forget anything.
-Taichi fields and NumPy arrays are taken by content; an object that is reached twice is taken once. Configs, functions
-and types are left alone: the same scene builds them again. So are cached properties, computed again when asked for, and
-the names in a class's `left_out`, which depend on a clock or belong to the process. Anything of another kind is refused
-with its name, and not lost in silence.
+Every attribute of every object of this package that can be reached is saved, so no part can be forgotten. Taichi fields
+and NumPy arrays are saved by content; an object that is reached twice is saved once. Configs, functions and types are
+left out: the same scene builds them again. So are cached properties, computed again when asked for, and the names in a
+class's `left_out`, which depend on a clock or belong to the process. Anything of another kind is refused with its name,
+and not lost in silence.
 
-To put a state back, the same scene is built again; objects that hold fields keep their identity, which compiled kernels
-know them by, and data is created. No code of a file is run: data classes and tuples of this package alone are made,
-by name, without their initialisers.
+To restore a state, the same scene is built again; objects that hold fields keep their identity, by which compiled
+kernels know them, and data are created. No code of a file is run: only data classes and tuples of this package are
+created, by name, without their initialisers.
 """
 
 import dataclasses
@@ -52,21 +52,21 @@ LIST_KEY, TUPLE_KEY, DICT_KEY, RANGE_KEY, FILE_KEY, PATH_KEY, OBJECT_KEY = (
 
 @runtime_checkable
 class PartlySaved(Protocol):
-    """A class that a checkpoint does not hold every attribute of."""
+    """A class that names in `left_out` the attributes which checkpoints omit."""
 
     left_out: ClassVar[tuple[str, ...]]
 
 
 class Mismatch(Exception):
-    """A state does not fit the object that it is put into; the message names the place."""
+    """A saved state does not fit the newly built object; the message names the attribute."""
 
 
 class FileShortened(Mismatch):
-    """A file holds less than when the state was taken; the message is a sentence of its own."""
+    """A file of the run is missing or shorter than when the state was saved; the message is a full sentence."""
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """Attributes of an object, without those that its class leaves out or computes, and those of the kernel library."""
+    """Attributes of an object that are saved, by name: not `left_out`, cached or of the kernel library."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
     kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
     return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}
@@ -78,7 +78,7 @@ def is_computed(value: Any, name: str) -> bool:
 
 
 def path_step(key: Any, number: int) -> str:
-    """Step of a path into a mapping: the key if it is a word, else its number."""
+    """Path element of an entry of a mapping: its key if that is an identifier, else its number."""
     return key if isinstance(key, str) and key.isidentifier() else str(number)
 
 
@@ -87,14 +87,14 @@ def is_named_tuple(value: Any) -> bool:
 
 
 class Snapshot:
-    """State of all objects reachable from `root`: a `tree` of plain data, and the `arrays` it refers to.
+    """State of all objects reachable from `root`: a `tree` of plain data, and the `arrays` to which it refers.
 
     Raises TypeError at an object of an unknown kind that is not left out.
     """
 
     def __init__(self, root: Any, folder: Path, contents: FieldContents | None = None) -> None:
-        """`folder`: location of its files; their names are kept relative to it. `contents`: an earlier reader of these
-        fields, with its kernels."""
+        """`folder`: run folder, to which the names of files are saved relative. `contents`: a reader that has compiled
+        kernels for these fields before."""
         self.folder = folder
         self.arrays: dict[str, np.ndarray] = {}
         self.fields: dict[str, ti.Field] = {}
@@ -104,7 +104,7 @@ class Snapshot:
         self.arrays |= (contents or FieldContents()).read(self.fields)
 
     def node(self, value: Any, path: str) -> Any:
-        """Node of a value: a mapping whose first key names the kind, or the value itself."""
+        """Saved form of a value: the value itself if plain, else a dict whose first key names its kind."""
         if value is None or type(value) in PLAIN_TYPES:
             return value
         if isinstance(value, np.generic):
@@ -124,7 +124,7 @@ class Snapshot:
         return node
 
     def is_data(self, node: Any) -> bool:
-        """True if the node is data, which is created when it is put back."""
+        """True if a node holds only data, which is created anew when restored, and nothing that keeps its identity."""
         if isinstance(node, list):
             return all(self.is_data(inner) for inner in node)
         if not isinstance(node, dict):
@@ -138,7 +138,7 @@ class Snapshot:
         )
 
     def structure(self, value: Any, path: str) -> Any:
-        """Node of an object that may be reached twice."""
+        """Saved form of a container, field, array, file or object, met for the first time."""
         if isinstance(value, ti.Field):
             self.fields[path] = value
             return {FIELD_KEY: path}
@@ -168,11 +168,10 @@ class Snapshot:
 
 
 class Restorer:
-    """Puts a state back into `root`, which the same scene was built into.
+    """Restores a saved state into `root`, built from the same scene.
 
-    Raises Mismatch where they do not fit. Files are opened in `folder`; they are truncated to their length at the time,
-    and folders that have been deleted since are made anew, when `cut` is called, so that a state that does not fit
-    changes nothing on disk.
+    Raises Mismatch where they do not fit. Files are opened in `folder`, but shortened to their saved length, and
+    deleted folders made again, only by `cut`: a state that does not fit changes nothing on disk.
     """
 
     def __init__(self, root: Any, tree: Any, arrays: dict[str, np.ndarray], folder: Path) -> None:
@@ -191,7 +190,7 @@ class Restorer:
             raise Mismatch(f"what it holds is not the state of a run ({type(error).__name__})") from error
 
     def cut(self) -> None:
-        """Truncate files to their length when the state was taken, and restore the folders that are gone."""
+        """Shorten files to their length at the time of the state, and make deleted folders again."""
         for begun, gone in self.deleted:
             shutil.copytree(begun, gone)
         for file, size in self.files:
@@ -199,14 +198,14 @@ class Restorer:
             file.truncate()
 
     def value(self, node: Any, fresh: Any, path: str) -> Any:
-        """Value of a node; objects with fields in the `fresh` value keep their identity."""
+        """Restored value of a node; a `fresh` (newly built) value with fields is kept and filled. Raises Mismatch."""
         found = self.stands_for(node, fresh, path) if isinstance(node, dict) else node
         if has_wrong_kind(found, fresh):
             raise Mismatch(f"its {path.lstrip('.')} is {found!r:.60}")
         return found
 
     def stands_for(self, node: Any, fresh: Any, path: str) -> Any:
-        """Value of a node that is a mapping."""
+        """Restored value of a node that is a dict, by the kind that its first key names."""
         kind = next(iter(node))
         if kind == SAME_KEY:
             return self.made[node[SAME_KEY]]
@@ -288,7 +287,7 @@ class Restorer:
         return there if list(new) == list(there) and are_same_things(new.values(), there.values()) else new
 
     def thing(self, node: Any, fresh: Any, path: str) -> Any:
-        """Object of a node: data is created, an object with fields keeps its identity."""
+        """Restored object of this package: data are created anew, others of the same class updated in place."""
         made, data = find_class(node[OBJECT_KEY]), node["data"]
         if type(data) is not bool:
             raise Mismatch(f"its {path.lstrip('.')} is neither data nor not: {data!r:.60}")
@@ -306,14 +305,14 @@ class Restorer:
         return value
 
     def judge(self, value: Any, made: type, name: str, path: str) -> None:
-        """Raises Mismatch where an attribute is not of the type that the body of its class declares."""
+        """Raise Mismatch if a restored attribute is not of the type that its class declares."""
         if not has_declared_type(value, get_annotations(made).get(name, object)):
             raise Mismatch(f"its {path.lstrip('.')}.{name} is {value!r:.60}")
 
 
 def has_wrong_kind(found: Any, fresh: Any) -> bool:
-    """True if a restored value is of another kind than the one this program has just built. A value that is null at
-    the start may be of any kind later; strings and objects of this package may become null."""
+    """True if a restored value is of another kind than the newly built one. None in the new one allows any kind;
+    strings and objects of this package may be restored as None."""
     if fresh is None or fresh is MISSING_VALUE:
         return False
     if is_package_object(fresh):
@@ -323,7 +322,7 @@ def has_wrong_kind(found: Any, fresh: Any) -> bool:
 
 
 def has_declared_type(value: Any, declared: Any) -> bool:
-    """True if a value is of a declared type; declarations in words, protocols and Any allow everything."""
+    """True if a value is of a declared type; types given as text, protocols and Any allow everything."""
     if get_origin(declared) is UnionType:
         return any(has_declared_type(value, one) for one in get_args(declared))
     if get_origin(declared) is tuple and get_args(declared)[-1] is ...:
@@ -333,12 +332,12 @@ def has_declared_type(value: Any, declared: Any) -> bool:
 
 
 def is_package_object(value: Any) -> bool:
-    """True if it is an object of this package with attributes."""
+    """True if a value is an object of this package that has attributes."""
     return type(value).__module__.split(".")[0] == PACKAGE_NAME and hasattr(value, "__dict__")
 
 
 def are_same_things(new: Iterable[Any], fresh: Iterable[Any]) -> bool:
-    """True if two rows hold identical objects."""
+    """True if two sequences hold identical objects in the same order."""
     a, b = list(new), list(fresh)
     return len(a) == len(b) and all(one is other for one, other in zip(a, b))
 
@@ -348,7 +347,7 @@ def class_name(value: Any) -> str:
 
 
 def find_class(name: str) -> type:
-    """The class of a name, of those of this package that the scene has imported."""
+    """The class `module:name` of this package, if its module is imported; raises Mismatch otherwise."""
     module, _, qualified = name.partition(":")
     found: Any = sys.modules.get(module) if module.split(".")[0] == PACKAGE_NAME else None
     for step in qualified.split("."):
@@ -359,7 +358,7 @@ def find_class(name: str) -> type:
 
 
 def path_inside(name: str) -> Path:
-    """A name that does not lead out of its folder."""
+    """A name as a path that stays inside its folder; raises Mismatch otherwise."""
     path = Path(name)
     if path.is_absolute() or ".." in path.parts:
         raise Mismatch(f"it names a file outside its folder: {name}")

@@ -58,7 +58,7 @@ class file_named_in_errors:
 
 
 def require_disk_space(path: Path, size: int) -> None:
-    """Raise OSError where a disk has less than `size` bytes free, since HDF5 does not report a full disk."""
+    """Raise OSError where a disk has less than `size` bytes free, as HDF5 and VTK do not report a full one."""
     if disk_usage(path.parent).free < size:
         raise OSError(ENOSPC, os.strerror(ENOSPC), str(path))
 

@@ -65,7 +65,7 @@ def check(
 
 
 def measure_step_time(config: SceneConfig) -> None:
-    """Take steps of a scene for half a second, and keep their mean wall time for estimates; nothing is written."""
+    """Take steps of a scene for half a second, and store their mean wall time for estimates."""
     from ocean_sim.observers.timings import synchronization
     from ocean_sim.simulation import Simulation
     from ocean_sim.verbs.bench import time_block
@@ -77,7 +77,7 @@ def measure_step_time(config: SceneConfig) -> None:
 
 
 def preflight(config: SceneConfig) -> dict[str, Any]:
-    """Answer of `check`."""
+    """Facts of a scene as JSON data: particles, memory, time step, wall time, ships, warnings."""
     from ocean_sim.runtime import base_memory
 
     known, rows, warnings = config.preflight, config.ledger(), config.warnings()
@@ -120,14 +120,13 @@ def preflight(config: SceneConfig) -> dict[str, Any]:
 
 
 def picture_time(config: SceneConfig) -> float:
-    """Wall time [s] of all pictures of a run, where all cores are idle."""
+    """Estimated wall time [s] to draw all pictures of a run on an idle machine."""
     return sum(part.picture_time(config.preflight) for part in config.observers.values())
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes that a particle takes of the memory where the water lies, and how many particles fit there: on a processor
-    into nine tenths of this machine's, with the copies of them that observers make; on a card, where observers have
-    nothing, into CARD_BYTES."""
+    """Bytes per particle and the largest number of particles that fits: on a processor into nine tenths of the
+    machine's memory, with the copies made for observers; on a graphics card into CARD_BYTES. None without particles."""
     from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:
@@ -146,7 +145,7 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
 
 
 def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
-    """Draught, metacentric heights and natural periods of every ship that a hull carries, by its name."""
+    """Displacement, draught, metacentric heights and natural periods by name of each ship with a hull."""
     found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
     return {
         name: {
@@ -163,7 +162,7 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """The ledger by rows; the kernels of a whole part stand in its first row."""
+    """Rows of the ledger as dicts, each part's first row with the kernels of the whole part."""
     from ocean_sim.runtime import kernels_in
 
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
@@ -175,7 +174,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Estimated wall time in a sentence, by the last run of such water on this machine."""
+    """Estimated wall time in words, with its basis: a guess, or the last run of such water on this machine."""
     parts = found["estimated_by_part"]
     shown = {"steps": parts["steps_s"], "pictures": parts["pictures_s"]}
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
@@ -187,13 +186,13 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def memory_taken(found: dict[str, Any]) -> str:
-    """Memory of a run with the processes that draw its pictures."""
+    """Memory of a run in words, with the share taken for its pictures."""
     pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
 def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
-    """Memory of a particle, and the number that fits."""
+    """Memory per particle and the number of particles that fits, in words."""
     from ocean_sim.runtime import GRAPHICS_CARD_CHOICES
 
     if found["bytes_a_particle"] is None:
@@ -208,7 +207,7 @@ def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
-    """The preflight in a few lines, for `run`."""
+    """The main facts of `preflight` as text for `run`, with notes and warnings."""
     lines = [
         f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
@@ -220,7 +219,7 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
-    """The preflight in full, for people."""
+    """Print all facts of `preflight` for people."""
     console.say(config.title or "untitled")
     console.table(
         "",

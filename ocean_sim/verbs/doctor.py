@@ -59,7 +59,7 @@ def _row(fact: dict[str, Any]) -> list[str]:
 
 
 def examine_machine() -> dict[str, Any]:
-    """Everything that `doctor` answers."""
+    """All facts of the answer of `doctor`: backends, graphics, memory, versions."""
     backends = {arch: run_probe(BACKEND_PROBE.format(arch=arch)) for arch in BACKEND_NAMES}
     cache = backends["cpu"]["detail"] if backends["cpu"]["ok"] else None
     for fact in backends.values():
@@ -81,7 +81,7 @@ def examine_machine() -> dict[str, Any]:
 
 
 def run_probe(script: str) -> dict[str, Any]:
-    """Success of a script in a child process, and the last line that it printed."""
+    """Run a script in a child process: `ok` if it succeeded, and as `detail` the last line that it printed."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],
@@ -103,7 +103,7 @@ def run_probe(script: str) -> dict[str, Any]:
 
 
 def opengl_row() -> dict[str, Any]:
-    """Fact about drawing pictures without a screen."""
+    """Availability of OpenGL for drawing without a screen: `ok`, and a detail in words."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = run_probe(f"import json; {script}")
     if not fact["ok"]:
@@ -113,8 +113,8 @@ def opengl_row() -> dict[str, Any]:
 
 
 def vector_row() -> dict[str, Any]:
-    """Fact about the vector width of kernels: the compiler in Taichi 1.7 takes a processor newer than itself for the
-    first of its kind."""
+    """Width of the kernels' vector instructions: `ok` if it suits the processor, and a detail in words. Taichi 1.7 does
+    not recognise newer processors."""
     fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact

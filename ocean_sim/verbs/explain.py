@@ -56,20 +56,20 @@ def explain(
 
 
 def preset_choice(word: str) -> tuple[str, str] | None:
-    """The slot and the name of a preset or a kind: of `ship.yacht`, or of `yacht` alone."""
+    """Slot and name of a preset or kind given as `ship.yacht` or `yacht`; None if it is neither."""
     slot, _, name = word.rpartition(".")
     return next(((each, name) for each in SLOTS if slot in ("", each) and name in known_names(each)), None)
 
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
-    """A key of the kind of a preset, with the preset's own value as its default."""
+    """The key of a kind, with the value that a preset of the kind sets as its default."""
     own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
 
 def by_kind(word: str) -> str:
-    """A path with the kind in place of the preset: `ship.dynamic.position` for `ship.yacht.position`."""
+    """The path with a preset replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
     slot, _, rest = word.partition(".")
     name, dot, below = rest.partition(".")
     if preset_choice(f"{slot}.{name}") is None:
@@ -78,7 +78,7 @@ def by_kind(word: str) -> str:
 
 
 def refusal_end(word: str) -> str:
-    """The end of a refusal: the likeliest meaning of the word, else the place where there is more."""
+    """End of the message for an unknown word: the likeliest key or keys, else a hint at `list`."""
     whole = {key.path for key in scene_keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
     end = keys_elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
@@ -86,7 +86,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """Closest key or kind to a mistyped word in its section: `wind.u10` for `wind.speed`."""
+    """End of a message that suggests a key or kind of the same section: `wind.u10` for `wind.speed`; may be empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
@@ -96,7 +96,7 @@ def likeliest_beside(word: str) -> str:
 
 
 def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
-    """Keys that several kinds have alike, once, with the paths of all."""
+    """Each key once with the paths of all kinds that have an equal one."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
         name = key.path.split(".")
@@ -106,7 +106,7 @@ def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
 
 
 def key_lines(key: Key, paths: list[str]) -> list[str]:
-    """A key at length."""
+    """Lines of text that describe a key in full; `paths`: all paths at which it is found."""
     bounds = f", {key.range}" if key.range else ""
     slot = paths[0].partition(".")[0]
     owners = list(dict.fromkeys(path.split(".")[1] for path in paths)) if slot in SLOTS else []

@@ -25,7 +25,7 @@ ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn 
 
 
 class Outcome(NamedTuple):
-    """Outcome of a figure's script."""
+    """Result of a figure's script: success, wall time, files and error message."""
 
     figure: str
     ok: bool
@@ -35,7 +35,7 @@ class Outcome(NamedTuple):
 
 
 def figure_scripts() -> dict[str, Path]:
-    """The script of every figure, in the order of the thesis: `6-3` is figures/fig6_3.py, `errata` is errata.py."""
+    """Path of each figure's script, in the order of the thesis: `6-3` is figures/fig6_3.py."""
     found = {scripts_named(path.stem): path for path in library("figures").glob("[!_]*.py")}
     return {name: found[name] for name in sorted(found, key=figure_order)}
 
@@ -45,12 +45,12 @@ def scripts_named(stem: str) -> str:
 
 
 def figure_order(name: str) -> tuple[list[int], str]:
-    """Sort key of a figure: chapter and number; one without a number comes last."""
+    """Sort key of a figure's name: chapter and number, with names without numbers last."""
     return [int(part) if part.isdigit() else 99 for part in name.split("-")], name
 
 
 def figure_sentence(path: Path) -> str:
-    """First paragraph of a script's docstring."""
+    """First paragraph of a script's docstring, on one line."""
     text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
     return " ".join(text.split("\n\n")[0].split())
 
@@ -99,13 +99,13 @@ def figure(
 
 
 def report_figure(outcome: Outcome) -> str:
-    """An outcome, for people."""
+    """Line for people with the wall time and the files or the error of a figure."""
     what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
     return f"      {console.duration(outcome.wall_s)}  {what}"
 
 
 def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
-    """One figure, in a child process, so that Taichi starts fresh; its files are moved to `out` when all are whole."""
+    """Draw a figure in a child process, where Taichi starts fresh; its files are moved to `out` once complete."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:

@@ -44,14 +44,14 @@ class Entry(Model):
     """Files of the package that make what the picture shows and that `pictures.LOOK` says nothing of, as patterns."""
 
     def files(self) -> list[Path]:
-        """Code that the picture is older than when it changes: of the kinds that the scene uses, and its own."""
+        """Source files on which the picture depends: those of the kinds in its scene, and those it names as `code`."""
         kinds = {f"{slot_of(place)}/{part.kind}.py" for place, part in law_files(self.scene).items()}
         return [path for pattern in [*sorted(kinds), *self.code] for path in sorted(PACKAGE.glob(pattern))]
 
     @property
     def stamp(self) -> str:
-        """A hash of what the scene and its presets say, of the command, of that code and of how pictures look: another
-        one calls for another picture."""
+        """Hash of all that the picture depends on: scene, presets, drawing command, code and look. If it changes, the
+        picture is out of date."""
         scene = read_mapping(library("scenes") / f"{self.scene}.yaml").plain()
         asked = [{key: value for key, value in scene.items() if key != "title"}, self.until, self.draw, pictures.LOOK]
         asked += [part.model_dump(mode="json", exclude_defaults=True) for part in law_files(self.scene).values()]
@@ -59,7 +59,7 @@ class Entry(Model):
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
-        """Words after `ocean-sim` that simulate, and those that draw."""
+        """Words after `ocean-sim` that simulate the scene, and those that draw the picture from the run folder."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
         drawing = [verb, run, *options] + (
@@ -70,13 +70,13 @@ class Entry(Model):
 
 @cache
 def law_files(scene: str) -> dict[str, KindConfig]:
-    """The parts of a packaged scene whose laws its pictures show, by where they are written."""
+    """Parts of a packaged scene that its pictures show (sea, wind, water, surface, ships), by place."""
     parts = load(scene).parts().items()
     return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 
 
 def is_computing(code: str) -> list[str]:
-    """The lines of Python code that compute: no docstrings, no lines of comment, no empty ones."""
+    """The lines of Python code without docstrings, comment lines and empty lines."""
     texts = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Expr)]
     said = {
         n
@@ -151,13 +151,13 @@ def gallery(
 
 
 def show_entry(entry: Entry) -> list[str]:
-    """The commands of an entry, for a person."""
+    """The commands that make an entry's picture, as lines for people."""
     run = f"runs/{entry.scene.split('/')[-1]}"
     return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
 
 
 def command_line(words: list[str]) -> None:
-    """A command of ours, in a process of its own."""
+    """Run `ocean-sim` with these words in a child process; raises Failed."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])}
     command = [sys.executable, "-m", "ocean_sim", *words]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
@@ -167,7 +167,7 @@ def command_line(words: list[str]) -> None:
 
 
 def keep_picture(drawn: Path, path: Path) -> None:
-    """The picture of a command, as the README shows it."""
+    """Store the picture that a command drew as the JPEG or PNG file of the README."""
     from PIL import Image
 
     found = sorted(drawn.glob("still_*.png")) or [drawn / "motion.png"]

@@ -17,7 +17,7 @@ FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the star
 
 
 class Bar:
-    """Progress from 0 to `total`."""
+    """Progress of work from 0 to `total`; nothing is shown if quiet."""
 
     def __init__(self, total: float, quiet: bool) -> None:
         self.total, self.quiet = total, quiet
@@ -26,11 +26,11 @@ class Bar:
         self.rich: Any = None
 
     def due(self, now: float) -> bool:
-        """True if the bar is to be redrawn; called after every step, so it must be cheap."""
+        """True if the bar is due for redrawing at wall time `now` [s]; cheap enough to call after every step."""
         return not self.quiet and now - self.shown >= BAR_SECONDS
 
     def show(self, done: float, text: str) -> None:
-        """Draw the bar, or print a line when enough has happened since the last."""
+        """Redraw the bar, or print a line if the output is no terminal and enough has been done since the last."""
         if self.quiet:
             return
         now, share = perf_counter(), min(1.0, done / self.total)
@@ -58,10 +58,10 @@ class Bar:
 
 
 class Drawing:
-    """Progress of the pictures of a film, and once an estimate of its time."""
+    """Progress bar for the pictures of a film, which prints an estimate of the remaining time once."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
-        """`cure`: how to do without it, printed with the estimate."""
+        """`cure`: hint printed after the estimate on how to leave the film out."""
         self.bar, self.cure = Bar(1.0, quiet), cure
         self.first: tuple[float, int] | None = None  # wall time [s], and pictures that were drawn by then
         self.estimated = quiet
@@ -80,7 +80,7 @@ class Drawing:
             self.bar.show(done / max(1, total), text)
 
     def left(self, now: float, done: int, total: int) -> float | None:
-        """Wall time [s], estimated from the pictures since the first; None before there are two."""
+        """Estimated wall time [s] until all pictures are drawn; None before the second picture."""
         if self.first is None or done == self.first[1]:
             return None
         return (total - done) * (now - self.first[0]) / (done - self.first[1])
@@ -90,7 +90,7 @@ class Drawing:
 
 
 def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
-    """Run a study, with its progress shown; gives its rows, and raises Stopped on Ctrl-C."""
+    """Run a study under a progress bar and return its rows; raises Stopped on Ctrl-C."""
     total, began = len(study.points), perf_counter()
     bar = Bar(max(1.0, total), quiet)
     try:
@@ -105,5 +105,5 @@ def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
 
 
 def text(value: Any) -> str:
-    """A cell for people."""
+    """Text of a table cell: numbers to four digits, None as empty."""
     return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -27,7 +27,8 @@ NAMED_OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
-    """A standard stream that leads nowhere once its reader has gone, as `| head` does: the command goes on."""
+    """A standard stream that discards output once its reader is gone (as with `| head`), so that the command goes
+    on."""
 
     over: ClassVar = False  # the command has ended, and what went wrong is told
 
@@ -41,18 +42,19 @@ class Outlet(FileIO):
 
 
 class Stopped(Failed):
-    """A person stopped a run; the sentence gives the time."""
+    """A run that the user interrupted; the message gives the simulated time."""
 
 
 class Anew(BaseException):
-    """Passes through all that handles errors: nothing has been done yet, and the process begins anew."""
+    """Request to start the command again with another kernel library; not an Exception, so that no handler catches
+    it."""
 
     def __init__(self, library: str) -> None:
         super().__init__(library)
         self.library = library
 
     def begin(self, arguments: list[str]) -> None:
-        """Run the command line again in this process, with the other library; does not return."""
+        """Replace this process by the same command with the other library; does not return."""
         from ocean_sim import kernel_library
 
         for stream in (sys.stdout, sys.stderr):
@@ -62,8 +64,8 @@ class Anew(BaseException):
 
 
 def open_streams() -> None:
-    """Make the three standard streams such as anything can be printed to: one that was closed leads nowhere, before
-    another file gets its number, what an encoding lacks is escaped, and the reader may go."""
+    """Prepare stdin, stdout and stderr: a closed one becomes the null device, characters that the encoding lacks are
+    escaped, and output to a closed pipe is discarded."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
@@ -76,24 +78,24 @@ def open_streams() -> None:
 
 
 def say(text: str = "") -> None:
-    """A line for people."""
+    """Print a line for people to standard output, control characters escaped."""
     with NAMED_OUTPUT:
         print(escape_controls(text), flush=True)
 
 
 def complain(text: str) -> None:
-    """Print a line about an error."""
+    """Print a message, shortened, to standard error; ignored if nobody reads it."""
     with suppress(OSError):  # there may be nobody to tell
         print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
 def escape_controls(text: str) -> str:
-    """Escape the characters that a terminal would obey, or not show."""
+    """The text with unprintable characters, except line breaks, as escape sequences."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def answer(data: Any) -> None:
-    """The answer for programs: JSON, in which NaN and infinity become null."""
+    """Print data as JSON to standard output, with NaN and infinity as null."""
     with NAMED_OUTPUT:
         print(json.dumps(_plain(data), indent=2, ensure_ascii=False, allow_nan=False), flush=True)
 
@@ -111,7 +113,7 @@ def _plain(value: Any) -> Any:
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """A table for people; numbers are aligned to the right."""
+    """Print a table for people; columns of numbers are aligned to the right."""
     from rich.console import Console
     from rich.table import Table
 
@@ -128,13 +130,13 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
 
 
 def problem_count(problems: list[Any]) -> str:
-    """Sentence with the number of problems of a scene."""
+    """Sentence that states the number of problems of a scene."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 
 def set_values(sets: list[str] | None) -> dict[str, Node]:
-    """The values of `--set`, by dotted key; raises SceneError with every mistake. Null takes what was set below its key
-    before away with it."""
+    """Values of the options `--set` by dotted key; null also removes earlier settings below its key. Raises SceneError
+    with all mistakes."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
     for text in sets or ():
@@ -151,12 +153,12 @@ def set_values(sets: list[str] | None) -> dict[str, Node]:
 
 
 def claim(out: Path, *ours: str) -> Claim:
-    """A claim on the folder that `--out` names, as `claimed`."""
+    """Claim the folder of the option `--out`; errors as in `claim_folder`."""
     return claim_folder(out, *ours, named=f"--out {out}")
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
-    """Draw a picture of something; without the extra `pictures` say what is missing, and go on without."""
+    """True if a picture was drawn, by `draw(*about)`; without the extra `pictures` say once that it is missing."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)
@@ -167,7 +169,7 @@ def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
 
 
 def duration(seconds: float) -> str:
-    """A time span for people."""
+    """A time span in s, as text: `12.3 s`, `4 min 5 s` or `2 h 3 min`."""
     if seconds < 60.0:
         return f"{seconds:.1f} s"
     if seconds < 3600.0:
@@ -178,8 +180,8 @@ def duration(seconds: float) -> str:
 def must_compute_with(
     library: str | None, asked: str = "runtime.library", cure: str = ", or leave the key out"
 ) -> None:
-    """Raises Anew where this process computes with another library and nobody has chosen that one for it, Lacking where
-    the one that is `asked` for there is not installed. For the command line, before anything is written."""
+    """Raise Anew if a scene asks for another kernel library than this process uses, unless the environment fixes it;
+    Lacking if that one is not installed. `asked` and `cure`: words of the message."""
     from ocean_sim import kernel_library
 
     if library in (None, kernel_library.LIBRARY_NAME) or kernel_library.LIBRARY_VARIABLE in os.environ:

@@ -20,38 +20,38 @@ SPEED_KEY = "particle_steps_per_cpu_s"
 
 
 def bench_file() -> Path:
-    """File of the last speeds that `bench` measured, by their conditions."""
+    """Path of the file with the last speeds that `bench` measured, by their conditions."""
     return machine.cache_directory() / "bench_speeds.json"
 
 
 def rate_file() -> Path:
-    """File of the wall time [s] per particle and step of the last run, by its conditions; of water without particles,
-    per step."""
+    """Path of the file with wall times [s] per particle and step of last runs, by their conditions; per step for water
+    without particles."""
     return machine.cache_directory() / "step_rates.json"
 
 
 def keep_measurement(path: Path, conditions: str, measured: float | list[float]) -> None:
-    """Keep what was measured under these conditions; a cache that cannot be written is no reason to fail."""
+    """Store a measurement in a JSON file under its conditions; a cache that cannot be written is ignored."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_facts(path, read_json_object(path) | {conditions: measured})
 
 
 def processor_name() -> str:
-    """Name of the processor, and how many cores this process may use."""
+    """Name of the processor, with the number of cores that this process may use."""
     named = machine.processor_facts().get("model name") or platform.processor() or platform.machine()
     return f"{named}, {machine.available_cores()} cores"
 
 
 def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> str:
-    """Facts that two measurements must share to be compared: machine, library, scene, all that was set, and threads."""
+    """Key of comparable measurements, as JSON: processor, library, particles, threads, scene and settings."""
     of_row = [row[key] for key in ("library", "particles", "threads")]
     return json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
 
 
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Processor time of a step over the median of the last measurements under the same conditions; None where there are
-    too few. The measurement is kept."""
+    """Ratio of the processor time per step to the median of earlier measurements under equal conditions, or None if
+    there are too few; stores the new measurement."""
     conditions = bench_conditions(order, row)
     known = read_json_object(bench_file()).get(conditions)
     before = [speed for speed in known if isinstance(speed, float)] if isinstance(known, list) else []
@@ -60,7 +60,7 @@ def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
 
 
 def slowdown_warning(scene: str, times: float) -> str | None:
-    """Warning where a step takes notably longer than before, else None."""
+    """Warning where a step takes notably longer than before (`times`: the ratio), else None."""
     if times <= STATED_SLOWDOWN:
         return None
     return (
@@ -70,7 +70,7 @@ def slowdown_warning(scene: str, times: float) -> str | None:
 
 
 def rate_conditions(config: SceneConfig) -> str:
-    """Facts that two runs must share to take about the same time per particle and step."""
+    """Key of runs with similar times per particle and step: water, backend, library, threads and processor."""
     from ocean_sim import kernel_library
 
     runtime = config.runtime
@@ -81,7 +81,7 @@ def rate_conditions(config: SceneConfig) -> str:
 
 
 def step_time(config: SceneConfig) -> tuple[float, bool]:
-    """Estimated wall time of a step [s], and True if a run under the same conditions has measured it."""
+    """Estimated wall time of a step [s], and True if it is based on a run under the same conditions."""
     rate = read_json_object(rate_file()).get(rate_conditions(config))
     if isinstance(rate, float):
         return rate * max(config.preflight.particles, 1), True
@@ -89,5 +89,5 @@ def step_time(config: SceneConfig) -> tuple[float, bool]:
 
 
 def keep_step_time(config: SceneConfig, seconds: float) -> None:
-    """Keep the mean wall time of a step [s] for estimates."""
+    """Store the mean wall time of a step [s] for estimates of later runs."""
     keep_measurement(rate_file(), rate_conditions(config), seconds / max(config.preflight.particles, 1))

@@ -11,7 +11,7 @@ from ocean_sim.parts import named
 
 
 def complete_scene(begun: str) -> list[str]:
-    """Packaged scenes, scene files and folders that begin so."""
+    """Packaged scenes, scene files and folders whose names begin with `begun`, for completion in a shell."""
     from ocean_sim.reading.scene import packaged_scenes
 
     folder = Path(begun) if begun.endswith("/") else Path(begun).parent
@@ -21,7 +21,7 @@ def complete_scene(begun: str) -> list[str]:
 
 
 def completion(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Completion in a shell by those of the names that begin as a word does."""
+    """Completion function for a shell that lists the names which begin with a given text."""
 
     def complete(begun: str) -> list[str]:
         return [name for name in names() if name.startswith(begun)]
@@ -52,7 +52,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="Print only the run folder,
 
 
 def number_list(option: str, text: str | None) -> list[float] | None:
-    """The numbers of an option such as `1,2.5`; raises Refused."""
+    """Numbers in the text of an option such as `1,2.5`, None if it is not given; raises Refused."""
     if text is None:
         return None
     try:

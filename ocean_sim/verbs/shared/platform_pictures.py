@@ -1,4 +1,4 @@
-"""Pictures of a motion platform: what it did in time, its legs, its workspace, and itself, drawn from its joints."""
+"""Pictures of a motion platform: its motion over time, legs and workspace, and drawings of the hexapod."""
 
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
-    """Every picture of a ride."""
+    """Draw motion.png, legs.png, workspace.png, strips.png, and if asked for film.gif into a folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
         (draw_motion(shown), "motion.png"),
@@ -44,7 +44,7 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
 
 
 def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
-    """The rows of the `seconds` long span in which the legs move most."""
+    """Slice of the rows of `seconds` in a row during which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
     first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
@@ -52,7 +52,7 @@ def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
 
 
 def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
-    """A figure without a display, and its axes (rows, columns)."""
+    """A Matplotlib figure without a display, and its axes as an array (rows, columns)."""
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
@@ -65,12 +65,12 @@ def save_figure(picture: Any, path: Path) -> None:
 
 
 def in_degrees(pose: np.ndarray) -> np.ndarray:
-    """(n, 6) poses with angles in degrees."""
+    """Poses (n, 6) [m, rad] with their three angles in degrees."""
     return np.hstack([pose[:, :3], np.degrees(pose[:, 3:])])
 
 
 def draw_motion(done: Commands) -> Any:
-    """Poses, specific force and rates against those that are wanted, and where the platform was limited."""
+    """Figure of pose, specific force and rates over time, with the scaled ship motion, and shading where limited."""
     picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
@@ -93,14 +93,14 @@ def draw_motion(done: Commands) -> Any:
 
 
 def label_axes(axis: Any, title: str, columns: int) -> None:
-    """A grid, and above the picture what its lines are, where they hide nothing."""
+    """Add a grid, a title, and a legend above the axes, where it hides no curve."""
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=columns, fontsize=8, frameon=False)
     axis.set_title(title, fontsize=9, loc="right")
     axis.grid(alpha=0.3)
 
 
 def draw_legs(done: Commands, geometry: Any) -> Any:
-    """Leg lengths and speeds between their limits."""
+    """Figure of leg lengths [m] and speeds [m/s] over time, with their limits."""
     picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
@@ -119,7 +119,7 @@ def draw_legs(done: Commands, geometry: Any) -> Any:
 
 
 def draw_workspace(done: Commands, machine: Moving) -> Any:
-    """Draw the reach of two motions while the other four are neutral, and the path of the ride."""
+    """Figure of the workspace for pairs of motions while the other four are neutral, with the path of the ride."""
     picture, axes = new_figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
@@ -141,8 +141,8 @@ def draw_workspace(done: Commands, machine: Moving) -> Any:
 
 
 def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values [m, deg] of two motions on a grid that holds all they can reach together, and the part of the stroke that
-    they use; a singular pose uses 2."""
+    """Values [m, deg] of two motions on a grid that holds their common reach, and the part of the stroke used, each (n,
+    n); 2 marks singular poses."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
@@ -161,7 +161,7 @@ def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np
 
 
 def draw_strips(hexapod: Hexapod) -> Any:
-    """Figure 6-10: pitch, roll and yaw, each over one swing."""
+    """Draw Figure 6-10 of the thesis: the hexapod through one swing of pitch, roll and yaw."""
     picture, axes = new_figure(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
     for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):
@@ -177,7 +177,7 @@ def draw_strips(hexapod: Hexapod) -> Any:
 
 
 def snapshot(points: np.ndarray) -> np.ndarray:
-    """(n, 2) where (n, 3) points are on a picture taken from starboard, a little ahead and above; forward is right."""
+    """Picture coordinates (n, 2) of points (n, 3), seen from starboard, a little ahead and above; forward is right."""
     turn, rise = np.radians(35.0), np.radians(15.0)
     along = points[:, 0] * np.cos(turn) - points[:, 1] * np.sin(turn)
     away = points[:, 0] * np.sin(turn) + points[:, 1] * np.cos(turn)
@@ -185,7 +185,7 @@ def snapshot(points: np.ndarray) -> np.ndarray:
 
 
 def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.0) -> None:
-    """The hexapod in a pose: base, legs of a cylinder and a rod, platform, which way is forward; dotted: in neutral."""
+    """Draw the hexapod in a pose (6,) [m, rad], shifted by `offset` [m], with its neutral platform dotted."""
     resting, moved = hexapod.leg_vectors(np.array([np.zeros(6), pose]))[0]
     rings = (
         0.0 * moved,
@@ -208,12 +208,12 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
 
 
 def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
-    """(6, 3) the part of each leg that does not slide, drawn as most of its shortest length."""
+    """Vectors (6, 3) along the cylinders of the legs, drawn as 0.8 of the shortest leg length."""
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 
 def write_film(path: Path, done: Commands, machine: Moving) -> None:
-    """The liveliest seconds of a ride, in real time."""
+    """Write a film of the ride's liveliest seconds in real time."""
     from matplotlib.animation import PillowWriter
 
     picture, axes = new_figure(1, 1, (5, 5))
@@ -229,13 +229,13 @@ def write_film(path: Path, done: Commands, machine: Moving) -> None:
 
 
 def inscribed_size(pose: np.ndarray) -> str:
-    """A pose in two lines."""
+    """Text of a pose in two lines, in m and degrees."""
     x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
     return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 
 def film_rows(done: Commands, machine: Moving) -> np.ndarray:
-    """Rows at the times of a film's frames."""
+    """Row numbers of the film's frames, within the liveliest seconds."""
     span = liveliest_span(done, machine, FILM_SECONDS)
     frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
     rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)

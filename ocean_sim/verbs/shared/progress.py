@@ -1,4 +1,4 @@
-"""Progress of a run and of its pictures, for who watches the command line."""
+"""Progress of a run and of its pictures on the command line."""
 
 from collections import Counter
 from contextlib import suppress
@@ -19,7 +19,7 @@ MIN_TIMED_STEPS = 20  # for a mean time of a step
 
 
 def kernel_notice() -> str:
-    """Sentence on the work before the first step, and on the kernels that Taichi has dropped since the last one."""
+    """Sentence on loading or compiling kernels, and on those that Taichi has dropped from its cache since last time."""
     cache = kernel_cache()
     count, note = sum(1 for _ in cache.glob("*.tic")), cache.with_suffix(".count")
     if count == 0:
@@ -34,10 +34,10 @@ def kernel_notice() -> str:
 
 
 class Progress(OutcomeObserver):
-    """Shows simulated time, real-time factor and time left, and counts what limited the steps."""
+    """Observer that shows simulated time, speed and time left, and counts which limits set the time steps."""
 
     def __init__(self, duration: float, quiet: bool, since: float = 0.0) -> None:
-        """`since`: simulated time at which a run goes on [s]."""
+        """`duration` [s]: simulated time at the end; `since` [s]: that at which the run starts or goes on."""
         self.bar, self.drawing = Bar(duration, quiet), Drawing(quiet, FILM_CURE)
         self.duration, self.since, self.attending = duration, since, False
         self.began = perf_counter()
@@ -65,12 +65,11 @@ class Progress(OutcomeObserver):
 
     @property
     def over(self) -> bool:
-        """True if the last step has been taken."""
+        """True if the run has reached its duration."""
         return self.time >= self.duration * (1.0 - 1e-12)
 
     def pace(self) -> str:
-        """Speed and time left, of the steps alone; nothing where no more than one has been taken since the start or the
-        resumption."""
+        """Speed and time left in words, without the time before the first step; empty before a second step."""
         if self.over:
             return ", writing and drawing what is left"
         if self.factor <= 0.0:
@@ -80,12 +79,12 @@ class Progress(OutcomeObserver):
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:
-        """`render` draws while the run goes on and until all is drawn, and shows its progress here."""
+        """Let observers report drawn pictures here, during the run and after it."""
         for observer in simulation.observers:
             observer.show_progress(self.draw)
 
     def draw(self, done: int, total: int) -> None:
-        """So many pictures are drawn; of 0, while the run goes on and nobody knows of how many."""
+        """Record that `done` of `total` pictures are drawn; `total` is 0 while unknown during the run."""
         self.pictures = done
         if total:
             self.bar.close()
@@ -93,7 +92,7 @@ class Progress(OutcomeObserver):
 
     @property
     def factor(self) -> float:
-        """Simulated over wall time since the first step of this process, which may resume an earlier one."""
+        """Real-time factor: simulated over wall time since the first step of this process."""
         if self.first is None:
             return 0.0
         wall = self.began + self.wall - self.first[0]
@@ -101,13 +100,13 @@ class Progress(OutcomeObserver):
 
     @property
     def step_time(self) -> float | None:
-        """Mean wall time [s] of the steps after the first; None of fewer than MIN_TIMED_STEPS."""
+        """Mean wall time [s] of a step, without the first; None for fewer than MIN_TIMED_STEPS."""
         if self.first is None or self.steps - self.first[2] < MIN_TIMED_STEPS:
             return None
         return (self.began + self.wall - self.first[0]) / (self.steps - self.first[2])
 
     def summary(self) -> dict[str, Any]:
-        """Numbers of the run; asked for when all is written and drawn."""
+        """Counts, times and limits of the run, to be called when all files and pictures are finished."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}

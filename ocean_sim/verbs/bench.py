@@ -96,8 +96,7 @@ def peer_programs() -> ModuleType:
 
 
 def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
-    """Measurement of a scene by `bench-one` in a child process, whose errors are raised here; `cold`: with an empty
-    kernel cache."""
+    """Measurement of a scene in a child process, whose errors are raised here; `cold`: no kernel cache."""
     with tempfile.TemporaryDirectory() as empty:
         environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
         command = [sys.executable, "-m", "ocean_sim", "bench-one", "--json"]

@@ -26,7 +26,7 @@ EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m
 
 
 class Asked(NamedTuple):
-    """Options of the verb besides the hull."""
+    """Options of `ocean-sim hull` that change or describe the hull."""
 
     mass: float | None = None  # [kg]
     draught: float | None = None  # [m], in place of the mass
@@ -42,8 +42,7 @@ class Asked(NamedTuple):
     scale: float | None = None  # metres per unit of a mesh file
 
     def agree(self, loading: Path | None) -> None:
-        """Raises Refused where an option is no finite number, or two of them, or one and a loading condition, say the
-        same."""
+        """Raise Refused where an option is not finite, or several options state the same quantity."""
         for name, value in self._asdict().items():
             if name not in ("up", "bow") and not np.isfinite([] if value is None else value).all():
                 raise console.Refused(f"--{name.replace('_', '-')}: expected finite numbers")
@@ -142,8 +141,8 @@ def hull(
 
 
 def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
-    """The hull of a name in configs/hull/ or configs/ship/, of a mesh file, or of a ship in a scene, the density of
-    its water [kg/m3], and length and breadth of its bilge keels [m]; raises ValueError, SceneError or Refused."""
+    """The hull of this name (in configs/hull/ or configs/ship/), of a mesh file, or of a ship in a scene; density of
+    the water [kg/m3]; length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
     from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
 
@@ -187,7 +186,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
 
 
 def condition_of(path: Path) -> "Loading":
-    """A loading condition; raises SceneError."""
+    """The loading condition in a YAML file; raises SceneError."""
     from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
     from ocean_sim.reading.translation import validated
     from ocean_sim.ship.naval.stability import Loading
@@ -200,7 +199,7 @@ def condition_of(path: Path) -> "Loading":
 
 
 def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
-    """The hull with its mass and its centre as asked for; what is said of neither is told in the notes."""
+    """The hull with mass and centre of mass from options or loading condition; `notes` lists assumed values."""
     from ocean_sim.ship.hull.voxels import voxels
 
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
@@ -234,7 +233,7 @@ def density_of(asked: Asked) -> float:
 
 
 def mass_at(shape: "Hull", asked: Asked) -> float:
-    """Mass that the hull carries upright at the draught asked for [kg]; raises Refused."""
+    """Mass [kg] of water that the hull displaces upright at the draught asked for; raises Refused."""
     from ocean_sim.ship.naval.hydrostatics import UPRIGHT
 
     assert asked.draught is not None
@@ -247,7 +246,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """Answer of `hull`, and sentences for people."""
+    """Answer of `hull` as JSON data, and notes as sentences."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights
@@ -292,7 +291,7 @@ def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None)
 
 
 def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | None") -> list[str]:
-    """Sentences on a weight, an opening or a centre of mass outside the hull."""
+    """Sentences on weights, openings or a centre of mass that lie outside the hull."""
     lower, upper = (np.array(corner) for corner in shape.shape.bounds())
     centre, found = afloat.matter.centre, [] if condition is None else condition.outside_hull(lower, upper)
     if (np.maximum(lower - centre, centre - upper) > 0.0).any():
@@ -303,7 +302,7 @@ def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | 
 
 
 def stability_problems(stability: "Stability") -> list[str]:
-    """Sentences on reasons why a ship would not stay as she is put into the water."""
+    """Sentences on why the ship would not float upright at rest: instability, no equilibrium, or flooding."""
     from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
 
     found = []
@@ -321,8 +320,8 @@ def stability_problems(stability: "Stability") -> list[str]:
 
 
 def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[str, float]], list[str]]:
-    """Roll damping by components (Ikeda) at some amplitudes, as shares of critical, and where the hull is beyond their
-    regressions."""
+    """Roll damping by components (Ikeda), as shares of critical, in a row per roll amplitude; and warnings where the
+    hull is outside the range of the regressions."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.forces.roll_damping import BilgeKeels, Ikeda, RollDamping
 
@@ -347,8 +346,8 @@ def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[s
 
 
 def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
-    """Sinkage of a ship at some speeds over a bed at this depth [m], nothing without one, and warnings where the
-    theory is not for her. Raises Refused."""
+    """Squat at some speeds in water of this depth [m], a row per Froude number, and warnings on blunt ends; both empty
+    without a depth. Raises Refused."""
     from math import degrees, sqrt
 
     from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
@@ -370,7 +369,8 @@ def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[s
 
 
 def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
-    """Draught, heights, trim, levers, criteria and periods of a ship that floats."""
+    """Draught, metacentric heights, trim, levers, criteria and periods of a floating ship; `cross`: cross curves
+    too."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
     from ocean_sim.ship.naval.stability import CROSS_HEELS
@@ -410,8 +410,8 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
 
 
 def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
-    """Trim and heel at rest [deg], and draughts at both ends of the waterline [m], amidships of her breadth; null where
-    she has no pose at rest."""
+    """Draughts fore and aft [m] and trim and heel at rest [deg], positive with bow and starboard down; None where the
+    ship has no equilibrium."""
     from math import asin, degrees
 
     from ocean_sim.ship.body.floating import lean_matrix, rest_angles
@@ -482,7 +482,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
 
 
 def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
-    """Three views of the hull with its waterline, and its righting lever."""
+    """Draw three views of the hull with its waterline, and its righting levers."""
     from matplotlib.figure import Figure
 
     from ocean_sim.ship.hull.voxels import voxels

@@ -38,7 +38,7 @@ def list_choices(
 
 
 def section_rows(section: str) -> list[dict[str, str]]:
-    """Name, class and sentence of every entry in a section."""
+    """A dict with name, class (`kind`, `preset`, `scene`, ...) and sentence for each entry of a section."""
     folder = library("configs") / ("run" if section == "profiles" else section)
     if section == "scenes":
         folder = library("scenes")

@@ -51,7 +51,7 @@ def new(
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:
-    """The text of a scene with comments."""
+    """Yield the lines of a scene file with a comment on each key, and on slots that are left out."""
     schema, here = schema_file(), file.absolute().parent
     near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
@@ -72,8 +72,7 @@ def scene_lines(scene: Node, file: Path) -> Iterator[str]:
 
 
 def schema_file() -> Path:
-    """The schema as a file: the one that setting up writes into the package, else one in the user's cache, as a package
-    that pip installed has none."""
+    """Path of the JSON Schema: in the package if installed there by the setup, else written to the user's cache."""
     of_package = PACKAGE / "scene.schema.json"
     if of_package.is_file():
         return of_package
@@ -86,7 +85,7 @@ def schema_file() -> Path:
 
 
 def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
-    """The lines of a scene, each key of a part on one of its own."""
+    """Yield the lines of a scene's sections, each key with its meaning as a comment."""
     for key, node in data.items():
         name = isinstance(node.data, str) and key in SLOTS
         comment = part_sentence(key, node.data) if name else meanings.get(key, "")

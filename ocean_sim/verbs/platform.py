@@ -93,8 +93,8 @@ def platform(
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
-    """The platform of a geometry and a washout, each a name or a file, and of what is set over them; raises SceneError
-    or Refused."""
+    """Config of a platform with geometry and washout, each a name or a file, and `key=value` settings; raises
+    SceneError or Refused."""
     nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
     for key, value in console.set_values([*sets]).items():
@@ -109,7 +109,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
 
 
 def platform_choice(what: str, name: str) -> Node:
-    """Content of a name in configs/<what>/, or of a file."""
+    """The mapping in configs/<what>/<name>.yaml, or in a file of the user; raises SceneError or Refused."""
     if name in named(what):
         return read_mapping(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):
@@ -130,7 +130,7 @@ def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
 
 
 def opened_log(log: Path, frame: str | None) -> MotionLog:
-    """A motion log, or the one in a run folder, that can be converted to this frame; raises Refused."""
+    """The motion log in a file or run folder, checked to be convertible to the frame; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
         raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
@@ -147,14 +147,14 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
 
 
 def join_words(parts: Sequence[Commands]) -> Commands:
-    """Commands that follow each other, as one."""
+    """Consecutive platform commands joined into one."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
     return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
 
 
 def to_log_frame(done: Commands, frame: str) -> Commands:
-    """Commands along the axes of another frame."""
+    """Platform commands with their vectors along the axes of another frame (`ship`, `ned` or `flu`)."""
     force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
     return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
@@ -169,7 +169,7 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Every file, made in a folder of its own and moved out of it when all are whole."""
+    """Write all files of a ride into `out`, moved there once all are complete, and return their paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         head = heading(log.every, frame or "flu") | (
@@ -188,8 +188,7 @@ def write_commands(
 
 
 def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
-    """legs.csv: where the legs were, by the platform's own reports, and when they came; nothing where there are
-    none."""
+    """Write legs.csv with the leg lengths that the platform reported; its path in a list, empty without reports."""
     if not sender.readings:
         return []
     begin = sender.sent[0]
@@ -201,14 +200,14 @@ def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
-    """A CSV file as a run writes it."""
+    """Write rows as a CSV file of the format of runs, atomically."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
-    """Send every row at its time, and then the way back to neutral, also when a person stops it."""
+    """Send each row of the ride at its time, then the return to neutral, also after Ctrl-C; returns the jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)
@@ -223,7 +222,7 @@ def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame
 
 
 def print_report(done: Commands, found: list[Metric], files: list[Path]) -> None:
-    """The summary of a ride, for people."""
+    """Print the metrics of a ride for people."""
     value = {metric.quantity: metric.value for metric in found}
     kinds = ("scaled_rms", "felt_rms", "error_rms", "correlation", "delay", "false_cue")
     numbers = [[value[f"{name}_{kind}"] for kind in kinds] for name in FELT_COLUMNS]

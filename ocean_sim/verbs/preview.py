@@ -82,17 +82,17 @@ def preview(
 
 
 def picture_name(number: int) -> str:
-    """File name of a numbered picture."""
+    """File name of a picture by its number: `00012.png`."""
     return f"{number:05d}.png"
 
 
 class Session:
-    """A scene that is stepped, drawn, and played with."""
+    """A scene that runs in a preview window under the user's control, or is drawn into files."""
 
     def __init__(
         self, config: SceneConfig, folder: Path, scene_in_wind: Callable[[str], SceneConfig], shown: bool
     ) -> None:
-        """`scene_in_wind`: the scene with another preset of wind, by name; raises SceneError. `shown`: in a window."""
+        """`scene_in_wind`: the scene with another preset of wind; raises SceneError. `shown`: in a window."""
         self.config, self.folder, self.scene_in_wind, self.shown = config, folder, scene_in_wind, shown
         look = config.observers.get("preview")
         self.look = look if isinstance(look, Config) else Config(size=(1280, 720))
@@ -110,7 +110,7 @@ class Session:
         self.screen.watch(self.simulation, self.panel, self.look)
 
     def film(self, frames: int, quiet: bool) -> None:
-        """Write numbered pictures every `preview.every` of simulated time, and a film of them."""
+        """Write numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
         bar = Bar(frames, quiet)
@@ -155,7 +155,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Do the actions requested since the last picture, but snapshots."""
+        """Carry out the user's requests since the last picture, except snapshots."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -164,7 +164,7 @@ class Session:
             self.rebuild(panel.wind)
 
     def rebuild(self, wind: str) -> None:
-        """Begin the scene anew with a preset of wind; in a new window where Taichi has to restart."""
+        """Restart the scene with a preset of wind, in a new window if Taichi has to restart."""
         panel = self.panel
         try:
             config = self.config if wind == self.wind else self.scene_in_wind(wind)
@@ -184,7 +184,7 @@ class Session:
             self.screen.watch(self.simulation, panel)
 
     def advance(self, span: float) -> None:
-        """Step over a span of simulated time [s], as far as there is wall time; once, where a step was requested."""
+        """Step over a span of simulated time [s], or less if it takes too long; one step if a single was requested."""
         panel, begin = self.panel, perf_counter()
         until = self.simulation.time + span
         single = panel.take("step")
@@ -203,7 +203,7 @@ class Session:
         self.scratch.cleanup()
 
     def build(self) -> Simulation:
-        """Build the simulation; in a window, a scene that names `stream` drives its platform meanwhile."""
+        """Build the simulation; in a window, a scene with `stream` drives its motion platform meanwhile."""
         if not self.shown or "stream" not in self.config.observers:
             return Simulation(self.config)
         observers = self.config.observers.items()
@@ -211,7 +211,7 @@ class Session:
         return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.scratch.name))
 
     def facts(self) -> dict[str, Any]:
-        """Numbers of the drawn pictures, for programs."""
+        """Counts and times of the drawn pictures, as JSON data."""
         drawn = sorted(self.milliseconds[1:] or self.milliseconds)
         return {
             "pictures": self.pictures,
@@ -222,7 +222,7 @@ class Session:
         }
 
     def summary(self) -> str:
-        """The facts as a sentence."""
+        """The facts in a sentence."""
         facts = self.facts()
         sentence = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
         if facts["ms_per_picture"] is not None:

@@ -93,7 +93,7 @@ def render(
 
 
 def picture_size(text: str | None) -> list[int] | None:
-    """A size as `1280x720`; raises Refused."""
+    """Width and height [pixels] of a text such as `1280x720`, None without one; raises Refused."""
     if text is None:
         return None
     words = text.lower().split("x")
@@ -103,7 +103,7 @@ def picture_size(text: str | None) -> list[int] | None:
 
 
 def shown_files(value: Any) -> str:
-    """A value as it was given on the command line."""
+    """The value of an option as text on a command line."""
     return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 
 
@@ -143,7 +143,7 @@ def export(
 
 
 def require_frames(folder: Path) -> None:
-    """Raise Refused where a folder is not that of a run, or has kept no frames."""
+    """Raise Refused where a folder is no run folder, or its run has kept no frames."""
     if not (folder / MANIFEST_FILE).is_file():
         raise console.Refused(f"{folder}: this is not a run folder (there is no {MANIFEST_FILE})")
     if not any((folder / "frames").glob("*")):
@@ -152,13 +152,13 @@ def require_frames(folder: Path) -> None:
 
 
 def warn_unless_ended(folder: Path) -> None:
-    """Print a sentence where a run is not over."""
+    """Print a warning where a run has not ended."""
     if run_files.read_manifest(folder).get("outcome") == "running":
         console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 
 def list_files(files: list[Path], as_json: bool) -> None:
-    """Print the names of files; of many the first and the last."""
+    """Print file names, of many only some; as JSON all of them."""
     if as_json:
         console.answer({"files": files})
         return

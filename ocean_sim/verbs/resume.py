@@ -45,7 +45,7 @@ def resume(
 
 
 def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
-    """Go on with a run whose folder is claimed."""
+    """Resume the run in a folder that this process has claimed."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
@@ -75,8 +75,8 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
 def continue_run(
     config: SceneConfig, kept: checkpoint_file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
 ) -> Result:
-    """The run from a checkpoint on; `changed`: how the program has. Its parts are built in another folder: its own
-    stays as it is until all fits."""
+    """Run on from a checkpoint. The simulation is built in a temporary folder, so that the run folder is unchanged
+    until the checkpoint is restored; `changed`: changes of the program in words."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
     from ocean_sim.state.snapshot import FileShortened, Mismatch
@@ -107,7 +107,7 @@ def continue_run(
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
-    """manifest.json of a run folder; raises Refused."""
+    """The manifest of a run folder as a dict; raises Refused."""
     path = folder / MANIFEST_FILE
     try:
         manifest = input_file.read_json(path)
@@ -119,7 +119,7 @@ def manifest_of(folder: Path) -> dict[str, Any]:
 
 
 def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> SceneConfig:
-    """The scene of a run, to be simulated until a time [s]; raises Refused."""
+    """The scene of a run by its manifest, with `until` [s] as its duration if given; raises Refused or SceneError."""
     try:
         return load(manifest["scene"], {} if until is None else {"duration": until_node(until)})
     except SceneError as error:
@@ -130,7 +130,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
-    """Refuses a run of whose named files one has another content than when it began: parts of it know the old one."""
+    """Raise Refused if an input file of the run has changed since it began."""
     now, then = config.inputs(), manifest.get("inputs")
     changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
     if changed:
@@ -139,14 +139,14 @@ def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: Scene
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
-    """Library that compiled the kernels of a run; None where its manifest does not say."""
+    """Kernel library with which a run was computed; None where its manifest does not say."""
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
 
 
 def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    """Print that the run is finished already."""
+    """Print that the run has already reached its end."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
         console.answer(facts)
@@ -155,7 +155,7 @@ def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> No
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
-    """True if a run that keeps checkpoints ended before its first one, with nothing beyond the first state written."""
+    """True if a run with checkpoints ended before the first of them, and wrote no more than its first state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
     return (
@@ -165,12 +165,12 @@ def never_begun(folder: Path, config: SceneConfig) -> bool:
 
 
 def recorded_rows(path: Path) -> list[str]:
-    """The lines of numbers in a CSV file of a run."""
+    """Rows of a run's CSV file as text, without comments and heading."""
     return [line for line in input_file.read_text(path).splitlines() if line and line[0] != "#"][1:]
 
 
 def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
-    """The newest checkpoint that is whole; raises Refused."""
+    """The newest readable checkpoint of a run; raises Refused."""
     paths, reason = [*checkpoint_file.checkpoint_files(folder)], ""
     if not paths:
         gone = "its files checkpoint_*.h5 are gone; start it again"
@@ -191,8 +191,8 @@ def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Chec
 def check_checkpoint(
     folder: Path, kept: checkpoint_file.Checkpoint, scene: dict[str, Any], until: float | None, anyway: bool
 ) -> str:
-    """Changes of this program since a checkpoint was made, which is refused unless a person goes on `anyway`. Refuses a
-    checkpoint of another scene, but for its duration, or one beyond the time asked for."""
+    """Changes of the program since the checkpoint, in words. Raises Refused if there are any, except `anyway`, if the
+    scene differs in more than its duration, or if the checkpoint is later than `until` [s]."""
     changed = program_changes(kept.made)
     if changed and not anyway:
         cure = "its results may differ; --anyway continues, and marks every file"
@@ -208,7 +208,7 @@ def check_checkpoint(
 
 
 def program_changes(made: dict[str, Any]) -> str:
-    """The versions and the files in which this program differs from the one that made a checkpoint, in words."""
+    """Versions and source files that differ from those that made a checkpoint, in words; empty if none do."""
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
@@ -229,22 +229,21 @@ def program_changes(made: dict[str, Any]) -> str:
 
 
 def other_library(made: dict[str, Any]) -> str:
-    """Library that compiled the kernels of a checkpoint's run, with its version; empty where this process computes with
-    it too, as it does unless a person has chosen another."""
+    """Kernel library and version of a checkpoint's run, if this process uses another; else empty."""
     return next(
         (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
     )
 
 
 def scene_differences(kept: Any, now: Any) -> str:
-    """The differences of two descriptions in words; empty where there are none."""
+    """Differences of two nested dicts in words; empty if they are equal."""
     found = list(differing_keys(kept, now, ""))
     more = f", and {len(found) - MAX_SHOWN_DIFFERENCES} more" if len(found) > MAX_SHOWN_DIFFERENCES else ""
     return ", ".join(found[:MAX_SHOWN_DIFFERENCES]) + more
 
 
 def differing_keys(kept: Any, now: Any, key: str) -> Any:
-    """Each key in which they differ."""
+    """Yield a sentence for each key in which two nested dicts differ."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
             yield from differing_keys(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))

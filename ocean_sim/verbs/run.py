@@ -54,7 +54,7 @@ def run(
 
 
 def announce_pictures(config: SceneConfig) -> None:
-    """Print the estimated time of the pictures, and how to leave them out; the first of a film give a better one."""
+    """Print the estimated time to draw the pictures of a run, and how to leave them out."""
     seconds = picture_time(config)
     if seconds:
         time = f"about {console.duration(seconds)} on an idle machine"
@@ -69,7 +69,7 @@ def report_run(
     as_json: bool,
     quiet: bool = False,
 ) -> None:
-    """Run, and print the outcome; raises Stopped where the run was interrupted."""
+    """Execute a run, store its step time and print its results; raises Stopped if the user interrupts it."""
     try:
         result = made()
     except KeyboardInterrupt:
@@ -85,7 +85,7 @@ def report_run(
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
-    """The message for a run that was interrupted."""
+    """The error for an interrupted run, whose message gives the time, the files and how to continue."""
     progress.close()
     if progress.over:
         later = f"`ocean-sim render {folder}` draws them"
@@ -99,24 +99,24 @@ def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
 
 
 def until_node(until: float) -> Node:
-    """`--until` instead of the duration of the scene."""
+    """Value of the option `--until` [s] as a node, to replace the duration of the scene."""
     return node_of(until, Location(f"--until {until:g}"))
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """The folder of a run: never that of another one, unless overwriting is asked for, nor one of other things."""
+    """Claim `out`, or an unused folder in runs/, for a run; raises Refused if another run or other files are there."""
     if out is None:
         return next(filter(None, map(unused_folder, run_folders(stem))))
     return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
 def run_folders(stem: str) -> Iterator[Path]:
-    """Folders for the runs of a scene, one after the other."""
+    """Yield possible folders for a run: runs/NAME, runs/NAME-2 and so on."""
     return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 
 def unused_folder(folder: Path) -> Claim | None:
-    """A claim on a folder; None where there is a run, or one begins, or other things are."""
+    """A claim on a folder; None if it holds a run or other files, or another process has claimed it."""
     try:
         claim = None if (folder / MANIFEST_FILE).exists() or foreign_names(folder, FIRST_FILE) else Claim(folder)
     except FolderClaimed:
@@ -128,7 +128,7 @@ def unused_folder(folder: Path) -> Claim | None:
 
 
 def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
-    """The main results in the files of a run, and the names of the files."""
+    """Main results and file names of a run, as JSON data."""
     accuracy = result.accuracy if "accuracy" in config.observers else {}
     columns = {name: f"compression_{name}" for name in ("mean", "max")}
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
@@ -145,7 +145,7 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 
 def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
-    """Sentences on books that do not close at the end of a run, from the columns of accuracy.csv."""
+    """Sentences on surface offset and energy budget that do not close, from the columns of accuracy.csv."""
     found, offset = [], columns.get("surface_offset_m", [0.0])
     apart = abs(offset[-1] - offset[0])
     if spacing is not None and apart > OFFSET_STATED * spacing:
@@ -164,7 +164,7 @@ def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]
 
 
 def run_summary(facts: dict[str, Any]) -> str:
-    """The last lines of a run, for people."""
+    """Text at the end of a run, for people."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
     span = f"t = {since:.3g} s to {end}" if since else end

@@ -64,7 +64,7 @@ def serve_play(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """A scene, stepped here and shown in the page."""
+    """Simulate a scene and serve its page until Ctrl-C."""
     from ocean_sim.viewer.server import Server
     from ocean_sim.viewer.session import Session, Source
 
@@ -81,7 +81,7 @@ def serve_play(
 
 
 def live_files(title: str) -> dict[str, Any]:
-    """The addresses of a page that shows a simulation."""
+    """Content type and content by address, for the page of a live simulation."""
     from ocean_sim.reading.schema import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 
@@ -93,7 +93,7 @@ def live_files(title: str) -> dict[str, Any]:
 
 
 def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_json: bool) -> None:
-    """One finished run, or two side by side."""
+    """Serve the replay of one finished run, or of two side by side, until Ctrl-C."""
     from ocean_sim.viewer.replay import Recorded
     from ocean_sim.viewer.server import Server
     from ocean_sim.viewer.still import page_document, sky_packet
@@ -113,14 +113,14 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
 
 
 def access_token(host: str) -> str:
-    """Secret part of an address that other machines can reach."""
+    """Random token in the address if other machines can reach the host, else empty."""
     from ocean_sim.viewer.server import LOCAL_HOSTS
 
     return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
 def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
-    """Print the address, and open the browser where there is one."""
+    """Print the address, and open it in the browser if there is a screen."""
     if as_json:
         console.answer({"address": server.address})
     else:
@@ -132,7 +132,7 @@ def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
 
 
 def has_screen() -> bool:
-    """True if a person may sit at this machine."""
+    """True if this machine has a graphical display."""
     return sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 

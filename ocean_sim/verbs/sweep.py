@@ -43,13 +43,13 @@ def sweep(
 
 
 def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
-    """Print the settings and outcome of each run."""
+    """Print a table with settings and outcome of each run."""
     names = ["run", *keys, *FACT_COLUMNS]
     console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 
 
 def sweep_summary(rows: list[dict[str, Any]], folder: Path) -> str:
-    """Sentence with the number of runs of each outcome."""
+    """Sentence with the number of runs by outcome."""
     counts = {name: sum(row["outcome"] == name for row in rows) for name in ("done", "stopped", "failed")}
     sentence = f"{counts['done']} of {len(rows)} runs done"
     if counts["stopped"]:

@@ -69,7 +69,7 @@ def tradeoff(
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
-    """Study the validation cases; leaves tradeoff.csv, equal.csv and a picture a case."""
+    """Study cost and accuracy of the validation cases; writes tradeoff.csv, equal.csv and a picture per case."""
     plan = study_points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
@@ -100,7 +100,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
 
 
 def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """Print the runs of a case, the cheapest first; a star is on the Pareto front."""
+    """Print the runs of a case, the cheapest first; a star marks those on the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
@@ -122,7 +122,7 @@ def of_scene(
     out: Path,
     as_json: bool,
 ) -> None:
-    """Run every setting with every seed, one run at a time; leaves tradeoff.csv, seeds.csv and a picture."""
+    """Run a scene with every setting and seed, one run at a time; writes tradeoff.csv, seeds.csv and a picture."""
     try:
         limit = None if budget is None else Budget.of(budget)
     except ValueError as why:
@@ -160,7 +160,7 @@ def of_scene(
 
 
 def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
-    """Rows of all settings, and those of all runs, each compared with the finest setting of the same seed."""
+    """A row per setting, and one per run, with its errors against the finest setting of the same seed."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []
@@ -179,7 +179,7 @@ def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -
 def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
-    """The best setting within the budget that also holds it, and its error, with a seed that was not used before."""
+    """The most accurate setting that keeps to the budget also when run again with a new seed; None if none does."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)
@@ -199,7 +199,7 @@ def json_answer(
 
 
 def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
-    """Print the settings for people, the cheapest first."""
+    """Print a table of all settings, the cheapest first."""
     names = ["setting", *CLOCK_COLUMNS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]
@@ -209,7 +209,7 @@ def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
 
 
 def budget_verdict(found: dict[str, Any] | None, rows: list[dict[str, Any]], judge: str, limit: Budget) -> str:
-    """The answer for people."""
+    """Text with the best setting within the budget, or the reason why there is none."""
     if found is not None:
         return (
             f"most accurate within {limit.name}, by {judge}: {found['setting']}\n"

@@ -104,7 +104,7 @@ def validate(
 
 
 def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
-    """The set-ups of a case, each with a scheme that it is to run under."""
+    """All set-ups of a case, each paired with the schemes under which it runs."""
     pairs = [
         (problem, scheme)
         for problem in problems(case, slow=slow, coarse=coarse)
@@ -118,7 +118,7 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 
 
 def case_answer(order: Order) -> list[dict[str, Any]]:
-    """Run a case, draw its picture, and return its rows."""
+    """Run a case under its schemes, draw its picture, and return its result rows."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in pairs_of(case, schemes, slow, coarse):
@@ -130,8 +130,8 @@ def case_answer(order: Order) -> list[dict[str, Any]]:
 
 
 def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, Any]]]:
-    """The rows of each case, in order; several cases at a time share the cores, each in a process that does one after
-    the other. With one at a time this process does them."""
+    """Yield the rows of each case in order; several cases run at a time in processes that share the cores, or with one
+    worker in this process."""
     workers = min(workers, len(orders))
     if workers < 2:
         yield from map(case_answer, orders)
@@ -153,7 +153,7 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
 
 
 def begin_table() -> None:
-    """End a process that runs cases as soon as its parent ends, and without a word on Ctrl-C."""
+    """Prepare a worker process: it ends with its parent, and silently on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
     assert parent is not None
@@ -161,7 +161,7 @@ def begin_table() -> None:
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
-    """Sentences on cases of which no set-up, or not every one, ran."""
+    """Yield sentences on cases of which some or all set-ups were left out, and why."""
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
@@ -183,13 +183,13 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
 
 
 def print_row(case: str, rows: list[dict[str, Any]]) -> None:
-    """The rows of a case, for people."""
+    """Print the result rows of a case as a table."""
     columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
     console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 
 
 def row_line(row: dict[str, Any]) -> list[str]:
-    """A row as it is printed."""
+    """Cells of a result row, as text."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"
@@ -207,12 +207,12 @@ def row_line(row: dict[str, Any]) -> list[str]:
 
 
 def number_cell(value: float | None) -> str:
-    """A number for people; one that could not be measured is a dash."""
+    """A number as text with four digits; a dash for None."""
     return "-" if value is None else f"{value:.4g}"
 
 
 def write_junit(path: Path, rows: list[dict[str, Any]]) -> None:
-    """All rows as JUnit's XML: a suite a case, a test a row; one that is only reported is skipped."""
+    """Write the rows as JUnit XML: a suite per case, a test per row, skipped if the row has no tolerance."""
     from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 
     suites = Element("testsuites", tests=str(len(rows)), failures=str(sum(not row["ok"] for row in rows)))

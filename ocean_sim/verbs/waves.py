@@ -116,8 +116,8 @@ def waves(
 
 
 def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
-    """Circulation and white-cap cover of the frames of a run from a time [s] on; None where it kept none, and with a
-    sentence where they cannot be read."""
+    """Circulation and white-cap cover in the frames of a run from the time `begin` [s]; None if it kept no frames, or,
+    with a message, if they cannot be read."""
     if not (folder / "frames" / "grid.npz").is_file():
         return None
     try:
@@ -132,7 +132,7 @@ def surface_of(folder: Path, begin: float, quiet: bool) -> SurfaceRecord | None:
 
 
 def surface_sentence(surface: SurfaceRecord) -> str:
-    """Means over time, for people."""
+    """Means over time of white-cap cover and circulation, as text."""
     cover = f"white caps on {100.0 * surface.cover.mean():.3g} % of the surface on average, "
     cover += f"{100.0 * surface.cover.max():.3g} % at most: where it falls faster than {BREAKING_ACCELERATION:g} g "
     cover += f"by waves of {surface.shortest:.3g} m and longer, four points of the frames"
@@ -144,8 +144,8 @@ def surface_sentence(surface: SurfaceRecord) -> str:
 
 
 def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
-    """The orbits of tagged particles under waves of a period [s], shown, and left in orbits.csv; a sentence, and no
-    file, where there is no period or there are no orbits."""
+    """Print the orbits of tagged particles under waves of a period [s] and write orbits.csv; its path in a list, or,
+    after a message, an empty list."""
     if period is None:
         console.say(f"{path}: no orbits, as no gauge's record resolves a peak period")
         return []
@@ -166,7 +166,7 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
 
 
 def read_record(run: Path) -> Path:
-    """The file with the records of a run."""
+    """Path of the gauge records of a run; raises Refused."""
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
         raise console.Refused(f"{run}: there is no such run folder")
@@ -177,7 +177,7 @@ def read_record(run: Path) -> Path:
 
 
 def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
-    """Numbers of what was done to a record, and warnings of what it lacks; nothing of a whole one as it was."""
+    """Trend removed from a gauge's record [m/s], hysteresis [m] and warnings on the record, each where there is one."""
     warnings = [*filter(None, (missing_samples(time), slow_part(*even_samples(time, height), treatment)))]
     found: dict[str, Any] = {"trend_m_s": linear_trend(*even_samples(time, height))} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
@@ -185,7 +185,7 @@ def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> 
 
 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
-    """The waves of a gauge; raises Unmeasurable with its name."""
+    """Wave statistics of a gauge's record; raises Unmeasurable with the gauge's name."""
     try:
         return measure_record(time, height, treatment)
     except Unmeasurable as why:
@@ -193,13 +193,13 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
-    """The wind of the scene, by the manifest next to the record."""
+    """The wind in the scene of a run, by the path of its gauge record; None if unknown."""
     wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
 def pressure_gain(path: Path) -> dict[str, float]:
-    """The gain of a wind that is a physical stress, and that of its pressure where it has its own."""
+    """Gain of a stress wind, and of its pressure if set separately, by name; empty for other winds."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
         return {}
@@ -208,7 +208,7 @@ def pressure_gain(path: Path) -> dict[str, float]:
 
 
 def wind_of(path: Path) -> str | None:
-    """The wind over these waves, with its gain."""
+    """Description of the run's wind with its gain; None if unknown."""
     wind = wind_config(path)
     if wind is None:
         return None
@@ -224,7 +224,7 @@ def wind_of(path: Path) -> str | None:
 
 
 def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: np.ndarray) -> None:
-    """The table for people."""
+    """Print the wave statistics of all gauges as a table, with notes."""
     rows = [[name, *(table_cell(getattr(sea, key)) for key in WAVE_COLUMNS.values())] for name, sea in found.items()]
     heads = [f"{head} [{key.split('_')[-1]}]" if "_" in key else head for head, key in WAVE_COLUMNS.items()]
     console.table(f"{path}: {len(time)} samples from {time[0]:.12g} to {time[-1]:.12g} s", ["gauge", *heads], rows)
@@ -240,7 +240,7 @@ def print_waves(found: dict[str, Sea], path: Path, treatment: Treatment, time: n
 
 
 def sampling_facts(errors: list[float]) -> list[str]:
-    """Sentences on the sampling error of records as long as these; none for regular waves."""
+    """Sentence, in a list, on the sampling error of significant wave height; empty for regular waves."""
     irregular = sorted(error for error in errors if error < REGULAR_ERROR)
     if not irregular:
         return []
@@ -249,7 +249,7 @@ def sampling_facts(errors: list[float]) -> list[str]:
 
 
 def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
-    """Sentences on measures for which a record is too short."""
+    """Sentences on statistics for which a record is too short."""
     if not sea.waves:
         if sea.hm0_m and treatment.hysteresis:
             return [f"the record holds no wave that goes {treatment.hysteresis:g} m below and above zero"]
@@ -266,19 +266,19 @@ def record_shortcomings(sea: Sea, treatment: Treatment) -> list[str]:
 
 
 def table_cell(value: float | None) -> str:
-    """A number of the table; one that could not be measured is a dash."""
+    """A number as the text of a table cell; a dash for None."""
     return "-" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.4g}"
 
 
 def write_seas(path: Path, found: dict[str, Sea], notes: Mapping[str, str]) -> None:
-    """A row a gauge, under comment lines with notes."""
+    """Write a CSV file with a row of wave statistics per gauge, and notes as comment lines."""
     numbers = {name: [getattr(sea, key) for key in WAVE_COLUMNS.values()] for name, sea in found.items()}
     rows = [[name, *("" if value is None else f"{value:.9g}" for value in own)] for name, own in numbers.items()]
     csv_file.write_table(path, ["gauge", *WAVE_COLUMNS.values()], rows, **notes)
 
 
 def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
-    """Arrays (n,) under their names."""
+    """Write arrays (n,) as named columns of a CSV file."""
     csv_file.write_table(path, columns, ([f"{value:.9g}" for value in row] for row in zip(*columns.values())))
 
 
@@ -289,7 +289,7 @@ def draw_waves(
     frequency: np.ndarray,
     densities: dict[str, np.ndarray],
 ) -> None:
-    """Records above, spectra below."""
+    """Draw the elevation records [m] over their spectra [m2 s] into a PNG file."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -312,7 +312,7 @@ def draw_waves(
 
 
 def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
-    """A row a particle, the highest first."""
+    """Table rows of particle orbits, as text, the highest particle first."""
     return [
         [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])

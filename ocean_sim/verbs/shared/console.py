@@ -27,8 +27,7 @@ NAMED_OUTPUT = file_named_in_errors("standard output")
 
 
 class Outlet(FileIO):
-    """A standard stream that discards output once its reader is gone (as with `| head`), so that the command goes
-    on."""
+    """A standard stream that discards output once its reader is gone (as with `| head`): the command goes on."""
 
     over: ClassVar = False  # the command has ended, and what went wrong is told
 
@@ -46,8 +45,7 @@ class Stopped(Failed):
 
 
 class Anew(BaseException):
-    """Request to start the command again with another kernel library; not an Exception, so that no handler catches
-    it."""
+    """Request to start the command again with another kernel library; no Exception, so that no handler catches it."""
 
     def __init__(self, library: str) -> None:
         super().__init__(library)
@@ -158,7 +156,7 @@ def claim(out: Path, *ours: str) -> Claim:
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
-    """True if a picture was drawn, by `draw(*about)`; without the extra `pictures` say once that it is missing."""
+    """Call `draw(*about)` and return True; without the extra `pictures` print once that it is missing."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)

@@ -1,1 +1,1 @@
-"""Files that the program reads and writes: tables, arrays, whole or not at all."""
+"""Reading of input files and atomic writing of output files: tables, arrays, YAML, meshes."""

@@ -1,4 +1,4 @@
-"""Cache of arrays that are slow to make, by the hash of their input and of the sources that made them."""
+"""Cache for arrays that are slow to compute, keyed by the hash of their input and of the source files."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""CSV files: the only module that parses them; tables that are written at once.
+"""The parser of all CSV files, and atomic writing of tables.
 
 Lines that begin with # are comments, some of them `key: value`; empty lines are skipped. The first line that is
 left names the columns, and every further line is a row; a cell may stand in double quotes. An empty cell is NaN in a

@@ -1,9 +1,9 @@
-"""Meshes for other programs, one format each.
+"""Writers of mesh files for other programs: PLY, glTF and VTKHDF.
 
-PLY, binary (Turk 1994, the Stanford triangle format), of meshes and of points, with fields of the points as
-properties of their own names: readers take those that they know. glTF 2.0, binary (Khronos 2021), of meshes that move:
-nodes that are turned and put, and surfaces that change shape by morph targets, one a moment; y is up, metres and
-seconds, as the format has it. VTKHDF 2.2, poly data (ParaView 5.12 or newer), of points with cells at several moments.
+PLY, binary (Turk 1994, the Stanford triangle format): meshes or points, with fields of the points as properties of
+their own names; readers ignore those that they do not know. glTF 2.0, binary (Khronos 2021): moving meshes, with nodes
+that are rotated and translated, and surfaces that change shape by one morph target per moment; y is up, in metres and
+seconds, as the format prescribes. VTKHDF 2.2, poly data (ParaView 5.12 or newer): points with cells at several moments.
 """
 
 import json
@@ -100,8 +100,8 @@ class Glb:
     def mesh(
         self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
     ) -> int:
-        """Add a mesh of points (n, 3) [m] and triangles and return its node's index; `colour`: linear RGB (3,) or (n,
-        3), `moved`: points (k, n, 3) at every moment."""
+        """Add a mesh of points (n, 3) [m] and triangles (m, 3), moved to `moved` (k, n, 3) at the k moments if given,
+        in linear RGB `colour` (3,) or (n, 3), and return its node's index."""
         traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
         base = [1.0, 1.0, 1.0, 1.0]
         if colour.ndim == 2:
@@ -178,8 +178,7 @@ class Series:
         self.fields: list[str] = []
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
-        """Append a moment [s]: points (n, 3) [m], cells (m, corners) as point indices, fields (n, ...) of the
-        points."""
+        """Append a moment [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...)."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
         require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
         before = len(self.root["Points"]) if self.times else 0

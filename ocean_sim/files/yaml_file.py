@@ -1,4 +1,4 @@
-"""YAML 1.2 with locations: the only module that reads it. Every value knows where it was written."""
+"""The parser of all YAML files (YAML 1.2); every value keeps its location in the text."""
 
 import json
 import re

@@ -1,6 +1,7 @@
-"""Composition of a user's layers into one tree: a part, under the scene, under the profile, under `--set`.
+"""Merge the layers of a scene into one tree: presets of parts, the scene, the profile and `--set`, later ones over
+earlier ones.
 
-A place is where a part stands: a slot, as `wind`, or one of several ships, as `ships.tug`.
+A place names a part: its slot, as `wind`, or one of several ships, as `ships.tug`.
 """
 
 import re
@@ -40,7 +41,7 @@ NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """The content of a slot: a kind or a preset, and the keys written over it."""
+    """The kind or preset chosen for a slot, and the user's own keys written over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -56,7 +57,7 @@ class Choice:
 
 @dataclass
 class Composition:
-    """The tree of a scene while layers are laid over it, with the problems and notes found on the way."""
+    """The tree of a scene while its layers are merged, with the problems and notes found so far."""
 
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
@@ -143,7 +144,7 @@ class Composition:
             self.root = self.put(self.root, path, (), value)
 
     def without_dot(self, word: str) -> str | None:
-        """The dotted key meant by a word without its dot (`fluid_spacing`: `fluid.spacing`), or None."""
+        """The key meant by a word without its dot, as `fluid.spacing` by `fluid_spacing`; None if it is none."""
         for place, choice in self.slots.items():
             key = word.removeprefix(place).lstrip("_")
             if choice is None or not word.startswith(place):
@@ -188,8 +189,7 @@ class Composition:
             self.slots[place] = Choice(below.base, whole.with_data(own))
 
     def put(self, node: Node, path: tuple[str, ...], above: tuple[str, ...], value: Node) -> Node:
-        """Copy of `node` with the value at `path` replaced, missing mappings created; `above`: path of `node`
-        itself."""
+        """Copy of `node` with the value at `path` set, missing mappings created; `above`: path of `node`."""
         if not path:
             return value
         step, data = path[0], node.data

@@ -1,4 +1,4 @@
-"""Warnings of keys without effect (another key or part is missing, zero or overrides them) and of likely radians.
+"""Warnings of keys without effect, as another key or part is missing, zero or in their place, or angles in radians.
 
 A key counts as given where its value is not its default.
 """

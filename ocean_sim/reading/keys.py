@@ -50,7 +50,7 @@ EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an exampl
 
 
 class Key(NamedTuple):
-    """One key of a scene."""
+    """One key of a scene: its path, and facts for the reference and `explain`."""
 
     path: str
     takes: str
@@ -206,7 +206,7 @@ def words_of(node: dict[str, Any]) -> list[str]:
 
 
 def example_path(path: str) -> str:
-    """A path as `--set` takes it: without the kind, the first entry of a list."""
+    """The path as written after `--set`: without the kind of the part, and with 0 for the entry of a list."""
     words = path.split(".")
     if words[0] in SLOTS:
         words = [words[0], *words[2:]]

@@ -1,4 +1,4 @@
-"""A scene: the text of a user, composed, checked and frozen."""
+"""Load a scene: merge the layers of its text, check them and return an immutable SceneConfig."""
 
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -64,7 +64,7 @@ WORD_BYTES = {"f32": 4, "f64": 8}  # bytes of a number
 
 
 class SceneConfig(Heading):
-    """A whole scene, checked: every part's Config as its user wrote it, and the observers in their order."""
+    """A checked scene: every part's Config as the user wrote it, and the observers in their running order."""
 
     basin: basin.Config
     sea: SeaConfig | None = None
@@ -214,7 +214,7 @@ def scene_path(source: str | Path) -> Path:
 
 
 def packaged_scenes() -> list[str]:
-    """The names of the scenes that come with the program."""
+    """Names of the scenes that are installed with the program, such as `showcase`."""
     folder = library("scenes")
     return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
 

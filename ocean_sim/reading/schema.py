@@ -1,4 +1,4 @@
-"""The JSON Schema of a scene, made from the models of all kinds, for editors that complete and check as one types."""
+"""The JSON Schema of a scene, generated from the Configs of all kinds, by which editors complete and check files."""
 
 import ast
 import json

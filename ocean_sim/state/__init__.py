@@ -1,1 +1,1 @@
-"""Checkpoints: the whole state of a run as plain data and arrays."""
+"""Checkpoints: the whole state of a run saved as plain data and arrays, and restored."""

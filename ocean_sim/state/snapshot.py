@@ -66,7 +66,7 @@ class FileShortened(Mismatch):
 
 
 def saved_attributes(value: Any) -> dict[str, Any]:
-    """Attributes of an object that are saved, by name: not `left_out`, cached or of the kernel library."""
+    """Attributes of an object that are saved, by name: those neither `left_out`, cached nor of the kernel library."""
     out = value.left_out if isinstance(value, PartlySaved) else ()
     kept = {name: inner for name, inner in vars(value).items() if name not in out and not is_computed(value, name)}
     return {name: inner for name, inner in kept.items() if not is_library_attribute(name, inner)}

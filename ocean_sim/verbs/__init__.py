@@ -1,1 +1,1 @@
-"""Verbs of the command line; no physics."""
+"""Commands of `ocean-sim`, without physics."""

@@ -1,4 +1,4 @@
-"""`ocean-sim doctor`: what this machine can do; whatever may crash is tried in a child process."""
+"""`ocean-sim doctor`: capabilities of this machine, each that may crash tested in a child process."""
 
 import json
 import os

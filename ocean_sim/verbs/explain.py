@@ -1,4 +1,4 @@
-"""`ocean-sim explain`: meaning, unit, default and range of a key of a scene, and how to set it."""
+"""`ocean-sim explain`: meaning, unit, default and range of a key of a scene, with an example of its setting."""
 
 import shlex
 from typing import Annotated, Any

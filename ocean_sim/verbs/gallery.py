@@ -1,5 +1,5 @@
-"""`ocean-sim gallery`: the pictures of the README, made again by the commands that it prints, and which of them are
-older than what draws them or than the laws that they show."""
+"""`ocean-sim gallery`: redraw the pictures of the README by their stated commands, and list those that are older than
+the code or laws they show."""
 
 import ast
 import hashlib

@@ -1,4 +1,5 @@
-"""`ocean-sim hull`: is this a ship: watertight, volume, draught, stability, natural periods, and a picture."""
+"""`ocean-sim hull`: properties of a hull: watertightness, volume, draught, stability, natural periods, and a
+picture."""
 
 from dataclasses import replace
 from math import isinf
@@ -246,7 +247,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """Answer of `hull` as JSON data, and notes as sentences."""
+    """Answer of `hull` as JSON data, with notes and problems; and the notes alone, as sentences."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights
@@ -369,8 +370,7 @@ def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[s
 
 
 def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
-    """Draught, metacentric heights, trim, levers, criteria and periods of a floating ship; `cross`: cross curves
-    too."""
+    """Draught, GM, trim, levers, criteria and periods of a floating ship; `cross`: with cross curves."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
     from ocean_sim.ship.naval.stability import CROSS_HEELS

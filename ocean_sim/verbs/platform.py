@@ -1,4 +1,5 @@
-"""`ocean-sim platform`: from a motion log to a motion platform, as a run does it; metrics, pictures, a live replay."""
+"""`ocean-sim platform`: motion platform commands from a motion log, as in a run, with metrics, pictures, live
+replay."""
 
 from collections.abc import Sequence
 from contextlib import closing

@@ -1,4 +1,4 @@
-"""`ocean-sim resume`: a run goes on from its last checkpoint as if nothing had happened."""
+"""`ocean-sim resume`: continue a run from its last checkpoint, with the same results as without the break."""
 
 import json
 from pathlib import Path

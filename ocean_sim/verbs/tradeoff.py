@@ -1,4 +1,4 @@
-"""`ocean-sim tradeoff`: the cost of a setting, and the accuracy it gives."""
+"""`ocean-sim tradeoff`: computing cost and accuracy of settings, compared."""
 
 import shutil
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Options, messages and progress that verbs share; none of it is a kind that a scene may name."""
+"""Options, messages and progress shared by the commands."""

@@ -1,4 +1,4 @@
-"""Progress of long work, as of studies: a bar on a terminal, plain lines elsewhere."""
+"""Progress of long tasks such as studies and films: a bar on a terminal, plain lines elsewhere."""
 
 import sys
 from time import perf_counter

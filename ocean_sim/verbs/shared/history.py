@@ -1,4 +1,4 @@
-"""Earlier speeds on this machine, in the user's cache: of `bench`, and of the last run of each kind of water."""
+"""Earlier speeds on this machine, in the user's cache: of `bench`, and of the last run for each kind of water."""
 
 import json
 import platform

@@ -44,7 +44,7 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
 
 
 def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
-    """Slice of the rows of `seconds` in a row during which the legs move most."""
+    """Slice of rows, `seconds` long, during which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
     first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
@@ -70,7 +70,8 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
 
 
 def draw_motion(done: Commands) -> Any:
-    """Figure of pose, specific force and rates over time, with the scaled ship motion, and shading where limited."""
+    """Matplotlib figure of pose, specific force and rates over time, dashed the scaled ship motion, shaded where
+    limited."""
     picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
@@ -100,7 +101,7 @@ def label_axes(axis: Any, title: str, columns: int) -> None:
 
 
 def draw_legs(done: Commands, geometry: Any) -> Any:
-    """Figure of leg lengths [m] and speeds [m/s] over time, with their limits."""
+    """Matplotlib figure of leg lengths [m] and speeds [m/s] over time, with their limits."""
     picture, axes = new_figure(2, 1, (10, 6.5), sharex=True)
     ends = (geometry.shortest + geometry.buffer, geometry.longest - geometry.buffer)
     speeds = (-geometry.leg_speed, geometry.leg_speed)
@@ -119,7 +120,7 @@ def draw_legs(done: Commands, geometry: Any) -> Any:
 
 
 def draw_workspace(done: Commands, machine: Moving) -> Any:
-    """Figure of the workspace for pairs of motions while the other four are neutral, with the path of the ride."""
+    """Matplotlib figure of the reach in pairs of motions, the other four neutral, with the path of the ride."""
     picture, axes = new_figure(2, 3, (14, 8.5))
     pose = in_degrees(done.pose)
     for axis, (one, other) in zip(axes.flat, WORKSPACE_PAIRS):
@@ -141,8 +142,8 @@ def draw_workspace(done: Commands, machine: Moving) -> Any:
 
 
 def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values [m, deg] of two motions on a grid that holds their common reach, and the part of the stroke used, each (n,
-    n); 2 marks singular poses."""
+    """Grids of two motions [m, deg] that hold their common reach, and of the part of the stroke used there, all of one
+    shape; 2 marks singular poses."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
@@ -161,7 +162,7 @@ def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np
 
 
 def draw_strips(hexapod: Hexapod) -> Any:
-    """Draw Figure 6-10 of the thesis: the hexapod through one swing of pitch, roll and yaw."""
+    """Matplotlib figure of Figure 6-10 of the thesis: the hexapod in one swing each of pitch, roll and yaw."""
     picture, axes = new_figure(3, 1, (12, 9))
     apart, height = 2.6 * float(np.abs(hexapod.base).max()), hexapod.neutral_height
     for axis, (name, motion) in zip(axes[:, 0], STRIP_ROWS):

@@ -42,7 +42,7 @@ class ClusterMissing(Lacking):
 
 
 def run_address(order: dict[str, Any]) -> str:
-    """The name of an order's folder: its content's and the package's hash."""
+    """Folder name of an order: the hash of its content, without MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
         json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
@@ -121,7 +121,7 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """The answer for a run that left none."""
+    """Answer in place of a run that left none: the outcome `failed`, its reason, and wall time [s]."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 

@@ -46,7 +46,7 @@ def kernel_cache() -> Path:
 
 
 def memory_limit() -> int:
-    """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
+    """Memory [bytes] of this machine, or less where a limit of this process or of its container is lower."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]
     for file in CGROUP_LIMIT_FILES:
         with suppress(OSError, ValueError):  # there is no such bound
@@ -81,7 +81,7 @@ def processor_facts() -> dict[str, str]:
 
 
 def max_vector_width() -> int | None:
-    """Largest number of f32 lanes of the processor; None where it does not tell."""
+    """Largest number of f32 lanes of the processor's vectors; None if unknown."""
     flags = processor_facts().get("flags", "").split()
     return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
 
@@ -105,7 +105,7 @@ def missing_extra(extra: str) -> str | None:
 
 
 def extra_with(module: str) -> str | None:
-    """The extra that brings a module."""
+    """Optional extra of this package (as in `pip install '.[extra]'`) that brings a module; None if none does."""
     package = {"vtkmodules": "vtk", "imageio_ffmpeg": "imageio-ffmpeg", "dask": "distributed"}.get(module, module)
     return next((extra for extra, packages in EXTRA_PACKAGES.items() if package in packages), None)
 
@@ -119,7 +119,7 @@ def source_hashes() -> dict[str, str]:
 
 
 def program_hash() -> str:
-    """The hash of all of them."""
+    """One hash of all files of this program that its numbers depend on."""
     return hashlib.sha256("".join(f"{name} {each}\n" for name, each in source_hashes().items()).encode()).hexdigest()
 
 
@@ -130,8 +130,8 @@ def request_stop(*_: object) -> None:
 
 
 def stop_if_asked() -> None:
-    """Raises KeyboardInterrupt where a `stoppable` process has lost one: Taichi swallows exceptions raised while it
-    inspects a kernel."""
+    """Raise KeyboardInterrupt if a `stoppable` process was asked to end but goes on: Taichi swallows exceptions raised
+    while it inspects a kernel."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 

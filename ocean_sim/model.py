@@ -17,7 +17,7 @@ def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
 
 
 def in_brackets(unit: str | None) -> str:
-    """A unit after what has it: ` [m/s]`; nothing where there is none."""
+    """Unit in brackets, to stand after a quantity: ` [m/s]`; empty without a unit."""
     return f" [{unit}]" if unit not in (None, "", "1") else ""
 
 

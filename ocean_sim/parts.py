@@ -73,17 +73,17 @@ def preset(slot: str, name: str) -> dict[str, Any]:
 
 
 def key_of(ship: str) -> str:
-    """The place of a ship in a scene."""
+    """Key of a ship in a scene: `ship` for the only one, `ships.<name>` for one of several."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
 
 
 def slot_of(place: str) -> str:
-    """The slot whose kinds may stand in a place: a slot itself, or the place of one of several ships."""
+    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, else the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
 def called(ship: str) -> str:
-    """A ship in a sentence."""
+    """Name of a ship in messages: `the ship` if she is the only one."""
     return "the ship" if ship == ALONE else ship
 
 
@@ -104,15 +104,16 @@ class PartConfig(Model):
     """
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of these keys in this basin, whatever the other parts are: they may be wrong themselves."""
+        """Faults (key, sentence) of these keys in this basin, regardless of other parts, which may be wrong
+        themselves."""
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults of these keys next to the other parts; asked where no part has a problem of its own."""
+        """Faults (key, sentence) of these keys together with other parts; asked if no part has a problem of its own."""
         return []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Sentences that a reader of the results should know."""
+        """Warnings that a reader of the results should know, a sentence each."""
         return []
 
     @abstractmethod
@@ -146,16 +147,16 @@ class SeaConfig(KindConfig):
     @property
     @abstractmethod
     def significant_height(self) -> float:
-        """[m]; 0 in calm water."""
+        """Significant wave height [m]; 0 in calm water."""
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """Settings of its nonlinearity; None: it is the sum of its plane waves."""
+        """Settings of a nonlinear sea; None for a linear one, which is the sum of its plane waves."""
         return None
 
     @abstractmethod
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        """The sea by linear theory, before it is fitted to the patch; None in calm water."""
+        """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
     def problems(self, preflight: Preflight) -> Problems:
         tank, found = preflight.tank, Problems()
@@ -174,7 +175,7 @@ class SeaConfig(KindConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Keep the parts of it that the water needs."""
+        """No rows by default."""
         return []
 
 
@@ -188,17 +189,17 @@ class WindConfig(KindConfig):
 
     @property
     def acts_on(self) -> Sequence[Target]:
-        """Targets that feel it; the others are in still air."""
+        """Targets on which the wind acts; the others are in still air."""
         return ("fluid", "ship")
 
     @property
     def needs_area(self) -> bool:
-        """True if its force on the water reads the exposed area of particles; where not, finding that is spared."""
+        """True if the wind's force on the water needs the exposed area of particles, which is else not computed."""
         return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """True if its force on the water reads how the surface bends, too; zero where not."""
+        """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
         return False
 
     @property
@@ -208,16 +209,16 @@ class WindConfig(KindConfig):
 
     @property
     def is_random(self) -> bool:
-        """True if it draws numbers by the seed of the scene."""
+        """True if the wind draws random numbers from the seed of the scene."""
         return False
 
     @property
     def strongest(self) -> float:
-        """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
+        """Highest wind speed [m/s] 10 m above the water that the keys state; 0 where they state none."""
         return 0.0
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Name the ships that it does not act on. A kind whose `targets` the user chooses says nothing of them."""
+        """Warning that names the ships if the wind does not act on them. A kind with a key `targets` gives none."""
         if "ship" in self.acts_on or not preflight.ships:
             return []
         ships = " and ".join(map(called, preflight.ships))
@@ -255,7 +256,7 @@ class FluidConfig(KindConfig):
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
-        """The most particles, about, that it can count with their neighbours; 0 where there are none."""
+        """Largest number of particles, roughly, that can be counted with their neighbours; 0 for water without any."""
         return 0
 
     def ratio(self, basin: Basin) -> float:
@@ -268,7 +269,7 @@ class FluidConfig(KindConfig):
         return None
 
     def sound_speed(self, basin: Basin) -> float:
-        """c [m/s]; 0 where nothing is compressed."""
+        """Speed of sound c [m/s]; 0 where nothing is compressed."""
         return 0.0
 
     @property
@@ -278,15 +279,15 @@ class FluidConfig(KindConfig):
 
     @property
     def compression_asked(self) -> float:
-        """Compression that the user asks for or allows; 0 where none is given."""
+        """Compression (relative rise of the density) that the user asks for or allows; 0 where none is given."""
         return 0.0
 
     def settling(self, preflight: Preflight) -> float:
-        """Distance that its surface settles before the first step, under the weight of the water [m]."""
+        """Distance [m] that the surface settles before the first step, under the weight of the water."""
         return 0.0
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]; by default that of a free fall over the depth."""
+        """Reference speed [m/s]; by default sqrt(gravity x depth), that of long waves."""
         return (hypot(*basin.gravity) * basin.depth) ** 0.5
 
     @property
@@ -296,14 +297,14 @@ class FluidConfig(KindConfig):
 
     @property
     def driven(self) -> bool:
-        """True if new water or a force of its own may give it energy."""
+        """True if inflow or a body force may give energy to the water."""
         return False
 
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Viscosity [m2/s] that the scheme adds to waves of a length and height [m], as it was measured; 0 where it was
-        not."""
+        """Numerical viscosity [m2/s] of the scheme for waves of a length and height [m], from measurements; 0 without
+        any."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -319,7 +320,7 @@ class FluidConfig(KindConfig):
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
+        """Memory [bytes] of a window of plane waves, with `size` nodes and `levels`; 0 for water of particles."""
         return 0
 
     @abstractmethod
@@ -331,12 +332,12 @@ class FluidConfig(KindConfig):
         """Build the water. `accounts`: it sums the impulse and work of each term; `wind`: as the water feels it."""
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if it sums impulse and work of each term; `read`: whether `accuracy` reads them."""
+        """True if the water sums impulse and work of each force; `read`: whether `accuracy` reads them."""
         return read
 
 
 class SurfaceConfig(KindConfig):
-    """Keys of any surface. It follows particles."""
+    """Keys of any surface, which follows particles."""
 
     def completed(self, preflight: Preflight) -> Self:
         """Copy in which keys that the user left open follow from the water."""
@@ -358,19 +359,19 @@ class ShipConfig(KindConfig):
     points: dict[str, tuple[float, float, float]] = {}
 
     def solid(self, preflight: Preflight) -> Solid | None:
-        """The solid that the water is built around; None where it passes through her."""
+        """Solid body of the ship, around which the water is built; None where water passes through her."""
         return None
 
     def look(self, preflight: Preflight) -> Look | None:
-        """The data that a picture needs besides her triangles; None where she has no shape."""
+        """Data that a picture of the ship needs besides her triangles; None where she has no shape."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """Her displacement, draught and stability in still water; None where no hull states them."""
+        """Displacement, draught and stability of the ship in still water; None where no hull states them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
-        """The room that she takes at the beginning; None where she has no shape."""
+        """Plan-view outline and height range of the ship at the start; None where she has no shape."""
         return None
 
     @abstractmethod
@@ -384,7 +385,7 @@ class PlatformConfig(KindConfig):
     """The name of the ship that it rides in; null: the first by name."""
 
     def ridden(self, ships: Sequence[str]) -> str:
-        """The one of these ships that it rides in."""
+        """Name of the ship, among these, that carries the platform."""
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Problems:
@@ -405,7 +406,7 @@ class TimeStepConfig(KindConfig):
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
-        """Advice after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
+        """Advice after a run has diverged: the limit that sets the time step is `limit`, of `shortest` [s]."""
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
@@ -441,18 +442,18 @@ class Preflight:
 
     @cached_property
     def surface(self) -> SurfaceConfig | None:
-        """The surface, completed."""
+        """Keys of the surface, completed with those that the user left open; None without a surface."""
         surface = cast(SurfaceConfig | None, self.parts.get("surface"))
         return surface.completed(self) if surface is not None else None
 
     @cached_property
     def ships(self) -> dict[str, ShipConfig]:
-        """Ships by name."""
+        """Keys of each ship, by her name."""
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
     def unknown_ship(self, name: str) -> Problems:
-        """Faults of the name of a ship under the key `ship` of another part."""
+        """The fault of a part's key `ship` if it names no ship of this scene; empty if it does."""
         if name in self.ships:
             return []
         there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
@@ -464,7 +465,7 @@ class Preflight:
 
     @cached_property
     def untouched(self) -> Lattice | None:
-        """The lattice of the water before anything afloat makes room for itself; None without particles."""
+        """Lattice of the water without floating bodies; None without particles."""
         return self.fluid.lattice(self.tank)
 
     @cached_property
@@ -499,7 +500,7 @@ class Preflight:
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """Solids that float in the water and make room for themselves, by the name of the ship."""
+        """Solid bodies of ships around which the water is built, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -538,22 +539,22 @@ class Scene(Protocol):
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:
-    """The Config class of a kind; the kind exists once its module is imported."""
+    """Config class of a kind; imports the module of the kind."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 
 @cache
 def from_coarse(slot: str) -> tuple[str, ...]:
-    """The kinds of a slot from the coarsest to the finest; it imports them all."""
+    """Kinds of a slot from the coarsest to the finest; imports them all."""
     return tuple(sorted(kinds(slot), key=lambda kind: config_of(slot, kind).fineness))
 
 
 @cache
 def compared(slot: str) -> tuple[str, ...]:
-    """The kinds of a slot that studies compare, from the coarsest to the finest; it imports all kinds."""
+    """Kinds of a slot that studies compare, from the coarsest to the finest; imports all kinds."""
     return tuple(kind for kind in from_coarse(slot) if config_of(slot, kind).compared)
 
 
 def water_schemes() -> tuple[tuple[str, type[FluidConfig]], ...]:
-    """Every kind of water and its Config."""
+    """Every kind of water and its Config class."""
     return tuple((kind, cast(type[FluidConfig], config_of("fluid", kind))) for kind in kinds("fluid"))

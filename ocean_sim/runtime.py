@@ -149,7 +149,7 @@ class Taken(NamedTuple):
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Launch of a kernel that has just run with these arguments; None for kinds of arguments that only Taichi knows."""
+    """Launch of a kernel that has just run with these arguments; None if only Taichi can pass such arguments."""
     takes, slots = [], 0
     if primal.return_type is not None or primal.has_print:
         return None
@@ -179,7 +179,7 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
 
 @in_kernels
 class FieldCopy:
-    """Copies of a scalar field, many times as fast as Taichi's own."""
+    """Copies a scalar field to NumPy, many times as fast as Taichi's own method."""
 
     def __init__(self, field: Any) -> None:
         self.field = field
@@ -221,7 +221,7 @@ class RuntimeConfig(Model):
 
 @dataclass(frozen=True)
 class Backend:
-    """Backend that was obtained: its name, its threads, and the precision."""
+    """Taichi backend that was obtained: its name, threads (0 on a GPU), and precision."""
 
     arch: str
     threads: int

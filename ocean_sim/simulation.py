@@ -45,7 +45,7 @@ class OutcomeObserver(Observer):
     """Observer that states how a run ended. It is closed after the others, which may fail to close."""
 
     def amend(self) -> None:
-        """State the outcome once more: an observer that was closed later has failed."""
+        """Write the outcome once more, since an observer that was closed later has failed."""
 
 
 class ObserverConfig(PartConfig):
@@ -82,12 +82,12 @@ class ObserverConfig(PartConfig):
         return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Bytes of each particle in its ledger."""
+        """Memory [bytes] for each particle that the ledger of this observer contains."""
         return 0
 
     @abstractmethod
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
-        """`folder`: that of the run, which one that writes nothing does not touch."""
+        """Build the observer. `folder`: the run folder, which observers that write nothing leave alone."""
 
 
 class PeriodicConfig(ObserverConfig):
@@ -167,7 +167,7 @@ class Simulation:
         return limits
 
     def step(self) -> None:
-        """Algorithm 8 of the thesis; rendering and logging are done by observers."""
+        """Advance by one time step (Algorithm 8 of the thesis); rendering and logging are done by observers."""
         runtime.require_running(self.backend)
         if self.fields.freed:
             raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")

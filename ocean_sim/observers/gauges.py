@@ -132,12 +132,12 @@ class Config(PeriodicConfig):
 
     @property
     def riding_gauges(self) -> list[Key]:
-        """Keys of the gauges that ride."""
+        """Keys of the gauges that ride with ships or patch, as ("elevation", name) or ("pressure", name)."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
     def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Gauges that cannot read in this basin, and why not."""
+        """Faults (key, sentence) of gauges that cannot read in this basin: misplaced, or with an impossible face."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
@@ -189,7 +189,7 @@ def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | N
 
 
 def face_problem(sensor: Sensor, basin: Basin) -> str | None:
-    """The reason that a sensor cannot have such a face, or None; its middle must be in the basin."""
+    """The reason that a sensor, whose middle is in the basin, cannot have the face of its keys, or None."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -216,7 +216,7 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Lowering of the surface by the water's own weight, for the heading of the table; empty if there is none."""
+    """Line of the table's heading on the lowering of the surface by the water's own weight; empty if there is none."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"

@@ -68,7 +68,7 @@ class Timings(Observer):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Mark the end of the first step, where means begin."""
+        """Record start and end of the first step, after which means begin; `now`: wall time [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)

@@ -62,7 +62,7 @@ FUNCTIONS = {  # of verbs that do not share its name with their module
 
 
 def command_of(name: str) -> Any:
-    """The command of a verb with its options, for which its module is imported."""
+    """Typer command of a verb with its options; imports the module of the verb."""
     module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -148,7 +148,7 @@ def answered(arguments: list[str]) -> int:
 
 
 def must_be_somewhere() -> None:
-    """Raises Refused where the folder that names of files start from has been removed."""
+    """Raise Refused if the working directory, from which file names start, has been removed."""
     try:
         os.getcwd()
     except FileNotFoundError:

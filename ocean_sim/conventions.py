@@ -80,17 +80,17 @@ FRAMES = {
 
 
 def to_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions from our axes to those of a frame."""
+    """(..., 3) vectors, rates or vector parts of quaternions, turned from this program's axes to those of `frame`."""
     return np.asarray(vectors) @ FRAMES[frame].T
 
 
 def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions from the axes of a frame to ours."""
+    """(..., 3) vectors, rates or vector parts of quaternions, turned from the axes of `frame` to this program's."""
     return np.asarray(vectors) @ FRAMES[frame]
 
 
 def figures(value: float, count: int = 4) -> str:
-    """A number of so many significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
+    """Text of a number with `count` significant figures, without exponent unless very small or large; never -0."""
     short = f"{value:.{count}g}"
     if abs(value) >= 1e15 or 0.0 < abs(value) < 1e-2:
         return short
@@ -155,7 +155,7 @@ class Lacking(Failed):
 
 
 def in_words(failure: BaseException) -> str:
-    """Sentence on the reason of a failure; of an OSError with the file's name."""
+    """Sentence for people on the reason of a failure; that of an OSError names the file."""
     if isinstance(failure, Failed):
         return failure.sentence
     if isinstance(failure, OSError):

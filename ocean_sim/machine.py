@@ -65,7 +65,7 @@ def available_memory() -> int:
 
 
 def resource_limit(name: str) -> int:
-    """Limit of the system on this process, by the name in `resource`; sys.maxsize where there is none."""
+    """Limit of the system on this process, by a name of module `resource`, as RLIMIT_AS; sys.maxsize if unlimited."""
     limit = resource.getrlimit(getattr(resource, name))[0]
     return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
@@ -124,7 +124,7 @@ def program_hash() -> str:
 
 
 def request_stop(*_: object) -> None:
-    """Handler of a signal in a `stoppable` process."""
+    """Signal handler of a `stoppable` process: note the request to end, and raise KeyboardInterrupt."""
     stop_requested.set()
     raise KeyboardInterrupt
 
@@ -158,8 +158,8 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """The standard input for a child that is to `exit_with_parent`: nothing is ever written to it, and it breaks when
-    this process ends, however that comes."""
+    """File descriptor of the standard input for a child that calls `exit_with_parent`: a pipe that carries nothing, and
+    breaks when this process ends for whatever reason."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -169,8 +169,8 @@ def parent_pipe() -> Iterator[int]:
 
 
 def kill_session(child: subprocess.Popen[str]) -> None:
-    """End a child that leads a session of its own, and every process that it has started, and wait for them: one that
-    is ended may still be in the middle of making a file."""
+    """Kill a child that leads a session of its own, with every process that it has started, and wait until they have
+    ended: until then one may still be making a file."""
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -191,7 +191,7 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and those that it leads as soon as its standard input breaks: a `parent_pipe`, or another pipe
+    """End this process and its process group as soon as its standard input breaks: a `parent_pipe`, or another pipe
     that its parent holds. The event returned is set when the parent writes something."""
     spoken = threading.Event()
 
@@ -204,7 +204,7 @@ def exit_with_parent() -> threading.Event:
 
 
 def exit_after(wait: Callable[[], object]) -> None:
-    """End this process, and the processes that it leads, as soon as `wait` returns."""
+    """End this process, and its process group if it leads one, as soon as `wait` returns in another thread."""
 
     def end() -> None:
         wait()

@@ -12,7 +12,7 @@ class Model(BaseModel):
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
-    """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
+    """Pydantic field with a unit, which messages and the schema show; bounds are `gt`, `ge`, `lt`, `le` as there."""
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
 
 

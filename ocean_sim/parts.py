@@ -59,7 +59,7 @@ def kinds(slot: str) -> tuple[str, ...]:
 
 @cache
 def named(slot: str) -> tuple[str, ...]:
-    """The presets of this slot: the files of configs/<slot>/."""
+    """Names of the presets of this slot: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 
@@ -88,7 +88,7 @@ def called(ship: str) -> str:
 
 
 class LedgerRow(NamedTuple):
-    """One thing that a scene makes the program allocate or compile, and why."""
+    """Memory of one thing that a scene makes the program allocate or compile, and why."""
 
     part: str
     what: str
@@ -185,7 +185,7 @@ class WindConfig(KindConfig):
     @property
     @abstractmethod
     def stylised(self) -> bool:
-        """True if it is a stylised force field, not a physical stress."""
+        """True if the wind is a stylised force field, not a physical stress."""
 
     @property
     def acts_on(self) -> Sequence[Target]:
@@ -252,7 +252,7 @@ class FluidConfig(KindConfig):
     """True if it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 
     def lattice(self, basin: Basin) -> Lattice | None:
-        """The lattice that its particles start on; None for water in closed form."""
+        """Lattice on which the particles start; None for water in closed form."""
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
@@ -312,11 +312,11 @@ class FluidConfig(KindConfig):
         return []
 
     def notes(self, preflight: Preflight) -> list[str]:
-        """Sentences on effects that its model leaves out in this scene; they ask for no change."""
+        """Sentences on effects that the model of the water leaves out in this scene; they ask for no change."""
         return []
 
     def point_spacing(self, preflight: Preflight) -> float:
-        """Distance [m] of the points at which frames keep the height of the water, where a scene gives none."""
+        """Distance [m] of the points at which frames store the height of the water, unless the scene sets it."""
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
@@ -329,7 +329,7 @@ class FluidConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """Build the water. `accounts`: it sums the impulse and work of each term; `wind`: as the water feels it."""
+        """Build the water. `accounts`: it sums the impulse and work of each force; `wind`: the wind that acts on it."""
 
     def sums_impulses(self, read: bool) -> bool:
         """True if the water sums impulse and work of each force; `read`: whether `accuracy` reads them."""
@@ -340,7 +340,7 @@ class SurfaceConfig(KindConfig):
     """Keys of any surface, which follows particles."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """Copy in which keys that the user left open follow from the water."""
+        """Copy in which keys that the user left open are derived from the water."""
         return self
 
     @abstractmethod
@@ -417,9 +417,9 @@ class TimeStepConfig(KindConfig):
 
 @dataclass(frozen=True)
 class Preflight:
-    """The facts of a scene before anything is built, derived once and handed to every part that is asked.
+    """Facts of a scene before anything is built, derived once and given to the config of every part.
 
-    A part that could not be read is missing from it; asking for it raises KeyError.
+    A part that could not be read is missing in `parts`; a property that needs it raises KeyError.
     """
 
     parts: Mapping[str, PartConfig]  # by slot, or name of an observer
@@ -470,12 +470,12 @@ class Preflight:
 
     @cached_property
     def lattice(self) -> Lattice | None:
-        """The lattice that the particles start on; None without particles."""
+        """Lattice on which the particles start, around floating bodies; None without particles."""
         return self.fluid.lattice(self.basin) if self.solids else self.untouched
 
     @cached_property
     def particles(self) -> int:
-        """The greatest number of particles that there will be."""
+        """Greatest number of particles during the run; 0 without particles."""
         return self.lattice.n if self.lattice is not None else 0
 
     @cached_property
@@ -485,17 +485,17 @@ class Preflight:
 
     @property
     def sums_impulses(self) -> bool:
-        """True if the water sums impulse and work of each term."""
+        """True if the water sums impulse and work of each force."""
         return self.fluid.sums_impulses("accuracy" in self.parts)
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Periods of the water along each axis [m]; 0 where it does not repeat itself."""
+        """Periods [m] of the water along each axis; 0 along an axis that is not periodic."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property
     def support(self) -> float:
-        """Support radius, within which particles count around a point [m]; 0 without particles."""
+        """Support radius [m] of the smoothing kernel; 0 without particles."""
         return float(self.fluid.ratio(self.tank) * self.spacing) if self.spacing is not None else 0.0
 
     @cached_property
@@ -511,7 +511,7 @@ class Preflight:
 
 
 class Scene(Protocol):
-    """A checked scene, as the parts built from it and their observers know it."""
+    """Interface of a checked scene for the parts built from it and their observers."""
 
     title: str
     seed: int

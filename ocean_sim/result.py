@@ -25,7 +25,7 @@ PROGRESS_PARTS = 10  # parts of a run, and of its pictures, after which a line i
 
 
 class Result:
-    """A run folder: its tables as arrays by column, its manifest, its events."""
+    """Reader of a run folder: its tables as arrays by column, its manifest, its events."""
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
@@ -35,7 +35,7 @@ class Result:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """Facts of the run: the resolved scene, versions, backend, seed, hashes."""
+        """Content of manifest.json: the resolved scene, versions, backend, seed, hashes."""
         return input_file.read_json(self.folder / "manifest.json")
 
     @cached_property
@@ -77,7 +77,7 @@ class ProgressLines(Observer):
     drawn."""
 
     def __init__(self, duration: float) -> None:
-        """`duration` of the run [s]."""
+        """`duration`: simulated time [s] of the run."""
         self.duration, self.every = duration, duration / PROGRESS_PARTS
         self.first: tuple[float, float] | None = None  # simulated and wall time [s] when steps cost what they cost
         self.passed = self.drawn = 0  # tenths of the run, and of its pictures

@@ -198,7 +198,7 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
+    """Mean and root mean square [m] of the height of a surface over points (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
 

@@ -48,7 +48,7 @@ class Config(PeriodicConfig):
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def point_count(self, preflight: Preflight) -> int:
-        """Number of points at which a frame keeps the height of the water."""
+        """Number of points at which a frame stores the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:

@@ -55,7 +55,7 @@ class Sensor(Model):
     without turning."""
 
     def face_normal(self, basin: Basin) -> np.ndarray | None:
-        """(3,) unit normal of its face; None if nothing determines one."""
+        """(3,) unit normal of the sensor's face; None if neither `normal` nor a side or obstacle determines one."""
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
@@ -64,7 +64,7 @@ class Sensor(Model):
         return None if axis is None else np.eye(3)[axis]
 
     def face_points(self, basin: Basin) -> np.ndarray:
-        """(n, 3) points [m] whose mean pressure it reads: its middle alone without a diameter."""
+        """(n, 3) points [m] whose mean pressure the sensor reads; only its middle without a diameter."""
         middle, across = in_space(self.at), self.face_normal(basin)
         if not self.diameter or across is None:
             return middle[None]
@@ -164,7 +164,7 @@ class Config(PeriodicConfig):
 
 
 def riding_problem(preflight: Preflight) -> str | None:
-    """The reason that no gauge can ride in a scene, or None."""
+    """The reason that no gauge can ride with ships or a patch in a scene, or None."""
     if preflight.tank.sea is not None:
         return None
     if preflight.fluid.made_of_particles:
@@ -208,7 +208,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Place and face of a sensor that reads so many points, for the heading of the table."""
+    """Text on place and face of a sensor, which averages over `points`, for the heading of the table."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -239,7 +239,7 @@ def riding_centre(simulation: Simulation) -> np.ndarray:
 
 
 class Gauges(Observer):
-    """Writes gauges.csv, one column a gauge."""
+    """Writes gauges.csv: one column of elevation [m] or pressure [Pa] for each gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every

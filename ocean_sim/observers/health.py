@@ -105,7 +105,7 @@ class Health(OutcomeObserver):
         )
 
     def record_event(self, name: str, **facts: object) -> None:
-        """Write one line of events.jsonl."""
+        """Write an event with its facts as one line of events.jsonl."""
         if self.events is not None:
             simulation = self.simulation
             line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
@@ -157,7 +157,7 @@ class Health(OutcomeObserver):
                 self.unexplained_energy(self.balance, totals)
 
     def is_suspicious(self) -> bool:
-        """True if the fluid's own summary of the last step is out of bounds, as NaN is."""
+        """True if speed or density in the last step's summary is out of bounds or not a number."""
         status = self.simulation.fluid.status
         dense = self.is_too_dense(status.max_density) or self.has_no_density(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
@@ -235,7 +235,7 @@ class Health(OutcomeObserver):
             self.reported.append(name)
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
-        """Record that the value of a kind has changed, EVENT_INTERVAL after the last event of its kind or later."""
+        """Record an event if the value of a kind has changed, at most every EVENT_INTERVAL for each kind."""
         due = self.simulation.time >= self.event_times.get(kind, -EVENT_INTERVAL) + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
@@ -286,7 +286,7 @@ class Health(OutcomeObserver):
         )
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
-        """Energy of motion and height, and of compression [J]."""
+        """Energy [J] of motion and height together, and energy of compression."""
         return mechanical_energy(self.simulation, totals), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:

@@ -47,7 +47,7 @@ def log_name(ship: str) -> str:
 
 
 def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Columns of the motion log of a ship whose load has these parts."""
+    """Column names of the motion log of a ship whose load has these parts."""
     return (
         "time_s",
         "seq",

@@ -65,7 +65,7 @@ class Config(PeriodicConfig):
 
 
 class Preview(Observer):
-    """Numbered pictures in the folder preview/ of a run, drawn as in the window."""
+    """Writes numbered pictures into the folder preview/ of a run, drawn as in the window."""
 
     left_out = ("screen",)  # of its checkpoints
 
@@ -99,7 +99,7 @@ class Buffer:
     """Taichi field, of vectors or numbers, that the window reads; it grows as more values are put into it."""
 
     def __init__(self, length: int = 3) -> None:
-        """`length` of its vectors; 0: of whole numbers."""
+        """`length`: components of each vector; 0: a field of whole numbers."""
         self.length = length
         self.field: Any = None
 
@@ -269,7 +269,7 @@ class Screen:
         self.cursor = cursor
 
     def show(self) -> None:
-        """Put the picture on the screen; a hidden window has none."""
+        """Show the picture on the screen, unless the window is hidden."""
         if self.shown:
             self.window.show()
 

@@ -24,7 +24,7 @@ class Config(PeriodicConfig):
 
 
 class Mark(NamedTuple):
-    """Wall and simulated time, and the wall time of each stage so far [s]."""
+    """Clock values at one moment: wall and simulated time, steps, and the wall time of each stage so far [s]."""
 
     wall: float
     time: float

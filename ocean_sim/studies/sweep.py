@@ -33,7 +33,7 @@ Values = Annotated[list[Any], Field(min_length=1)]
 
 
 class PlanConfig(Model):
-    """Keys of a plan."""
+    """Keys of the plan file of a sweep."""
 
     scene: str
     """A scene file, or the name of a packaged scene."""

@@ -71,7 +71,7 @@ class Symmetry:
                 self.twins[axis] = twin
 
     def largest_distance(self, simulation: Simulation) -> float:
-        """Largest distance of an image from its place [spacings]; 0 without images."""
+        """Largest distance [spacings] of a particle from the mirror image of its twin; 0 without twins."""
         if not self.twins:
             return 0.0
         place, _ = sorted_by_id(simulation)

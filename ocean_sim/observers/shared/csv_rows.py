@@ -90,7 +90,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """One row: `values` are linear between two states, `held` are of the state before."""
+    """One row: `values` are interpolated linearly between two states, `held` are those of the earlier state."""
 
     time: float
     values: np.ndarray
@@ -123,7 +123,7 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """Sample at `time` on the straight line from `before` to `after`; its `held` are those of `before`."""
+    """Sample at `time` on the straight line from `before` to `after`; `held` is of `before` until `after`."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))

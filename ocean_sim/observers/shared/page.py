@@ -30,7 +30,7 @@ PLOT_CLIP = (
 
 
 def html_page(title: str, parts: Iterable[str]) -> str:
-    """A whole document in English, of HTML parts."""
+    """HTML text of a whole page from the parts of its body."""
     head = [
         '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',

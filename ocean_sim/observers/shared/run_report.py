@@ -32,7 +32,7 @@ def write_report(folder: Path) -> Path:
 
 
 class Run:
-    """A run folder as its page shows it; a file that is missing or torn is left out."""
+    """A run folder and the HTML parts that report.html shows of it; a missing or incomplete file is left out."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -116,7 +116,7 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def table(self, name: str) -> Table:
-        """Columns of a CSV file of the run, empty if there is no such file."""
+        """Columns of a CSV file of the run by name; empty if there is no such file."""
         return csv_file.read_columns_if_any(self.folder / name)
 
     def motions(self) -> Iterator[str]:
@@ -224,7 +224,7 @@ class Run:
 
 
 def whole_lines(path: Path) -> list[dict[str, Any]]:
-    """The objects of a JSON-lines file up to its first torn line."""
+    """The objects of a JSON-lines file up to its first incomplete line."""
     objects = []
     for line in input_file.read_text(path).splitlines() if path.is_file() else ():
         try:

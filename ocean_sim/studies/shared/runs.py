@@ -52,7 +52,7 @@ def run_address(order: dict[str, Any]) -> str:
 def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """(index in the list, answer) of every order, as they are finished, those that were finished before at once.
+    """Yield (index in the list, answer) of every order once it is finished, those of earlier calls at once.
 
     `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """
@@ -145,7 +145,7 @@ def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 
 
 def _death_reason(code: int, errors: str) -> str:
-    """Reason why a process left no answer."""
+    """Reason why a process with this exit code and standard error left no answer."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
         return f"its process was ended by {signal.Signals(-code).name}{hint}"

@@ -15,7 +15,7 @@ class Point(Protocol):
     """One run of a study."""
 
     def order(self) -> dict[str, Any]:
-        """The run as plain data, for the process that makes it."""
+        """Order of the run: plain data for the process that makes it."""
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Rows of the study's table from the answer of this run; `run`: its folder, which may be empty."""

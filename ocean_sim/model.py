@@ -12,7 +12,7 @@ class Model(BaseModel):
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
-    """Pydantic field with a unit, which messages and the schema show; bounds are `gt`, `ge`, `lt`, `le` as there."""
+    """Pydantic field with a unit, which messages and the schema show; bounds: pydantic's `gt`, `ge`, `lt`, `le`."""
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
 
 

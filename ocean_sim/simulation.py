@@ -28,7 +28,7 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def observe(self, simulation: "Simulation") -> None:
-        """Called at time 0 and after the steps that its schedule asks for."""
+        """Observe the present state; called at time 0 and after the steps that `every` asks for."""
 
     def resumed(self, changed: str) -> None:
         """Called once a checkpoint has been restored, before the run goes on; `changed`: in words, how this program
@@ -38,7 +38,7 @@ class Observer:
         """Set the callback that shows the progress of a long task."""
 
     def close(self) -> None:
-        """Called once, also after a run that failed."""
+        """Finish the files of the observer; called once, also after a run that failed."""
 
 
 class OutcomeObserver(Observer):

@@ -200,8 +200,8 @@ class Frames(Observer):
             self.advance_foam(time, elevation, velocity, wind)
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Advance the white water to a time [s] in a velocity (nx, nz, 3) [m/s]; it begins at the crests of heights
-        (nx, nz) [m], unless these are None, as much as a wind [m/s] calls for."""
+        """Advance the foam to a time [s], carried with a velocity (nx, nz, 3) [m/s]; new foam forms on crests of
+        heights (nx, nz) [m], unless these are None, with the cover that belongs to a wind speed [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break

@@ -224,7 +224,7 @@ def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
 
 
 def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where its column is dry."""
+    """(n,) heights [m] of the water over columns (n, 2) x, z [m], or of the top of an obstacle that is dry."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
         heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)

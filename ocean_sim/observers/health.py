@@ -310,12 +310,12 @@ class Health(OutcomeObserver):
                 yield self.failure_sentence(what, self.suggest_cure())
 
     def failure_sentence(self, what: str, cure: str) -> str:
-        """A sentence on failure, time, cure and the file of the last good state."""
+        """Sentence for the user on failure, time, cure and the file of the last good state."""
         simulation = self.simulation
         return f"{what}, t = {simulation.time:.4f} s, step {simulation.steps}; {cure}{self.name_last_frame()}"
 
     def describe_failure(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """A sentence on a failure and the places of the worst particles."""
+        """Sentence for the user on a failure and the positions of the worst particles, given by index."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 

@@ -118,10 +118,10 @@ class Buffer:
 
 
 class Mesh:
-    """Triangles in plain colours.
+    """Triangles in plain colours, in GGUI's buffers.
 
-    One unit transform places them: without any, GGUI's shader takes what lies in a buffer that
-    nobody filled, times nothing, and where that is no number the triangles are gone from the picture.
+    One unit transform places them: without any, GGUI's shader adds an uninitialised buffer times zero, and a NaN in it
+    makes the triangles vanish from the picture.
     """
 
     def __init__(self) -> None:
@@ -236,7 +236,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Add the particles; their lights are set after the plain scene was handed over, which would take them, too."""
+        """Draw particles as lit balls; the lights are set after the plain scene is drawn, which would use them."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))

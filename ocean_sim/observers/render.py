@@ -179,7 +179,7 @@ class Config(PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Drawn scenery, a key of PROCESS_BYTES, as far as it is known without a frame."""
+        """Kind of scenery in the pictures, a key of PROCESS_BYTES, as far as it is known without a frame."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -211,7 +211,7 @@ class Config(PeriodicConfig):
 
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
-    """Options of `render_run` that a config sets for the frames in a folder: no picture of the film twice."""
+    """Options of `render_run` from a config; film pictures are no closer in time than the frames in the folder."""
     with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 

@@ -57,7 +57,7 @@ class Timings(Observer):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time a stage; replaces `simulation.stage`."""
+        """Context that measures the wall time of a stage; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -120,7 +120,7 @@ class Timings(Observer):
 
 
 def synchronization(arch: str) -> Callable[[], None]:
-    """The function that waits for the work of a stage: on a GPU, kernel launches return before their work is done."""
+    """Function that waits until launched kernels are done; it does nothing on a processor, where launches wait."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     from ocean_sim.kernel_library import ti

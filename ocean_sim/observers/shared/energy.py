@@ -98,14 +98,14 @@ def separable_work_terms(simulation: Simulation) -> list[str]:
 
 
 def has_driving_walls(basin: Basin) -> bool:
-    """True if a piston or a lid moves, or an absorbing zone lets a given motion pass."""
+    """True if a piston or a lid moves, or an absorbing zone relaxes the water towards a given motion."""
     lid, absorbing = basin.config.lid, [side.absorbing for side in basin.sides if side.absorbing is not None]
     moved = basin.config.wavemaker is not None or (lid is not None and any(lid.velocity))
     return moved or any(zone.target is not None for zone in absorbing)
 
 
 def gains_energy(simulation: Simulation) -> bool:
-    """True if wind, moving walls or obstacles, ships, new water or a body force may give energy to the water."""
+    """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
     walls = has_driving_walls(basin) or basin.gates
     return bool(

@@ -127,7 +127,7 @@ def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Executor of many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
+    """Executor of many orders: threads of a local Dask cluster that wait for child processes, or a remote cluster."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -154,7 +154,7 @@ def _death_reason(code: int, errors: str) -> str:
 
 
 def _run_child(folder: Path) -> None:
-    """Answer the order in a folder, in the child; its last line on standard error is the reason if it fails."""
+    """Answer the order in a folder, as a child process; the last line on standard error is the reason if it fails."""
     exit_with_parent()
     with stoppable(), Claim(folder):
         order = input_file.read_json(folder / ORDER_FILE)

@@ -31,7 +31,7 @@ os.environ.setdefault("TI_SKIP_VERSION_CHECK", "ON")  # it would ask a server on
 
 
 def __getattr__(name: str) -> Any:
-    """The public names, imported when they are first used: `ocean-sim list` needs no Taichi."""
+    """A public name, imported when it is first used, so that `ocean-sim list` needs no Taichi."""
     if name in PUBLIC_MODULES:
         return getattr(import_module(f"ocean_sim.{PUBLIC_MODULES[name]}"), name)
     raise AttributeError(f"module 'ocean_sim' has no attribute {name!r}")

@@ -62,7 +62,7 @@ FUNCTIONS = {  # of verbs that do not share its name with their module
 
 
 def command_of(name: str) -> Any:
-    """The command of a verb with its options, for which its module is imported."""
+    """Typer command of a verb with its options; imports the module of the verb."""
     module, _, function = FUNCTIONS.get(name, f"{name}:{name}").partition(":")
     called = getattr(import_module(f"ocean_sim.verbs.{module}"), function)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -71,7 +71,7 @@ def command_of(name: str) -> Any:
 
 
 class Verbs(TyperGroup):
-    """All verbs by their line in `--help`; the module of one is imported where it is called, or asked for its help."""
+    """All verbs with their lines in `--help`; the module of a verb is imported once the verb or its help is called."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
@@ -79,7 +79,7 @@ class Verbs(TyperGroup):
             self.add_command(TyperCommand(name, help=line, hidden=name in HIDDEN_VERBS))
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
-        """Name and command of the verb that is called, and its words."""
+        """Name and command of the verb that is called, and its remaining arguments."""
         name, command, rest = super().resolve_command(ctx, args)
         return name, command if command is None else command_of(str(name)), rest
 
@@ -131,7 +131,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def answered(arguments: list[str]) -> int:
-    """The exit code of a command line; an error has been reported in one sentence."""
+    """Run a command line and return its exit code; an error is reported in one sentence."""
     debug, as_json = "--debug" in arguments, "--json" in arguments
     try:
         must_be_somewhere()
@@ -148,7 +148,7 @@ def answered(arguments: list[str]) -> int:
 
 
 def must_be_somewhere() -> None:
-    """Raises Refused where the folder that names of files start from has been removed."""
+    """Raise Refused if the working directory, from which file names start, has been removed."""
     try:
         os.getcwd()
     except FileNotFoundError:
@@ -156,7 +156,7 @@ def must_be_somewhere() -> None:
 
 
 def reported(error: BaseException, as_json: bool) -> int:
-    """Print an error in the form that was asked for; gives the exit code."""
+    """Print an error as a sentence, or as JSON if that was asked for; returns the exit code."""
     code, sentence, problems = meaning(error)
     if as_json:
         sentence = console.problem_count(problems) if problems else sentence
@@ -172,7 +172,7 @@ def reported(error: BaseException, as_json: bool) -> int:
 
 
 def meaning(error: BaseException) -> tuple[int, str, list[Any]]:
-    """Exit code, sentence, and the locations in a scene that an error is about."""
+    """Exit code and sentence of an error, and the problems in a scene (with locations) that it is about, if any."""
     if isinstance(error, Failed):
         return error.exit_code, error.sentence, [*error.problems]
     if isinstance(error, ImportError | OSError) and "libX11" in str(error):

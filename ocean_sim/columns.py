@@ -6,9 +6,9 @@ from ocean_sim.kernel_library import ti, tm
 class Columns:
     """Names and widths of columns, in their order: `row = Columns(position=3, velocity=3, pressure=1)`.
 
-    `row.pressure` is the number of a column, 6 here, and of a wider one that of its first; `row.size` counts them all.
-    Read in a kernel as `own[row.pressure]`, and a vector as `vec3(own, row.position)`: names are resolved when a
-    kernel is compiled and cost nothing when it runs.
+    `row.pressure` is the index of a column, 6 here, or of the first of several; `row.size` is the number of all
+    columns. A kernel reads a number as `own[row.pressure]`, and a vector as `vec3(own, row.position)`: names are
+    resolved when a kernel is compiled and cost nothing when it runs.
     """
 
     def __init__(self, **widths: int) -> None:

@@ -80,17 +80,17 @@ FRAMES = {
 
 
 def to_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions from our axes to those of a frame."""
+    """(..., 3) vectors, rates or vector parts of quaternions, turned from this program's axes to those of `frame`."""
     return np.asarray(vectors) @ FRAMES[frame].T
 
 
 def from_frame(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """(..., 3) vectors, rates or vector parts of quaternions from the axes of a frame to ours."""
+    """(..., 3) vectors, rates or vector parts of quaternions, turned from the axes of `frame` to this program's."""
     return np.asarray(vectors) @ FRAMES[frame]
 
 
 def figures(value: float, count: int = 4) -> str:
-    """A number of so many significant figures without an exponent, as 30000 or 0.01234, and without a negative zero."""
+    """Text of a number with `count` significant figures, without exponent unless very small or large; never -0."""
     short = f"{value:.{count}g}"
     if abs(value) >= 1e15 or 0.0 < abs(value) < 1e-2:
         return short
@@ -99,8 +99,7 @@ def figures(value: float, count: int = 4) -> str:
 
 
 class Failed(Exception):
-    """A failed attempt. Every exception that is meant for people derives from this one or the two below; its
-    message is one sentence."""
+    """A failed attempt. Every exception that is meant for people derives from this one; its message is one sentence."""
 
     exit_code: ClassVar[int] = 1  # of the command line
     problems: Sequence[Any] = ()  # locations in a scene that it is about, with a message each
@@ -117,11 +116,11 @@ class Refused(Failed):
 
 
 class Unsuited(Refused, ValueError):
-    """An argument of a function that cannot be."""
+    """An argument of a function has an impossible value."""
 
 
 def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
-    """A finite number of at least `least`; raises Unsuited."""
+    """The value as a float; raises Unsuited unless it is a finite number of at least `least`."""
     value = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
     numeric = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
     if not numeric or not isfinite(value) or value < least:
@@ -131,14 +130,14 @@ def number(name: str, value: Any, unit: str, least: float = -inf) -> float:
 
 
 def whole_number(name: str, value: Any) -> int:
-    """A whole number of at least 1; raises Unsuited."""
+    """The value as an int; raises Unsuited unless it is a whole number of at least 1."""
     if number(name, value, "1", 1.0) % 1.0:
         raise Unsuited(f"{name}: {value!r:.60} is not a whole number")
     return int(value)
 
 
 def row_array(name: str, values: Any, columns: str) -> np.ndarray:
-    """Numbers (n, columns), one column for each of the names; raises Unsuited."""
+    """The values as an array (n, columns), one column for each name in `columns`; raises Unsuited if they are not."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -156,7 +155,7 @@ class Lacking(Failed):
 
 
 def in_words(failure: BaseException) -> str:
-    """Sentence on the reason of a failure; of an OSError with the file's name."""
+    """Sentence for people on the reason of a failure; that of an OSError names the file."""
     if isinstance(failure, Failed):
         return failure.sentence
     if isinstance(failure, OSError):

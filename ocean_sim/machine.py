@@ -46,7 +46,7 @@ def kernel_cache() -> Path:
 
 
 def memory_limit() -> int:
-    """Memory [bytes] of this machine, or less where this process, or the container that it is in, is held to less."""
+    """Memory [bytes] of this machine, or less where a limit of this process or of its container is lower."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"), resource_limit("RLIMIT_AS")]
     for file in CGROUP_LIMIT_FILES:
         with suppress(OSError, ValueError):  # there is no such bound
@@ -65,7 +65,7 @@ def available_memory() -> int:
 
 
 def resource_limit(name: str) -> int:
-    """Limit of the system on this process, by the name in `resource`; sys.maxsize where there is none."""
+    """Limit of the system on this process, by a name of module `resource`, as RLIMIT_AS; sys.maxsize if unlimited."""
     limit = resource.getrlimit(getattr(resource, name))[0]
     return sys.maxsize if limit == resource.RLIM_INFINITY else limit
 
@@ -81,7 +81,7 @@ def processor_facts() -> dict[str, str]:
 
 
 def max_vector_width() -> int | None:
-    """Largest number of f32 lanes of the processor; None where it does not tell."""
+    """Largest number of f32 lanes of the processor's vectors; None if unknown."""
     flags = processor_facts().get("flags", "").split()
     return next((n for flag, n in (("avx512f", 16), ("avx2", 8), ("sse2", 4)) if flag in flags), None)
 
@@ -105,7 +105,7 @@ def missing_extra(extra: str) -> str | None:
 
 
 def extra_with(module: str) -> str | None:
-    """The extra that brings a module."""
+    """Optional extra of this package (as in `pip install '.[extra]'`) that brings a module; None if none does."""
     package = {"vtkmodules": "vtk", "imageio_ffmpeg": "imageio-ffmpeg", "dask": "distributed"}.get(module, module)
     return next((extra for extra, packages in EXTRA_PACKAGES.items() if package in packages), None)
 
@@ -119,19 +119,19 @@ def source_hashes() -> dict[str, str]:
 
 
 def program_hash() -> str:
-    """The hash of all of them."""
+    """One hash of all files of this program that its numbers depend on."""
     return hashlib.sha256("".join(f"{name} {each}\n" for name, each in source_hashes().items()).encode()).hexdigest()
 
 
 def request_stop(*_: object) -> None:
-    """Handler of a signal in a `stoppable` process."""
+    """Signal handler of a `stoppable` process: note the request to end, and raise KeyboardInterrupt."""
     stop_requested.set()
     raise KeyboardInterrupt
 
 
 def stop_if_asked() -> None:
-    """Raises KeyboardInterrupt where a `stoppable` process has lost one: Taichi swallows exceptions raised while it
-    inspects a kernel."""
+    """Raise KeyboardInterrupt if a `stoppable` process was asked to end but goes on: Taichi swallows exceptions raised
+    while it inspects a kernel."""
     if stop_requested.is_set():
         raise KeyboardInterrupt
 
@@ -158,8 +158,8 @@ def stoppable() -> Iterator[None]:
 
 @contextmanager
 def parent_pipe() -> Iterator[int]:
-    """The standard input for a child that is to `exit_with_parent`: nothing is ever written to it, and it breaks when
-    this process ends, however that comes."""
+    """File descriptor of the standard input for a child that calls `exit_with_parent`: a pipe that carries nothing, and
+    breaks when this process ends for whatever reason."""
     theirs, ours = os.pipe()
     try:
         yield theirs
@@ -169,8 +169,8 @@ def parent_pipe() -> Iterator[int]:
 
 
 def kill_session(child: subprocess.Popen[str]) -> None:
-    """End a child that leads a session of its own, and every process that it has started, and wait for them: one that
-    is ended may still be in the middle of making a file."""
+    """Kill a child that leads a session of its own, with every process that it has started, and wait until they have
+    ended: until then one may still be making a file."""
     patience = time.monotonic() + KILL_TIMEOUT
     with suppress(ProcessLookupError, PermissionError):  # none is left
         os.killpg(child.pid, signal.SIGKILL)
@@ -191,7 +191,7 @@ def yield_to_others(by: int) -> None:
 
 
 def exit_with_parent() -> threading.Event:
-    """End this process and those that it leads as soon as its standard input breaks: a `parent_pipe`, or another pipe
+    """End this process and its process group as soon as its standard input breaks: a `parent_pipe`, or another pipe
     that its parent holds. The event returned is set when the parent writes something."""
     spoken = threading.Event()
 
@@ -204,7 +204,7 @@ def exit_with_parent() -> threading.Event:
 
 
 def exit_after(wait: Callable[[], object]) -> None:
-    """End this process, and the processes that it leads, as soon as `wait` returns."""
+    """End this process, and its process group if it leads one, as soon as `wait` returns in another thread."""
 
     def end() -> None:
         wait()

@@ -12,12 +12,12 @@ class Model(BaseModel):
 
 
 def quantity(unit: str, default: Any = ..., **bounds: Any) -> Any:
-    """A field that has a unit, which messages and the schema show; bounds as in pydantic (`gt`, `ge`, `lt`, `le`)."""
+    """Pydantic field with a unit, which messages and the schema show; bounds: pydantic's `gt`, `ge`, `lt`, `le`."""
     return Field(default, json_schema_extra={"unit": unit}, **bounds)
 
 
 def in_brackets(unit: str | None) -> str:
-    """A unit after what has it: ` [m/s]`; nothing where there is none."""
+    """Unit in brackets, to stand after a quantity: ` [m/s]`; empty without a unit."""
     return f" [{unit}]" if unit not in (None, "", "1") else ""
 
 

@@ -59,7 +59,7 @@ def kinds(slot: str) -> tuple[str, ...]:
 
 @cache
 def named(slot: str) -> tuple[str, ...]:
-    """The presets of this slot: the files of configs/<slot>/."""
+    """Names of the presets of this slot: the files of configs/<slot>/."""
     return tuple(sorted(p.stem for p in (library("configs") / slot).glob("*.yaml")))
 
 
@@ -73,22 +73,22 @@ def preset(slot: str, name: str) -> dict[str, Any]:
 
 
 def key_of(ship: str) -> str:
-    """The place of a ship in a scene."""
+    """Key of a ship in a scene: `ship` for the only one, `ships.<name>` for one of several."""
     return ALONE if ship == ALONE else f"{SEVERAL}.{ship}"
 
 
 def slot_of(place: str) -> str:
-    """The slot whose kinds may stand in a place: a slot itself, or the place of one of several ships."""
+    """Slot of a part by its key in a scene: `ship` for the key `ships.<name>`, else the key itself."""
     return ALONE if place.startswith(f"{SEVERAL}.") else place
 
 
 def called(ship: str) -> str:
-    """A ship in a sentence."""
+    """Name of a ship in messages: `the ship` if she is the only one."""
     return "the ship" if ship == ALONE else ship
 
 
 class LedgerRow(NamedTuple):
-    """One thing that a scene makes the program allocate or compile, and why."""
+    """Memory of one thing that a scene makes the program allocate or compile, and why."""
 
     part: str
     what: str
@@ -104,15 +104,16 @@ class PartConfig(Model):
     """
 
     def problems(self, preflight: Preflight) -> Problems:
-        """Faults of these keys in this basin, whatever the other parts are: they may be wrong themselves."""
+        """Faults (key, sentence) of these keys in this basin, regardless of other parts, which may be wrong
+        themselves."""
         return []
 
     def mismatches(self, preflight: Preflight) -> Problems:
-        """Faults of these keys next to the other parts; asked where no part has a problem of its own."""
+        """Faults (key, sentence) of these keys together with other parts; asked if no part has a problem of its own."""
         return []
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Sentences that a reader of the results should know."""
+        """Warnings that a reader of the results should know, a sentence each."""
         return []
 
     @abstractmethod
@@ -146,16 +147,16 @@ class SeaConfig(KindConfig):
     @property
     @abstractmethod
     def significant_height(self) -> float:
-        """[m]; 0 in calm water."""
+        """Significant wave height [m]; 0 in calm water."""
 
     @property
     def nonlinear(self) -> Nonlinear | None:
-        """Settings of its nonlinearity; None: it is the sum of its plane waves."""
+        """Settings of a nonlinear sea; None for a linear one, which is the sum of its plane waves."""
         return None
 
     @abstractmethod
     def plane_waves(self, basin: waves.Tank) -> waves.Components | None:
-        """The sea by linear theory, before it is fitted to the patch; None in calm water."""
+        """Plane waves of the sea by linear theory, before they are fitted to the patch; None in calm water."""
 
     def problems(self, preflight: Preflight) -> Problems:
         tank, found = preflight.tank, Problems()
@@ -174,7 +175,7 @@ class SeaConfig(KindConfig):
         return found
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Keep the parts of it that the water needs."""
+        """No rows by default."""
         return []
 
 
@@ -184,21 +185,21 @@ class WindConfig(KindConfig):
     @property
     @abstractmethod
     def stylised(self) -> bool:
-        """True if it is a stylised force field, not a physical stress."""
+        """True if the wind is a stylised force field, not a physical stress."""
 
     @property
     def acts_on(self) -> Sequence[Target]:
-        """Targets that feel it; the others are in still air."""
+        """Targets on which the wind acts; the others are in still air."""
         return ("fluid", "ship")
 
     @property
     def needs_area(self) -> bool:
-        """True if its force on the water reads the exposed area of particles; where not, finding that is spared."""
+        """True if the wind's force on the water needs the exposed area of particles, which is else not computed."""
         return "fluid" in self.acts_on
 
     @property
     def needs_bend(self) -> bool:
-        """True if its force on the water reads how the surface bends, too; zero where not."""
+        """True if the wind's force on the water also needs the change of slope of the surface, which is else zero."""
         return False
 
     @property
@@ -208,16 +209,16 @@ class WindConfig(KindConfig):
 
     @property
     def is_random(self) -> bool:
-        """True if it draws numbers by the seed of the scene."""
+        """True if the wind draws random numbers from the seed of the scene."""
         return False
 
     @property
     def strongest(self) -> float:
-        """Highest speed 10 m above the water that it states [m/s]; 0 where it states none."""
+        """Highest wind speed [m/s] 10 m above the water that the keys state; 0 where they state none."""
         return 0.0
 
     def warnings(self, preflight: Preflight) -> list[str]:
-        """Name the ships that it does not act on. A kind whose `targets` the user chooses says nothing of them."""
+        """Warning that names the ships if the wind does not act on them. A kind with a key `targets` gives none."""
         if "ship" in self.acts_on or not preflight.ships:
             return []
         ships = " and ".join(map(called, preflight.ships))
@@ -251,11 +252,11 @@ class FluidConfig(KindConfig):
     """True if it answers to a body within a step, so that a ship of kind `pressure` may float on it."""
 
     def lattice(self, basin: Basin) -> Lattice | None:
-        """The lattice that its particles start on; None for water in closed form."""
+        """Lattice on which the particles start; None for water in closed form."""
         return None
 
     def most_particles(self, preflight: Preflight) -> int:
-        """The most particles, about, that it can count with their neighbours; 0 where there are none."""
+        """Largest number of particles, roughly, that can be counted with their neighbours; 0 for water without any."""
         return 0
 
     def ratio(self, basin: Basin) -> float:
@@ -268,7 +269,7 @@ class FluidConfig(KindConfig):
         return None
 
     def sound_speed(self, basin: Basin) -> float:
-        """c [m/s]; 0 where nothing is compressed."""
+        """Speed of sound c [m/s]; 0 where nothing is compressed."""
         return 0.0
 
     @property
@@ -278,15 +279,15 @@ class FluidConfig(KindConfig):
 
     @property
     def compression_asked(self) -> float:
-        """Compression that the user asks for or allows; 0 where none is given."""
+        """Compression (relative rise of the density) that the user asks for or allows; 0 where none is given."""
         return 0.0
 
     def settling(self, preflight: Preflight) -> float:
-        """Distance that its surface settles before the first step, under the weight of the water [m]."""
+        """Distance [m] that the surface settles before the first step, under the weight of the water."""
         return 0.0
 
     def speed(self, basin: Basin) -> float:
-        """Reference speed [m/s]; by default that of a free fall over the depth."""
+        """Reference speed [m/s]; by default sqrt(gravity x depth), that of long waves."""
         return (hypot(*basin.gravity) * basin.depth) ** 0.5
 
     @property
@@ -296,14 +297,14 @@ class FluidConfig(KindConfig):
 
     @property
     def driven(self) -> bool:
-        """True if new water or a force of its own may give it energy."""
+        """True if inflow or a body force may give energy to the water."""
         return False
 
     def viscosity_added(
         self, preflight: Preflight, length: float, height: float = 0.0, standing: bool = False
     ) -> float:
-        """Viscosity [m2/s] that the scheme adds to waves of a length and height [m], as it was measured; 0 where it was
-        not."""
+        """Numerical viscosity [m2/s] of the scheme for waves of a length and height [m], from measurements; 0 without
+        any."""
         return 0.0
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -311,15 +312,15 @@ class FluidConfig(KindConfig):
         return []
 
     def notes(self, preflight: Preflight) -> list[str]:
-        """Sentences on effects that its model leaves out in this scene; they ask for no change."""
+        """Sentences on effects that the model of the water leaves out in this scene; they ask for no change."""
         return []
 
     def point_spacing(self, preflight: Preflight) -> float:
-        """Distance [m] of the points at which frames keep the height of the water, where a scene gives none."""
+        """Distance [m] of the points at which frames store the height of the water, unless the scene sets it."""
         return preflight.spacing or preflight.tank.depth
 
     def window_bytes(self, preflight: Preflight, size: tuple[int, int], levels: int) -> int:
-        """Memory that a window of its plane waves takes, with so many nodes and levels; 0 of particles."""
+        """Memory [bytes] of a window of plane waves, with `size` nodes and `levels`; 0 for water of particles."""
         return 0
 
     @abstractmethod
@@ -328,18 +329,18 @@ class FluidConfig(KindConfig):
 
     @abstractmethod
     def build(self, basin: Basin, seed: int, *, accounts: bool, wind: Wind) -> Fluid:
-        """Build the water. `accounts`: it sums the impulse and work of each term; `wind`: as the water feels it."""
+        """Build the water. `accounts`: it sums the impulse and work of each force; `wind`: the wind that acts on it."""
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if it sums impulse and work of each term; `read`: whether `accuracy` reads them."""
+        """True if the water sums impulse and work of each force; `read`: whether `accuracy` reads them."""
         return read
 
 
 class SurfaceConfig(KindConfig):
-    """Keys of any surface. It follows particles."""
+    """Keys of any surface, which follows particles."""
 
     def completed(self, preflight: Preflight) -> Self:
-        """Copy in which keys that the user left open follow from the water."""
+        """Copy in which keys that the user left open are derived from the water."""
         return self
 
     @abstractmethod
@@ -358,19 +359,19 @@ class ShipConfig(KindConfig):
     points: dict[str, tuple[float, float, float]] = {}
 
     def solid(self, preflight: Preflight) -> Solid | None:
-        """The solid that the water is built around; None where it passes through her."""
+        """Solid body of the ship, around which the water is built; None where water passes through her."""
         return None
 
     def look(self, preflight: Preflight) -> Look | None:
-        """The data that a picture needs besides her triangles; None where she has no shape."""
+        """Data that a picture of the ship needs besides her triangles; None where she has no shape."""
         return None
 
     def floats(self, preflight: Preflight) -> Afloat | None:
-        """Her displacement, draught and stability in still water; None where no hull states them."""
+        """Displacement, draught and stability of the ship in still water; None where no hull states them."""
         return None
 
     def outline(self, preflight: Preflight) -> Outline | None:
-        """The room that she takes at the beginning; None where she has no shape."""
+        """Plan-view outline and height range of the ship at the start; None where she has no shape."""
         return None
 
     @abstractmethod
@@ -384,7 +385,7 @@ class PlatformConfig(KindConfig):
     """The name of the ship that it rides in; null: the first by name."""
 
     def ridden(self, ships: Sequence[str]) -> str:
-        """The one of these ships that it rides in."""
+        """Name of the ship, among these, that carries the platform."""
         return ships[0] if self.ship is None else self.ship
 
     def mismatches(self, preflight: Preflight) -> Problems:
@@ -405,7 +406,7 @@ class TimeStepConfig(KindConfig):
 
     @abstractmethod
     def advice(self, limit: str, shortest: float) -> str:
-        """Advice after a run has diverged; `limit` held the step in this water and was `shortest` [s] at least."""
+        """Advice after a run has diverged: the limit that sets the time step is `limit`, of `shortest` [s]."""
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
         return []
@@ -416,9 +417,9 @@ class TimeStepConfig(KindConfig):
 
 @dataclass(frozen=True)
 class Preflight:
-    """The facts of a scene before anything is built, derived once and handed to every part that is asked.
+    """Facts of a scene before anything is built, derived once and given to the config of every part.
 
-    A part that could not be read is missing from it; asking for it raises KeyError.
+    A part that could not be read is missing in `parts`; a property that needs it raises KeyError.
     """
 
     parts: Mapping[str, PartConfig]  # by slot, or name of an observer
@@ -441,18 +442,18 @@ class Preflight:
 
     @cached_property
     def surface(self) -> SurfaceConfig | None:
-        """The surface, completed."""
+        """Keys of the surface, completed with those that the user left open; None without a surface."""
         surface = cast(SurfaceConfig | None, self.parts.get("surface"))
         return surface.completed(self) if surface is not None else None
 
     @cached_property
     def ships(self) -> dict[str, ShipConfig]:
-        """Ships by name."""
+        """Keys of each ship, by her name."""
         written = {key: part for key, part in self.parts.items() if isinstance(part, ShipConfig)}
         return {key.removeprefix(f"{SEVERAL}."): part for key, part in written.items()}
 
     def unknown_ship(self, name: str) -> Problems:
-        """Faults of the name of a ship under the key `ship` of another part."""
+        """The fault of a part's key `ship` if it names no ship of this scene; empty if it does."""
         if name in self.ships:
             return []
         there = f"there are {', '.join(self.ships)}" if self.ships else "there is none"
@@ -464,17 +465,17 @@ class Preflight:
 
     @cached_property
     def untouched(self) -> Lattice | None:
-        """The lattice of the water before anything afloat makes room for itself; None without particles."""
+        """Lattice of the water without floating bodies; None without particles."""
         return self.fluid.lattice(self.tank)
 
     @cached_property
     def lattice(self) -> Lattice | None:
-        """The lattice that the particles start on; None without particles."""
+        """Lattice on which the particles start, around floating bodies; None without particles."""
         return self.fluid.lattice(self.basin) if self.solids else self.untouched
 
     @cached_property
     def particles(self) -> int:
-        """The greatest number of particles that there will be."""
+        """Greatest number of particles during the run; 0 without particles."""
         return self.lattice.n if self.lattice is not None else 0
 
     @cached_property
@@ -484,22 +485,22 @@ class Preflight:
 
     @property
     def sums_impulses(self) -> bool:
-        """True if the water sums impulse and work of each term."""
+        """True if the water sums impulse and work of each force."""
         return self.fluid.sums_impulses("accuracy" in self.parts)
 
     @property
     def repeats(self) -> tuple[float, float, float]:
-        """Periods of the water along each axis [m]; 0 where it does not repeat itself."""
+        """Periods [m] of the water along each axis; 0 along an axis that is not periodic."""
         return self.tank.periods if self.fluid.made_of_particles else (0.0, 0.0, 0.0)
 
     @cached_property
     def support(self) -> float:
-        """Support radius, within which particles count around a point [m]; 0 without particles."""
+        """Support radius [m] of the smoothing kernel; 0 without particles."""
         return float(self.fluid.ratio(self.tank) * self.spacing) if self.spacing is not None else 0.0
 
     @cached_property
     def solids(self) -> dict[str, Solid]:
-        """Solids that float in the water and make room for themselves, by the name of the ship."""
+        """Solid bodies of ships around which the water is built, by the name of the ship."""
         found = {name: ship.solid(self) for name, ship in self.ships.items()}
         return {name: solid for name, solid in found.items() if solid is not None}
 
@@ -510,7 +511,7 @@ class Preflight:
 
 
 class Scene(Protocol):
-    """A checked scene, as the parts built from it and their observers know it."""
+    """Interface of a checked scene for the parts built from it and their observers."""
 
     title: str
     seed: int
@@ -538,22 +539,22 @@ class Scene(Protocol):
 
 
 def config_of(slot: str, kind: str) -> type[KindConfig]:
-    """The Config class of a kind; the kind exists once its module is imported."""
+    """Config class of a kind; imports the module of the kind."""
     return import_module(f"ocean_sim.{slot}.{kind}").Config
 
 
 @cache
 def from_coarse(slot: str) -> tuple[str, ...]:
-    """The kinds of a slot from the coarsest to the finest; it imports them all."""
+    """Kinds of a slot from the coarsest to the finest; imports them all."""
     return tuple(sorted(kinds(slot), key=lambda kind: config_of(slot, kind).fineness))
 
 
 @cache
 def compared(slot: str) -> tuple[str, ...]:
-    """The kinds of a slot that studies compare, from the coarsest to the finest; it imports all kinds."""
+    """Kinds of a slot that studies compare, from the coarsest to the finest; imports all kinds."""
     return tuple(kind for kind in from_coarse(slot) if config_of(slot, kind).compared)
 
 
 def water_schemes() -> tuple[tuple[str, type[FluidConfig]], ...]:
-    """Every kind of water and its Config."""
+    """Every kind of water and its Config class."""
     return tuple((kind, cast(type[FluidConfig], config_of("fluid", kind))) for kind in kinds("fluid"))

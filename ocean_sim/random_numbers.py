@@ -39,42 +39,42 @@ taichi_pcg4d = ti.func(pcg4d)
 
 @ti.func
 def to_unit_interval(word):
-    """Number in [0, 1) of a word."""
+    """Number in [0, 1) from a random 32-bit word."""
     return ti.cast(ti.cast(word >> 8, ti.i32), float) * UNIT_STEP
 
 
 @ti.func
 def to_symmetric_interval(word):
-    """Number in (-1, 1) of a word, as often above zero as below."""
+    """Number in (-1, 1) from a random 32-bit word, as often above zero as below."""
     return ti.cast(ti.cast((word >> 8) | 1, ti.i32), float) * (2.0 * UNIT_STEP) - 1.0
 
 
 @ti.func
 def uniform(seed, stream, particle, step):
-    """One number in [0, 1)."""
+    """Random number in [0, 1) for these four keys."""
     a, _b, _c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return to_unit_interval(a)
 
 
 @ti.func
 def uniform3(seed, stream, particle, step):
-    """Three independent numbers in (-1, 1)."""
+    """Three independent random numbers in (-1, 1) for these four keys."""
     a, b, c, _d = taichi_pcg4d(ti.u32(seed), ti.u32(stream), ti.u32(particle), ti.u32(step))
     return tm.vec3(to_symmetric_interval(a), to_symmetric_interval(b), to_symmetric_interval(c))
 
 
 def numpy_words(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> tuple[np.ndarray, ...]:
-    """The four words of arrays (or numbers) of keys, at least one-dimensional."""
+    """Four arrays of random 32-bit words for keys that are arrays or numbers; at least one-dimensional."""
     keys = np.broadcast_arrays(*(np.atleast_1d(np.asarray(k, dtype=np.uint32)) for k in (seed, stream, particle, step)))
     return pcg4d(*keys)
 
 
 def numpy_uniform(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
-    """The numbers of `uniform`, bit for bit."""
+    """Random numbers in [0, 1) for arrays of keys, equal to those of `uniform` bit for bit."""
     return (numpy_words(seed, stream, particle, step)[0] >> 8) * UNIT_STEP
 
 
 def numpy_uniform3(seed: ArrayLike, stream: ArrayLike, particle: ArrayLike, step: ArrayLike) -> np.ndarray:
-    """The numbers of `uniform3`, bit for bit: (..., 3)."""
+    """Random numbers (..., 3) in (-1, 1) for arrays of keys, equal to those of `uniform3` bit for bit."""
     words = numpy_words(seed, stream, particle, step)[:3]
     return np.stack([((w >> 8) | 1) * (2.0 * UNIT_STEP) - 1.0 for w in words], axis=-1)

@@ -25,7 +25,7 @@ PROGRESS_PARTS = 10  # parts of a run, and of its pictures, after which a line i
 
 
 class Result:
-    """A run folder: its tables as arrays by column, its manifest, its events."""
+    """Reader of a run folder: its tables as arrays by column, its manifest, its events."""
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
@@ -35,7 +35,7 @@ class Result:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """Facts of the run: the resolved scene, versions, backend, seed, hashes."""
+        """Content of manifest.json: the resolved scene, versions, backend, seed, hashes."""
         return input_file.read_json(self.folder / "manifest.json")
 
     @cached_property
@@ -55,12 +55,12 @@ class Result:
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
-        """The motion log of a ship that is alone."""
+        """Columns of motion.csv, the motion log of the only ship."""
         return self.table("motion")
 
     @cached_property
     def motions(self) -> dict[str, dict[str, np.ndarray]]:
-        """The motion logs of several ships, by name."""
+        """Columns of the motion log of each of several ships, by her name."""
         return {name: self.table(f"motion_{name}") for name in self.manifest["scene"].get("ships", {})}
 
     @cached_property
@@ -73,11 +73,11 @@ class Result:
 
 
 class ProgressLines(Observer):
-    """Prints simulated time, speed and time left after each tenth of a run, for who waits for it, and then how many of
-    its pictures are drawn."""
+    """Prints simulated time, speed and time left after each tenth of a run, and then how many of its pictures are
+    drawn."""
 
     def __init__(self, duration: float) -> None:
-        """`duration` of the run [s]."""
+        """`duration`: simulated time [s] of the run."""
         self.duration, self.every = duration, duration / PROGRESS_PARTS
         self.first: tuple[float, float] | None = None  # simulated and wall time [s] when steps cost what they cost
         self.passed = self.drawn = 0  # tenths of the run, and of its pictures
@@ -99,7 +99,7 @@ class ProgressLines(Observer):
         self.say(f"t = {time:.2f} of {self.duration:g} s{speed}")
 
     def draw(self, done: int, total: int) -> None:
-        """So many pictures are drawn; of 0, while the run goes on and nobody knows of how many."""
+        """Print progress after each tenth of the pictures; nothing while `total` is 0, which means unknown."""
         if total and PROGRESS_PARTS * done // total > self.drawn:
             self.drawn = PROGRESS_PARTS * done // total
             self.say(f"picture {done} of {total}")
@@ -159,8 +159,8 @@ def simulate(config: SceneConfig, folder: Path, observers: tuple[Observer, ...])
 
 
 def wave_field(scene: SceneConfig | str | Path | dict[str, Any]) -> WaveField:
-    """The waves of a scene, as `run` takes it, to be asked at any place and time, where its water is a closed form or a
-    patch of an open sea; raises SceneError or Refused."""
+    """The waves of a scene (as `run` takes it), to be evaluated at any place and time; raises SceneError, and Refused
+    unless its water is a sum of plane waves or a patch of such a sea."""
     with Simulation(scene if isinstance(scene, SceneConfig) else load(scene)) as simulation:
         sea = simulation.fluid.plane_waves
     if sea is None:

@@ -105,7 +105,7 @@ def _bound(kernel: Any) -> Any:
 
 
 class Launch:
-    """Compiled kernel, and the slots of its arguments: arrays and numbers; a template has none."""
+    """Compiled kernel, called with a method's arguments: numbers and arrays by slot; templates have none."""
 
     def __init__(self, compiled: Any, kernel: Any, takes: list["Taken"]) -> None:
         self.compiled, self.context = compiled, kernel.make_launch_context
@@ -149,7 +149,7 @@ class Taken(NamedTuple):
 
 
 def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
-    """Launch of a kernel that has just run with these arguments; None for kinds of arguments that only Taichi knows."""
+    """Launch of a kernel that has just run with these arguments; None if only Taichi can pass such arguments."""
     takes, slots = [], 0
     if primal.return_type is not None or primal.has_print:
         return None
@@ -179,7 +179,7 @@ def _launch_of(primal: Any, owner: Any, given: tuple) -> Launch | None:
 
 @in_kernels
 class FieldCopy:
-    """Copies of a scalar field, many times as fast as Taichi's own."""
+    """Copies a scalar field to NumPy, many times as fast as Taichi's own method."""
 
     def __init__(self, field: Any) -> None:
         self.field = field
@@ -221,7 +221,7 @@ class RuntimeConfig(Model):
 
 @dataclass(frozen=True)
 class Backend:
-    """Backend that was obtained: its name, its threads, and the precision."""
+    """Taichi backend that was obtained: its name, threads (0 on a GPU), and precision."""
 
     arch: str
     threads: int
@@ -240,7 +240,7 @@ _starting = threading.RLock()  # held while Taichi changes its thread
 
 
 class Allocation(NamedTuple):
-    """A set of fields that Taichi has given memory."""
+    """A set of fields to which Taichi has given memory together."""
 
     tree: SNodeTree
     variables: list[Any]  # the expressions by which its fields are known
@@ -294,7 +294,7 @@ OTHER_THREAD_MESSAGE = (
 
 
 class FreedField:
-    """Stub for a field whose memory is freed."""
+    """Stub for a field whose memory is freed: any use raises RuntimeError with the reason."""
 
     def __init__(self, why: str) -> None:
         self.why = why
@@ -337,8 +337,8 @@ class Fields:
             impl.get_runtime().materialize()
 
     def free(self) -> None:
-        """Give the memory back. `SNodeTree.destroy` would also forget the compiled kernels of all other simulations.
-        Kernels of these fields are found only through the objects that own them."""
+        """Free the memory of the fields. `SNodeTree.destroy` would also forget the compiled kernels of all other
+        simulations. Kernels of these fields are found only through the objects that own them."""
         self.freed = True
         _open.discard(self)
         program = impl.get_runtime().prog
@@ -462,7 +462,7 @@ def vector_width() -> int:
 
 
 def running_arch() -> str:
-    """The backend that runs: `cpu`, `cuda`, `vulkan` or `metal`; `cpu` before any does."""
+    """Name of the running backend: `cpu`, `cuda`, `vulkan` or `metal`; `cpu` before any runs."""
     return _started[1].arch if _started is not None else "cpu"
 
 
@@ -485,7 +485,7 @@ def must_restart(config: RuntimeConfig) -> bool:
 
 
 def require_running(backend: Backend) -> None:
-    """Raises RuntimeError where Taichi has been restarted since it gave this backend."""
+    """Raise RuntimeError if Taichi has been restarted since it gave this backend."""
     if _started is None or _started[1] is not backend:
         raise RuntimeError(RESTARTED_MESSAGE)
 
@@ -552,8 +552,8 @@ def _thread_ids() -> set[int]:
 
 
 def _pin_threads(before: set[int], threads: int, one: bool) -> None:
-    """Bind the worker threads, the last that Taichi makes as it starts, to cores of their own, or each to `one`: woken
-    for a short time, two would often share a core."""
+    """Bind Taichi's worker threads, its newest ones, to cores of their own, or each to only one (`one`): woken for a
+    short time, two would often share a core. `before`: ids of the threads before Taichi started."""
     usable = sorted(os.sched_getaffinity(0)) if sys.platform == "linux" else []
     workers = sorted(_thread_ids() - before)[-threads:] if usable else []
     for k, worker in enumerate(workers):

@@ -28,7 +28,7 @@ class Observer:
     """Attributes that a checkpoint of it does not hold."""
 
     def observe(self, simulation: "Simulation") -> None:
-        """Called at time 0 and after the steps that its schedule asks for."""
+        """Observe the present state; called at time 0 and after the steps that `every` asks for."""
 
     def resumed(self, changed: str) -> None:
         """Called once a checkpoint has been restored, before the run goes on; `changed`: in words, how this program
@@ -38,14 +38,14 @@ class Observer:
         """Set the callback that shows the progress of a long task."""
 
     def close(self) -> None:
-        """Called once, also after a run that failed."""
+        """Finish the files of the observer; called once, also after a run that failed."""
 
 
 class OutcomeObserver(Observer):
     """Observer that states how a run ended. It is closed after the others, which may fail to close."""
 
     def amend(self) -> None:
-        """State the outcome once more: an observer that was closed later has failed."""
+        """Write the outcome once more, since an observer that was closed later has failed."""
 
 
 class ObserverConfig(PartConfig):
@@ -62,15 +62,15 @@ class ObserverConfig(PartConfig):
 
     @classmethod
     def name(cls) -> str:
-        """Its key in a scene: the name of its module."""
+        """Key of the observer in a scene: the name of its module."""
         return cls.__module__.rpartition(".")[2]
 
     def files_of(self, preflight: Preflight) -> tuple[str, ...]:
-        """Names of the files that it leaves in this scene."""
+        """Names of the files that the observer leaves in this scene."""
         return tuple(re.findall(r"[\w/*]+\.\w+", self.leaves))
 
     def interval(self, preflight: Preflight) -> float:
-        """Simulated time between observations [s]; 0: each step, or the rows of the motion log, has one."""
+        """Simulated time [s] between observations: by default that of the motion log, or 0 (each step) without one."""
         motion = preflight.parts.get("motion")
         return motion.every if isinstance(motion, PeriodicConfig) else 0.0
 
@@ -78,16 +78,16 @@ class ObserverConfig(PartConfig):
         return [LedgerRow(self.name(), self.leaves, 0, "")]
 
     def picture_time(self, preflight: Preflight) -> float:
-        """Wall time [s] of the pictures that it draws of a run, where all cores are idle, without a graphics card."""
+        """Estimated wall time [s] to draw the observer's pictures of a run, on idle cores without a graphics card."""
         return 0.0
 
     def bytes_a_particle(self, preflight: Preflight) -> int:
-        """Bytes of each particle in its ledger."""
+        """Memory [bytes] for each particle that the ledger of this observer contains."""
         return 0
 
     @abstractmethod
     def build(self, folder: Path, simulation: "Simulation") -> Observer:
-        """`folder`: that of the run, which one that writes nothing does not touch."""
+        """Build the observer. `folder`: the run folder, which observers that write nothing leave alone."""
 
 
 class PeriodicConfig(ObserverConfig):
@@ -113,7 +113,7 @@ class Simulation:
     left_out = ("observers", "stage", "backend", "fields")  # what a checkpoint of it does not hold
 
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
-        """`folder`: where observers write; without it there are only those that write nothing."""
+        """`folder`: run folder of the observers; without one only observers that write nothing are built."""
         self.scene = scene
         if not isinstance(scene, Model):
             raise Unsuited(f"a simulation takes a scene that ocean_sim.load has read, not {scene!r:.60}")
@@ -160,14 +160,14 @@ class Simulation:
         return next(iter(self.ships.values()), None)
 
     def limits(self) -> Limits:
-        """Limits of the time step, over the water and every ship."""
+        """Limits of the time step: the least ones of the water and of every ship."""
         limits = self.fluid.limits()
         for ship in self.ships.values():
             limits = limits.and_of(ship.limits())
         return limits
 
     def step(self) -> None:
-        """Algorithm 8 of the thesis; rendering and logging are done by observers."""
+        """Advance by one time step (Algorithm 8 of the thesis); rendering and logging are done by observers."""
         runtime.require_running(self.backend)
         if self.fields.freed:
             raise RuntimeError("this simulation is closed, and its memory is freed; step it inside its `with` block")
@@ -211,8 +211,8 @@ class Simulation:
         self.outcome = "done"
 
     def note(self, failure: BaseException) -> None:
-        """Set outcome and reason of an interrupted run: `stopped` if it left the physical world or a person ended it,
-        `failed` if the program or the machine failed."""
+        """Set outcome and reason of a run that `failure` ended: `stopped` if it diverged or a person ended it, `failed`
+        if the program or the machine failed."""
         if isinstance(failure, Diverged):
             when = "" if "t = " in str(failure) else f"; t = {self.time:.4f} s, step {self.steps}"
             self.outcome, self.reason = "stopped", f"{failure}{when}"
@@ -272,7 +272,7 @@ class Simulation:
 
 
 def require_doubles(scene: Scene, backend: runtime.Backend) -> None:
-    """Raises BackendMissing where a scene counts in double precision and the backend has none."""
+    """Raise BackendMissing if a scene needs double precision and the backend has none."""
     if backend.doubles:
         return
     tank, wind = scene.preflight.tank, scene.wind

@@ -74,8 +74,8 @@ class Config(PeriodicConfig):
 
 
 class Accuracy(Observer):
-    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. Water without particles has only
-    the works that it counts and the time step."""
+    """Writes accuracy.csv: errors and balances of the whole water, summed in float64. For water without particles it
+    has only the work of each term that the water sums, and the time step."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every
@@ -113,7 +113,7 @@ class Accuracy(Observer):
         )
 
     def column_meaning(self) -> dict[str, object]:
-        """Meaning of the columns, for the heading of the table."""
+        """Meaning of the columns by name, for the heading of the table."""
         given = " + ".join(f"work_{term}" for term in self.balance.outer_terms) or "0"
         if self.balance.driven:
             given += " + (work_gravity + potential energy gained), the work of forces that have no potential"
@@ -136,7 +136,7 @@ class Accuracy(Observer):
         return meaning
 
     def balances(self, fluid: ParticleFluid, totals: Totals) -> list[float]:
-        """Values of BALANCE_COLUMNS, then impulses and works."""
+        """Values of BALANCE_COLUMNS, then impulse and work of each term."""
         n, mass = fluid.particles.count.now, fluid.particles.mass
         impulse, work = fluid.impulse, fluid.work
         motion, internal = kinetic_energy(mass, totals), fluid.internal_energy()
@@ -198,13 +198,13 @@ def highest_particles(basin: Basin, fluid: ParticleFluid) -> np.ndarray:
 
 
 def surface_fit(surface: "Surface", points: np.ndarray) -> tuple[float, float]:
-    """Mean and root mean square of the height of a surface over (m, 3) points [m]."""
+    """Mean and root mean square [m] of the height of a surface over points (m, 3) [m]."""
     away = surface.elevations(points[:, [0, 2]]) - points[:, 1]
     return float(away.mean()), float(np.sqrt(np.square(away).mean()))
 
 
 def surface_meaning(surface: "Surface | None") -> dict[str, object]:
-    """Meaning of the columns of a surface: its fit to the particles, and its own measurements."""
+    """Meaning of the columns of a surface by name: its fit to the particles, and its own measurements."""
     if surface is None:
         return {}
     return SURFACE_MEANING | {name.rsplit("_m", 1)[0]: meaning for name, meaning in surface.measured.items()}

@@ -33,8 +33,8 @@ class Config(PeriodicConfig):
 
 
 class Checkpoint(Observer):
-    """Writes checkpoint_<time>.h5 and keeps the newest two. Ctrl-C and SIGTERM let the step end, keep its state, then
-    stop the run; a second one stops it at once. It takes the last turn, after the other observers."""
+    """Writes checkpoint_<time>.h5 and keeps the newest two. Ctrl-C and SIGTERM let the step end, write a checkpoint,
+    then stop the run; a second one stops it at once. It observes last, after the other observers."""
 
     left_out = ("contents", "last_write", "stop_requested", "handlers")
 
@@ -74,13 +74,13 @@ class Checkpoint(Observer):
         self.last_write = perf_counter()
 
     def install_handlers(self) -> None:
-        """Handle the signals that stop a run from now on."""
+        """Install handlers of STOP_SIGNALS, in the main thread only, and keep the former ones for `close`."""
         self.handlers = {}
         if threading.current_thread() is threading.main_thread():
             self.handlers = {number: signal.signal(number, self.handle_signal) for number in STOP_SIGNALS}
 
     def handle_signal(self, number: int, frame: FrameType | None) -> None:
-        """Stop after the step on the first signal, at once on the second."""
+        """Handler of STOP_SIGNALS: stop the run after the step on the first signal, at once on the second."""
         if self.stop_requested or self.simulation.outcome != "running":
             raise KeyboardInterrupt
         self.stop_requested = True
@@ -91,18 +91,18 @@ class Checkpoint(Observer):
 
 
 def roots(simulation: Simulation) -> dict[str, Any]:
-    """Objects from which the walk over a run begins; observers that the scene does not name are no part of it."""
+    """Root objects of a checkpoint: the simulation, and the observers that the scene names."""
     named = simulation.scene.observers
     return {"simulation": simulation, "observers": dict(zip(named, simulation.observers[: len(named)]))}
 
 
 def program_facts(simulation: Simulation) -> dict[str, Any]:
-    """Packages, backend and sources on which the bytes of a run depend."""
+    """Versions of packages, backend and hashes of sources, on which the bytes of a run depend."""
     return versions() | {"backend": simulation.backend.arch, "sources": source_hashes()}
 
 
 def versions() -> dict[str, str | None]:
-    """Versions of the packages that compute."""
+    """Installed versions, by name, of the packages on which the numbers of a run depend; None if missing."""
     return {name: installed_version(name) for name in ("ocean-sim", kernel_library.LIBRARY_NAME, "numpy", "scipy")}
 
 

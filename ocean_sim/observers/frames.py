@@ -48,7 +48,7 @@ class Config(PeriodicConfig):
     """Keep the positions and velocities of the particles, which `export` and pictures of particles need."""
 
     def point_count(self, preflight: Preflight) -> int:
-        """Number of points at which a frame keeps the height of the water."""
+        """Number of points at which a frame stores the height of the water."""
         return grid_size(preflight.tank, self.spacing or preflight.fluid.point_spacing(preflight))
 
     def mismatches(self, preflight: Preflight) -> Problems:
@@ -144,8 +144,8 @@ class Frames(Observer):
         origin: np.ndarray,
         snapshot: "Snapshot | None",
     ) -> dict[str, np.ndarray]:
-        """White water at the points, displacement of its grain, and velocity of the surface; and the white share of the
-        sea, if the water has no model of breaking crests."""
+        """Foam arrays of a frame: white share at the points, displacement of its texture [m], velocity of the surface
+        [m/s]; and the white share of the whole sea, if the water has no model of breaking crests."""
         assert self.white is not None
         self.white.shift(np.round((origin - self.before) / self.cell))
         self.before = origin
@@ -171,8 +171,8 @@ class Frames(Observer):
     def breaking_heights(
         self, simulation: Simulation, points: np.ndarray, elevation: np.ndarray, origin: np.ndarray
     ) -> np.ndarray:
-        """Heights (nx, nz) [m] of the sea without its ships: foam of the whole sea would gather at the steep dents of
-        their hulls, and their own foam is drawn with them."""
+        """Heights (nx, nz) [m] of the sea without its ships, on which foam is formed: it would else gather at the steep
+        dents of the hulls, whose own foam is drawn with them."""
         if not self.ships:
             return elevation
         undisturbed = simulation.fluid.undisturbed_elevations(points, elevation.ravel())
@@ -188,8 +188,8 @@ class Frames(Observer):
         return foam.levelled_heights(elevation, inside.reshape(self.shape), widest / self.cell)
 
     def whiten_past_sea(self, simulation: Simulation, points: np.ndarray) -> None:
-        """Whiten a sea in closed form over the seconds before the run: all of its foam would else begin at once, in a
-        stripe along the highest crest."""
+        """Form the foam of a sea in closed form over the seconds before the run: all of it would else begin at once, in
+        a stripe along the highest crest."""
         sea, begins = simulation.fluid.plane_waves, simulation.time
         if sea is None or sea.ramp_share(begins) < 1.0:
             return
@@ -200,8 +200,8 @@ class Frames(Observer):
             self.advance_foam(time, elevation, velocity, wind)
 
     def advance_foam(self, time: float, elevation: np.ndarray | None, velocity: np.ndarray, wind: float) -> None:
-        """Advance the white water to a time [s] in a velocity (nx, nz, 3) [m/s]; it begins at the crests of heights
-        (nx, nz) [m], unless these are None, as much as a wind [m/s] calls for."""
+        """Advance the foam to a time [s], carried with a velocity (nx, nz, 3) [m/s]; new foam forms on crests of
+        heights (nx, nz) [m], unless these are None, with the cover that belongs to a wind speed [m/s]."""
         assert self.white is not None
         source = None
         if elevation is not None and velocity.any():  # a column before its release does not break
@@ -210,8 +210,8 @@ class Frames(Observer):
         self.white.advance(time, velocity[..., [0, 2]], source, wanted)
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z of the middle of the points [m]: on a sea that answers to ships, whole cells near their middle,
-        since they may sail away; else, and in 2-D, the middle of the basin."""
+        """(2,) x and z [m] of the middle of the points of a frame: on a sea that ships disturb, near the middle of the
+        ships by whole cells, since they may sail away; else, and in 2-D, the middle of the basin."""
         return middle_cell(self.ships, self.cell) if self.ships and self.cell.all() else np.zeros(2)
 
     def resumed(self, changed: str) -> None:
@@ -228,7 +228,7 @@ class Frames(Observer):
 
 
 def move_triangles(mesh: "Mesh", origin: np.ndarray, period: Sequence[float]) -> "Mesh":
-    """A surface between periodic sides, each triangle moved by periods to be nearest to an origin x, z [m]."""
+    """Copy of a surface between periodic sides, each triangle moved by whole periods next to an origin x, z [m]."""
     corners = mesh.vertices[mesh.triangles]
     shift = np.repeat(shifts(corners.mean(axis=1), origin, period), 3, axis=0)
     at = np.column_stack([mesh.triangles.ravel(), np.round(shift, 6)])

@@ -55,7 +55,7 @@ class Sensor(Model):
     without turning."""
 
     def face_normal(self, basin: Basin) -> np.ndarray | None:
-        """(3,) unit normal of its face; None if nothing determines one."""
+        """(3,) unit normal of the sensor's face; None if neither `normal` nor a side or obstacle determines one."""
         if self.normal is not None:
             across = in_space(self.normal)
             return across / np.linalg.norm(across) if across.any() else None
@@ -64,7 +64,7 @@ class Sensor(Model):
         return None if axis is None else np.eye(3)[axis]
 
     def face_points(self, basin: Basin) -> np.ndarray:
-        """(n, 3) points [m] whose mean pressure it reads: its middle alone without a diameter."""
+        """(n, 3) points [m] whose mean pressure the sensor reads; only its middle without a diameter."""
         middle, across = in_space(self.at), self.face_normal(basin)
         if not self.diameter or across is None:
             return middle[None]
@@ -132,12 +132,12 @@ class Config(PeriodicConfig):
 
     @property
     def riding_gauges(self) -> list[Key]:
-        """Keys of the gauges that ride."""
+        """Keys of the gauges that ride with ships or patch, as ("elevation", name) or ("pressure", name)."""
         waves: list[Key] = [("elevation", name) for name, wave in self.waves.items() if wave.rides]
         return [*waves, *(("pressure", name) for name, sensor in self.sensors.items() if sensor.rides)]
 
     def misplaced_gauges(self, basin: Basin) -> Problems:
-        """Gauges that cannot read in this basin, and why not."""
+        """Faults (key, sentence) of gauges that cannot read in this basin: misplaced, or with an impossible face."""
         points: dict[Key, tuple[tuple[float, ...], str]]
         points = {("elevation", name): (wave.at, "xz") for name, wave in self.waves.items()}
         sensors: dict[Key, Sensor] = {("pressure", name): sensor for name, sensor in self.sensors.items()}
@@ -164,7 +164,7 @@ class Config(PeriodicConfig):
 
 
 def riding_problem(preflight: Preflight) -> str | None:
-    """The reason that no gauge can ride in a scene, or None."""
+    """The reason that no gauge can ride with ships or a patch in a scene, or None."""
     if preflight.tank.sea is not None:
         return None
     if preflight.fluid.made_of_particles:
@@ -189,7 +189,7 @@ def outside_reason(point: tuple[float, ...], axes: str, basin: Basin) -> str | N
 
 
 def face_problem(sensor: Sensor, basin: Basin) -> str | None:
-    """The reason that a sensor cannot have such a face, or None; its middle must be in the basin."""
+    """The reason that a sensor, whose middle is in the basin, cannot have the face of its keys, or None."""
     wanted = "xyz"[: basin.dimension]
     if sensor.normal is not None and len(sensor.normal) != len(wanted):
         return f"the normal {list(sensor.normal)} should be [{', '.join(wanted)}]"
@@ -208,7 +208,7 @@ def face_problem(sensor: Sensor, basin: Basin) -> str | None:
 
 
 def sensor_description(sensor: Sensor, points: int) -> str:
-    """Place and face of a sensor that reads so many points, for the heading of the table."""
+    """Text on place and face of a sensor, which averages over `points`, for the heading of the table."""
     place = f"{list(sensor.at)} m{RIDING_PHRASE if sensor.rides else ''}"
     if points == 1:
         return f"pressure at {place}"
@@ -216,7 +216,7 @@ def sensor_description(sensor: Sensor, points: int) -> str:
 
 
 def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
-    """Lowering of the surface by the water's own weight, for the heading of the table; empty if there is none."""
+    """Line of the table's heading on the lowering of the surface by the water's own weight; empty if there is none."""
     if not simulation.fluid.surface_drop:
         return {}
     by = f"{simulation.fluid.surface_drop:.4g} m where it is deepest, g h^2 / (2 c^2) of a column of height h"
@@ -224,7 +224,7 @@ def hydrostatic_offset(simulation: Simulation) -> dict[str, object]:
 
 
 def dry_tops(obstacles: Sequence[Corners], columns: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """(n,) heights [m] over (n, 2) columns x, z [m]: the top of an obstacle where its column is dry."""
+    """(n,) heights [m] of the water over columns (n, 2) x, z [m], or of the top of an obstacle that is dry."""
     for low, up in sorted(obstacles, key=lambda box: box[0][1]):
         over = ((columns >= np.array(low)[[0, 2]]) & (columns <= np.array(up)[[0, 2]])).all(axis=1)
         heights = np.where(over & (heights >= low[1] - BOX_ROUNDING) & (heights < up[1]), up[1], heights)
@@ -239,7 +239,7 @@ def riding_centre(simulation: Simulation) -> np.ndarray:
 
 
 class Gauges(Observer):
-    """Writes gauges.csv, one column a gauge."""
+    """Writes gauges.csv: one column of elevation [m] or pressure [Pa] for each gauge."""
 
     def __init__(self, config: Config, folder: Path, simulation: Simulation) -> None:
         self.every = config.every

@@ -63,7 +63,7 @@ class Config(PeriodicConfig):
 
 
 class Health(OutcomeObserver):
-    """Checks the fluid after every step; events.jsonl has start, limits of the time step, clipping and the end."""
+    """Checks the water after every step and raises Diverged; logs start, limits, clipping and end in events.jsonl."""
 
     def __init__(self, config: Config, folder: Path | None, simulation: Simulation) -> None:
         self.config, self.every, self.folder, self.simulation = config, config.every, folder, simulation
@@ -105,7 +105,7 @@ class Health(OutcomeObserver):
         )
 
     def record_event(self, name: str, **facts: object) -> None:
-        """Write one line of events.jsonl."""
+        """Write an event with its facts as one line of events.jsonl."""
         if self.events is not None:
             simulation = self.simulation
             line = {"time_s": round(simulation.time, 9), "step": simulation.steps, "event": name, **facts}
@@ -137,7 +137,7 @@ class Health(OutcomeObserver):
             self.note_clipping(simulation)
 
     def begin(self, simulation: Simulation) -> None:
-        """Keep the energies, momentum, level and symmetry of the first state."""
+        """Store energies, momentum, level and symmetry of the first state, with which later states are compared."""
         self.begun = True
         water = with_particles(simulation.fluid)
         totals, particles = water.totals(), water.particles
@@ -157,7 +157,7 @@ class Health(OutcomeObserver):
                 self.unexplained_energy(self.balance, totals)
 
     def is_suspicious(self) -> bool:
-        """True if the fluid's own summary of the last step is out of bounds, as NaN is."""
+        """True if speed or density in the last step's summary is out of bounds or not a number."""
         status = self.simulation.fluid.status
         dense = self.is_too_dense(status.max_density) or self.has_no_density(status.min_density)
         return not status.finite or not status.max_speed <= self.max_speed or dense
@@ -168,11 +168,11 @@ class Health(OutcomeObserver):
         return fluid.sound_speed > 0.0 and not density <= self.config.max_density_ratio * fluid.rest_density
 
     def has_no_density(self, density: float) -> bool:
-        """True if water has no density left: a scheme that integrates its density can come to that."""
+        """True if a density [kg/m3] is not positive: a scheme that integrates the density can come to that."""
         return self.simulation.fluid.sound_speed > 0.0 and not density > 0.0
 
     def violations(self) -> Iterator[str]:
-        """Sentences about violated bounds, worst kind first."""
+        """Yield sentences about violated bounds, worst kind first; record lesser faults of the water as events."""
         fluid, basin = with_particles(self.simulation.fluid), self.simulation.basin
         particles, totals = fluid.particles, fluid.totals()
         within = bool((totals.lower >= self.lower).all() and (totals.upper <= self.upper).all())
@@ -194,7 +194,7 @@ class Health(OutcomeObserver):
         yield from self.energy_violations(totals)
 
     def violations_of_particles(self) -> Iterator[str]:
-        """Sentences about violated bounds of single particles, each of which is checked."""
+        """Yield sentences about violated bounds of single particles, each of which is checked."""
         fluid = with_particles(self.simulation.fluid)
         particles, status = fluid.particles, fluid.status
         position = particles.position.to_numpy().astype(np.float64)
@@ -229,20 +229,20 @@ class Health(OutcomeObserver):
             yield self.describe_failure(f"{what}, {far}", position, [distance.argmax()])
 
     def record_once(self, name: str, **facts: object) -> None:
-        """Record an event, the first time only."""
+        """Record an event of this name, the first time only."""
         if name not in self.reported:
             self.record_event(name, **facts)
             self.reported.append(name)
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
-        """Record that the value of a kind has changed, EVENT_INTERVAL after the last event of its kind or later."""
+        """Record an event if the value of a kind has changed, at most every EVENT_INTERVAL for each kind."""
         due = self.simulation.time >= self.event_times.get(kind, -EVENT_INTERVAL) + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
 
     def note_particles(self, ids: np.ndarray) -> None:
-        """Record particles that are lost or there twice, by the ids of all particles."""
+        """Record that particles are missing or there twice, as the ids of all particles (n,) show."""
         count = len(ids)
         there = np.bincount(ids[(ids >= 0) & (ids < count)], minlength=count)
         if (there != 1).any():
@@ -257,7 +257,7 @@ class Health(OutcomeObserver):
                 self.record_once("symmetry lost", spacings=float(f"{apart:.3g}"), bound=MAX_IMAGE_DRIFT)
 
     def note_momentum(self, totals: Totals) -> None:
-        """Record momentum that no force has given."""
+        """Record that the water has momentum that no force has given."""
         if self.momentum is not None:
             share = self.momentum.unexplained_share(self.simulation, totals)
             if not share <= MOMENTUM_REPORTED:
@@ -286,12 +286,12 @@ class Health(OutcomeObserver):
         )
 
     def energy_parts(self, totals: Totals) -> tuple[float, float]:
-        """Energy of motion and height, and of compression [J]."""
+        """Energy [J] of motion and height together, and energy of compression."""
         return mechanical_energy(self.simulation, totals), self.simulation.fluid.internal_energy()
 
     def energy_violations(self, totals: Totals) -> Iterator[str]:
-        """Sentences about energy that no force has given. An unstable scheme creates energy long before one particle is
-        out of bounds; the first lattice of a stiff one releases compression into motion and height."""
+        """Yield sentences about energy that no force has given. An unstable scheme creates energy long before one
+        particle is out of bounds; the first lattice of a stiff one releases compression into motion and height."""
         if self.judges_energy:
             fluid, bound = self.simulation.fluid, self.config.max_energy_gain
             scale = with_particles(fluid).particles.mass * self.n * fluid.reference_speed**2
@@ -310,17 +310,17 @@ class Health(OutcomeObserver):
                 yield self.failure_sentence(what, self.suggest_cure())
 
     def failure_sentence(self, what: str, cure: str) -> str:
-        """A sentence on failure, time, cure and the file of the last good state."""
+        """Sentence for the user on failure, time, cure and the file of the last good state."""
         simulation = self.simulation
         return f"{what}, t = {simulation.time:.4f} s, step {simulation.steps}; {cure}{self.name_last_frame()}"
 
     def describe_failure(self, what: str, position: np.ndarray, worst: Iterable[int]) -> str:
-        """A sentence on a failure and the places of the worst particles."""
+        """Sentence for the user on a failure and the positions of the worst particles, given by index."""
         where = "".join(f" at ({', '.join(f'{x:.4g}' for x in position[i])}) m" for i in worst)
         return self.failure_sentence(f"{what}{where}", self.suggest_cure())
 
     def suggest_cure(self) -> str:
-        """A cure for the likeliest cause."""
+        """Advice to the user against the likeliest cause of a failure."""
         fluid, basin, scene = self.simulation.fluid, self.simulation.basin, self.simulation.scene
         pull = float(np.linalg.norm(basin.gravity))
         if fluid.sound_speed == 0.0:
@@ -341,7 +341,7 @@ class Health(OutcomeObserver):
         return scene.time_step.advice(limit, shortest)
 
     def name_last_frame(self) -> str:
-        """Name the newest frame, the last good state."""
+        """Clause that names the newest frame file, the last good state; empty without frames."""
         frames = [] if self.folder is None else sorted((self.folder / "frames").glob("frame_*.npz"))
         return f"; the last picture before is frames/{frames[-1].name}" if frames else ""
 
@@ -362,7 +362,8 @@ class Health(OutcomeObserver):
                 raise Diverged(self.failure_sentence(f"{what} ({x:.4g}, {z:.4g}) m", cure))
 
     def note_rim(self, simulation: Simulation) -> None:
-        """Record that one of several ships lies in the rim of the patch, where the sea ignores her."""
+        """Record that one of several ships lies in the rim of the patch, where water is relaxed towards the open
+        sea."""
         if len(simulation.ships) < 2:
             return
         at = np.array([ship.body.position[[0, 2]] for ship in simulation.ships.values()])
@@ -372,7 +373,7 @@ class Health(OutcomeObserver):
                 self.record_once(event, **ship_facts(name, ship))
 
     def note_ships(self, simulation: Simulation) -> None:
-        """Record that a keel met the bed, and that a whole hull has left the water or is back in it."""
+        """Record that a keel touches the bed, and that a whole hull has left the water or is back in it."""
         for name, ship in simulation.ships.items():
             facts, grounding = ship_facts(name, ship), f"grounding of {name}"
             self.record_change(grounding, ship.groundings, "the hull meets the bed", **facts)

@@ -68,7 +68,7 @@ class Manifest(OutcomeObserver):
         self.write()
 
     def resumed(self, changed: str) -> None:
-        """Add the time at which the run was resumed, and the change of the program since."""
+        """Add to the manifest the time at which the run was resumed, and the change of the program since."""
         before, now = input_file.read_json(self.path), round(self.simulation.time, 9)
         self.facts["resumed_s"] = [*before.get("resumed_s", []), now]
         changes = [each for each in before.get("changed", []) if each["from_s"] < now]
@@ -95,7 +95,7 @@ class Manifest(OutcomeObserver):
         self.close()
 
     def write(self) -> None:
-        """Write the manifest; files that others have listed there stay listed."""
+        """Write the manifest; files that other programs have listed in it stay listed."""
         if before := run_files.read_manifest(self.path.parent):
             self.facts["files"] = sorted({*self.facts["files"], *run_files.listed_files(before)})
         write_facts(self.path, self.facts)

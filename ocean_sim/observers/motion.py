@@ -42,12 +42,12 @@ SPIN = slice(MOMENT.spin, MOMENT.orders)
 
 
 def log_name(ship: str) -> str:
-    """File name of a ship's motion log."""
+    """File name of a ship's motion log, by the name of the ship."""
     return "motion.csv" if ship == ALONE else f"motion_{ship}.csv"
 
 
 def log_columns(parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Columns of the motion log of a ship whose load has these parts."""
+    """Column names of the motion log of a ship whose load has these parts."""
     return (
         "time_s",
         "seq",
@@ -101,7 +101,7 @@ class Config(PeriodicConfig):
 
 
 class Motion(Observer):
-    """Writes a log for each ship."""
+    """Writes the motion log of each ship."""
 
     every = 0.0  # the load at one time is known a step later
 
@@ -155,7 +155,7 @@ class Log:
         self.last = simulation.time, self.ship.body, self.ship.orders
 
     def complete(self, simulation: Simulation) -> None:
-        """Add the load at the newest time, which is known now, and write rows."""
+        """Add the moment of the last state, whose load is known a step later, and write the rows that it completes."""
         if self.last is None:
             return
         (time, body, orders), ship = self.last, self.ship
@@ -176,7 +176,7 @@ class Log:
         return any(taker.at_once for taker in takers(simulation, TakesMotion))
 
     def set_first_velocity(self, body: "RigidBody", dt: float) -> None:
-        """Velocity at the first time: the mean of the present one and that after the next step, of 2 dt [s]."""
+        """Set the velocity at the first time: the mean of that now and that after the next step, of 2 dt [s]."""
         gained = dt * self.ship.acceleration, dt * self.ship.turning
         self.velocity = first_derivative(body.velocity + gained[0], body.angular_velocity + gained[1], body.orientation)
 
@@ -212,7 +212,7 @@ class Log:
             observer.take_motion(self.ship.name, dict(zip(self.columns, table)), self.frame)
 
     def load_table(self, body: Attitude, acceleration: np.ndarray, turning: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """(n, m) columns after velocities and rates; `rest`: (n, k) orders and parts of the load."""
+        """(n, m) accelerations, specific forces, loads and orders; `rest`: (n, k) orders and parts of the load."""
         felt = body.point_acceleration(self.arm, acceleration, turning)
         specific = to_frame(self.frame, body.to_body(felt - self.gravity[:, None]).T)
         orders, parts = rest[:, :2], rest[:, 2:].reshape(len(rest), -1, 6)
@@ -222,8 +222,8 @@ class Log:
         return np.concatenate([along, specific, loads.reshape(len(rest), -1), orders], axis=1)
 
     def motion_table(self, track: Track) -> np.ndarray:
-        """(16, n) columns of position, angles, unit quaternion, velocity and rates in the frame's axes. Angles follow
-        from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
+        """(16, n) table of position, angles, unit quaternion, velocity and rates in the axes of the log's frame. Angles
+        follow from the interpolated quaternion: interpolated angles leap where a bow points straight up."""
         body, signs = attitude_of(track), self.signs[:, None]
         q = body.orientation
         pose, speed = (track.place[:3], body.angles), (track.velocity[:3], body.to_body(body.spin))

@@ -53,7 +53,7 @@ class PlatformLog(Observer, TakesMotion):
         self.csv, self.platform, self.simulation, self.ship, self.at_once = csv, platform, simulation, ship, at_once
 
     def take_motion(self, ship: str, rows: dict[str, np.ndarray], frame: str) -> None:
-        """Write the commands for rows of the ship, and hand them on."""
+        """Write the platform's commands for rows of its ship's motion log, and give them to other observers."""
         if ship == self.ship:
             commands = self.platform.follow(ride_of(rows, frame))
             for row in commands.rows():

@@ -65,7 +65,7 @@ class Config(PeriodicConfig):
 
 
 class Preview(Observer):
-    """Numbered pictures in the folder preview/ of a run, drawn as in the window."""
+    """Writes numbered pictures into the folder preview/ of a run, drawn as in the window."""
 
     left_out = ("screen",)  # of its checkpoints
 
@@ -96,16 +96,16 @@ class Preview(Observer):
 
 
 class Buffer:
-    """Taichi field that the window reads; it grows with what is put into it."""
+    """Taichi field, of vectors or numbers, that the window reads; it grows as more values are put into it."""
 
     def __init__(self, length: int = 3) -> None:
-        """`length` of its vectors; 0: of whole numbers."""
+        """`length`: components of each vector; 0: a field of whole numbers."""
         self.length = length
         self.field: Any = None
 
     def put(self, values: np.ndarray) -> int:
-        """Take (n, length) or (n,) values; returns n. The last repeats up to the end: the window draws some of what
-        lies beyond, whatever count it is given."""
+        """Copy (n, length) or (n,) values into the field; returns n. The last value fills the rest, since the window
+        draws some of it, whatever count it is given."""
         n = len(values)
         if self.field is None or self.field.shape[0] < n:
             room = max(64, 2 ** int(np.ceil(np.log2(max(n, 1)))))
@@ -118,10 +118,10 @@ class Buffer:
 
 
 class Mesh:
-    """Triangles in plain colours.
+    """Triangles in plain colours, in GGUI's buffers.
 
-    One unit transform places them: without any, GGUI's shader takes what lies in a buffer that
-    nobody filled, times nothing, and where that is no number the triangles are gone from the picture.
+    One unit transform places them: without any, GGUI's shader adds an uninitialised buffer times zero, and a NaN in it
+    makes the triangles vanish from the picture.
     """
 
     def __init__(self) -> None:
@@ -130,7 +130,7 @@ class Mesh:
         self.vertices, self.normals, self.colours, self.corners = Buffer(), Buffer(), Buffer(), Buffer(0)
 
     def show(self, scene: Any, patch: Patch | None, wires: bool = False) -> None:
-        """Add a patch, if there is one, to a scene of GGUI."""
+        """Add a patch of triangles, if there is one, to a scene of GGUI; `wires`: only their edges."""
         if patch is None:
             return
         self.normals.put(np.broadcast_to([0.0, 1.0, 0.0], patch.vertices.shape))  # plain colours need none, GGUI does
@@ -188,7 +188,7 @@ class Screen:
         panel.content = panel.content if panel.content in panel.contents else (*panel.contents, "surface")[0]
 
     def draw(self, panel: Panel, pace: float | None = None) -> None:
-        """Make a picture of the simulation as it is, which runs `pace` times real time."""
+        """Draw a picture of the present state of the simulation, which runs `pace` times real time."""
         for _ in range(self.settling):
             self.compose(panel, pace)
             self.window.get_image_buffer_as_numpy()
@@ -196,7 +196,7 @@ class Screen:
         self.compose(panel, pace)
 
     def compose(self, panel: Panel, pace: float | None) -> None:
-        """Hand the window everything that is in the picture."""
+        """Pass everything that is in the picture to the window."""
         eye = self.point_camera(panel)
         self.canvas.triangles(self.backdrop.field, per_vertex_color=self.backdrop_colours.field)
         self.plain.set_camera(self.camera)
@@ -236,7 +236,7 @@ class Screen:
         return camera.eye
 
     def show_balls(self, balls: Balls, eye: np.ndarray) -> None:
-        """Add the particles; their lights are set after the plain scene was handed over, which would take them, too."""
+        """Draw particles as lit balls; the lights are set after the plain scene is drawn, which would use them."""
         self.lit.set_camera(self.camera)
         self.lit.ambient_light((0.55, 0.55, 0.55))
         self.lit.point_light(pos=tuple(eye + [-200.0, 300.0, -100.0]), color=(0.6, 0.6, 0.6))
@@ -248,14 +248,14 @@ class Screen:
         self.canvas.scene(self.lit)
 
     def image(self) -> np.ndarray:
-        """Picture (width, height, 3) as it is in the window, 8-bit, from its left lower corner."""
+        """Picture (width, height, 3) in the window, 8-bit RGB, from its left lower corner."""
         buffer = self.window.get_image_buffer_as_numpy()
         buffer *= 255.0
         buffer += 0.5
         return buffer.astype(np.uint8)[..., :3]
 
     def listen(self, panel: Panel, seconds: float) -> None:
-        """Take the keys and the mouse of the last so many seconds."""
+        """Apply keys and mouse to the panel, as pressed and moved in the last `seconds`."""
         panel.closed = panel.closed or not self.window.running
         for event in self.window.get_events(ti.ui.PRESS):
             panel.press(event.key)
@@ -269,7 +269,7 @@ class Screen:
         self.cursor = cursor
 
     def show(self) -> None:
-        """Put the picture on the screen; a hidden window has none."""
+        """Show the picture on the screen, unless the window is hidden."""
         if self.shown:
             self.window.show()
 

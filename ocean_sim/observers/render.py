@@ -179,7 +179,7 @@ class Config(PeriodicConfig):
         return alone * wall + by_turns * wall_by_turns
 
     def scenery(self, preflight: Preflight) -> str:
-        """Drawn scenery, a key of PROCESS_BYTES, as far as it is known without a frame."""
+        """Kind of scenery in the pictures, a key of PROCESS_BYTES, as far as it is known without a frame."""
         tank, water = preflight.tank, preflight.untouched
         if self.particles or tank.dimension == 2:
             return "particles"
@@ -211,7 +211,7 @@ class Config(PeriodicConfig):
 
 
 def config_options(config: Config, folder: Path) -> dict[str, Any]:
-    """Options of `render_run` that a config sets for the frames in a folder: no picture of the film twice."""
+    """Options of `render_run` from a config; film pictures are no closer in time than the frames in the folder."""
     with open_frame(folder / "frames" / "grid.npz") as grid:
         return config.model_dump() | {"every": max(config.every, float(grid["every"]))}
 
@@ -272,7 +272,7 @@ class Render(OutcomeObserver):
 
 
 class Drawer:
-    """A child process that draws orders, and the processes that it leads."""
+    """A child process that draws picture orders, in a session of its own with the processes that it starts."""
 
     def __init__(self, orders: Sequence[Order], progress: Progress | None = None, goes_on: bool = False) -> None:
         """`goes_on`: the run still writes frames, until `finish` is called."""
@@ -298,7 +298,7 @@ class Drawer:
         self.reader.start()
 
     def follow(self) -> None:
-        """Reads "pictures 3 of 600" from the child until it ends; of 0 while nobody knows of how many."""
+        """Report the progress that the child prints ("pictures 3 of 600") until it ends; a total of 0 is unknown."""
         assert self.child is not None and self.child.stdout is not None
         for line in self.child.stdout:
             words = line.split()
@@ -306,7 +306,7 @@ class Drawer:
                 self.progress(int(words[1]), int(words[3]))
 
     def finish(self) -> None:
-        """The run is over: wait until all is drawn; raises OpenGLMissing or RenderFailed."""
+        """Tell the child that the run is over, and wait until all is drawn; raises OpenGLMissing or RenderFailed."""
         try:
             if self.problem is not None:
                 raise self.problem
@@ -339,14 +339,14 @@ class Drawer:
 
 
 def start_drawing(asked: dict[str, Any], errors: IO[str], **how: Any) -> subprocess.Popen[Any]:
-    """Process that draws an order (see `main`), and whose errors are written."""
+    """Start a process that draws the request `asked` (see `main`); `errors`: file of its standard error."""
     command = [sys.executable, "-m", "ocean_sim.observers.render", json.dumps(asked)]
     # Its standard input breaks when this process ends, however that comes.
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, **how)
 
 
 def drawing_failure(child: subprocess.Popen[Any], errors: IO[str]) -> RenderFailed:
-    """Exception for a process that draws and has ended before it should."""
+    """Exception for a drawing process that has ended too early, with the signal or the last line of its errors."""
     if child.returncode < 0:
         opengl.forget()
         return RenderFailed(f"the drawing process died (signal {-child.returncode}); {OpenGLMissing()}")
@@ -362,7 +362,7 @@ def render_run(
     progress: Progress | None = None,
     **asked: Any,
 ) -> list[Path]:
-    """Draw preview.png, and film, stills and strip when asked, into `out`; `config_options` as in `order_of`.
+    """Draw preview.png, and film, stills and strip when asked, into `out`; returns the files. `asked` as in Order.
 
     Raises OpenGLMissing or RenderFailed.
     """
@@ -443,14 +443,14 @@ def variants(folder: Path, time: float, switched: Sequence[dict[str, Any]], **op
 
 
 def order_files(order: Order) -> list[str]:
-    """The files of an order."""
+    """Names of the files that an order for pictures leaves."""
     names = ["preview.png"] if order.preview else []
     names += [still_name(time) for time in order.stills]
     return names + ["strip.png"] * (order.strip > 0) + ["film.mp4", MOMENTS_FILE] * order.film
 
 
 def still_name(time: float) -> str:
-    """The file of a picture at a time [s]."""
+    """File name of a picture at a time [s]."""
     return f"still_{time:08.3f}.png"
 
 
@@ -479,7 +479,7 @@ def draw_order(order: Order, over: threading.Event) -> Iterator[tuple[int, int]]
 
 
 def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "ComingFrames"]:
-    """A picture that is ready to be drawn, and the frames of its run, as `draw_order`."""
+    """A picture ready to draw the frames of an order's run, and these frames; `over` as in `draw_order`."""
     folder = Path(order.folder)
     with open_frame(folder / "frames" / "grid.npz") as file:
         grid = dict(file)
@@ -491,12 +491,12 @@ def begin_picture(order: Order, over: threading.Event) -> tuple[Picture, "Coming
 
 
 def sample_files(files: list[Path]) -> list[Path]:
-    """Some sixty of many frames, from which a run is surveyed."""
+    """About sixty of many frame files, from which a run is surveyed."""
     return files[:: max(1, len(files) // 60)]
 
 
 class ComingFrames:
-    """The frames of a run as they come."""
+    """The frame files of a run, found as the run writes them."""
 
     def __init__(self, folder: Path, over: threading.Event) -> None:
         self.folder, self.over = folder, over
@@ -504,8 +504,8 @@ class ComingFrames:
         self.look()
 
     def look(self) -> None:
-        """Add the frames that are there; whether the run is over is asked before, so that none is missed. Of a run that
-        is over, a person may have deleted some."""
+        """Add new frame files; the end of the run is checked before, so that none is missed. A person may have deleted
+        some frames of a run that is over."""
         ended, number = self.over.is_set(), len(self.log.files)
         if ended:
             known = {path.name for path in self.log.files}
@@ -517,13 +517,13 @@ class ComingFrames:
         self.ended = ended
 
     def wait(self) -> None:
-        """Until the run is over."""
+        """Wait until the run is over, and add its last frames."""
         self.over.wait()
         self.look()
 
     def chosen(self, every: float) -> Iterator[tuple[Path, int]]:
-        """The frame of each picture of a film, as soon as it is known, and how many pictures there are, or 0; the first
-        when there are two, which tell how fast ships begin."""
+        """Yield the frame file of each picture of a film once it is known, and the number of pictures, 0 while unknown;
+        the first once there are two frames, which show how fast ships begin."""
         done = 0
         while True:
             ended, there = self.ended, len(self.log.files)
@@ -539,11 +539,11 @@ class ComingFrames:
 
 
 class Painter:
-    """Another process that draws a film by turns with this one, which takes its pictures as they come; it is not led by
-    a session of its own, and ends with this one."""
+    """Another process that draws a film by turns with this one, which reads its pictures from a pipe; it belongs to the
+    same session and ends with this process."""
 
     def __init__(self, order: Order, over: threading.Event, turn: int) -> None:
-        """Start a process as `draw_order` says; `turn`: its number among the processes, counted from 0, this one."""
+        """Start the process; `over` as in `draw_order`; `turn`: its number among the processes; this one is 0."""
         self.shape = *order.size[::-1], 3
         self.errors = tempfile.TemporaryFile("w+")
         asked = {"goes_on": not over.is_set(), "orders": [asdict(order)], "turn": turn}
@@ -561,7 +561,7 @@ class Painter:
             self.told.flush()
 
     def picture(self) -> np.ndarray:
-        """(height, width, 3) 8-bit RGB, the next that it draws; raises RenderFailed."""
+        """Next picture (height, width, 3) of the process, 8-bit RGB; raises RenderFailed if it has ended."""
         size = int(np.prod(self.shape))
         pixels = self.pixels.read(size)
         if len(pixels) < size:
@@ -580,8 +580,8 @@ class Painter:
 
 
 def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Path, int, int | None]]:
-    """The frame of each picture of a film, how many pictures there are, or 0, and which of so many processes draws it,
-    one after the other; None where it is the picture before."""
+    """Yield, for each picture of a film, its frame file, the number of pictures (0 while unknown), and the number of
+    the process, of `of` in turn, that draws it; None where it equals the picture before."""
     shown, turn = None, 0
     for file, total in coming.chosen(every):
         yield file, total, None if file == shown else turn % of
@@ -591,10 +591,10 @@ def film_turns(coming: ComingFrames, every: float, of: int) -> Iterator[tuple[Pa
 def draw_turns(
     order: Order, picture: Picture, coming: ComingFrames, turn: int, put: Callable[[Shot | int | None], None]
 ) -> Iterator[tuple[int, int]]:
-    """Draw those pictures of a film whose turn it is, as `draw_order`.
+    """Draw the pictures of a film that are the turn of this process; yields progress as `draw_order`.
 
-    `put` is handed, one after the other, each picture that is drawn here, and the turns of the others. A thread calls
-    it while the next picture is drawn: the plotter leaves Python to others meanwhile.
+    `put` is called in order with each picture that is drawn here, and for others with the number of their process. A
+    thread calls it while the next picture is drawn: the plotter releases Python's lock meanwhile.
     """
     with ThreadPoolExecutor(1) as beside:
         before: list[Future[None]] = []
@@ -614,7 +614,7 @@ def draw_turns(
 def write_film(
     path: Path, order: Order, picture: Picture, coming: ComingFrames, others: Sequence[Painter]
 ) -> Iterator[tuple[int, int]]:
-    """H.264 that any player shows, in real time, and a row of small pictures of it."""
+    """Write a film in real time (H.264), and a row of small pictures of it; yields progress as `draw_order`."""
     with atomic_write(path) as draft:
         moments, image = Moments(), np.zeros(0)
         with film_writer(draft, order.every) as writer:
@@ -631,7 +631,7 @@ def write_film(
 
 
 def hand_over(order: Order, over: threading.Event, turn: int) -> None:
-    """Draw the pictures of a film whose turn it is, and write their pixels to the standard output, as Painter."""
+    """Draw the pictures of a film that are this process's turn, and write their pixels to the standard output."""
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as pixels:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # for what else is printed
         picture, coming = begin_picture(order, over)
@@ -646,7 +646,7 @@ def hand_over(order: Order, over: threading.Event, turn: int) -> None:
 
 
 def join_film(pictures: list[Path], path: Path, every: float) -> None:
-    """Write a film of pictures that lie there as files, one for each `every` [s]."""
+    """Write a film from picture files, one for each `every` [s]."""
     import imageio.v2 as imageio
 
     with atomic_write(path) as draft, film_writer(draft, every) as writer:
@@ -655,7 +655,7 @@ def join_film(pictures: list[Path], path: Path, every: float) -> None:
 
 
 def film_writer(path: Path, every: float) -> Any:
-    """Writer of the pictures of a film, one for each `every` [s]."""
+    """Writer (imageio) of a film file, to which pictures are appended, one for each `every` [s]."""
     import imageio.v2 as imageio
 
     return imageio.get_writer(
@@ -677,14 +677,14 @@ def save_png(path: Path, image: np.ndarray) -> None:
 
 
 def hurry_when_over(over: threading.Event) -> None:
-    """Yield no more once the run is over."""
+    """Wait until the run is over, then no longer let other processes go first."""
     over.wait()
     yield_to_others(0)
 
 
 def main() -> None:
-    """Draw a request in JSON: `orders`, whether their run `goes_on`, and the `turn` of this process in drawing the
-    pictures of a film; the one with the first, 0, draws all else."""
+    """Draw the request in the first argument, in JSON: `orders`, whether their run `goes_on`, and the `turn` of this
+    process in drawing the pictures of a film; process 0 also draws all else."""
     over = exit_with_parent()
     asked = json.loads(sys.argv[1])
     turn = asked["turn"]

@@ -24,7 +24,7 @@ class Config(PeriodicConfig):
 
 
 class Mark(NamedTuple):
-    """Wall and simulated time, and the wall time of each stage so far [s]."""
+    """Clock values at one moment: wall and simulated time, steps, and the wall time of each stage so far [s]."""
 
     wall: float
     time: float
@@ -57,7 +57,7 @@ class Timings(Observer):
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Time a stage; replaces `simulation.stage`."""
+        """Context that measures the wall time of a stage; replaces `simulation.stage`."""
         self.sync()
         entered = perf_counter()
         if self.start is None:
@@ -68,7 +68,7 @@ class Timings(Observer):
             self.stage_times[name] += perf_counter() - entered
 
     def warm_up(self, name: str, now: float) -> None:
-        """Mark the end of the first step, where means begin."""
+        """Record start and end of the first step, after which means begin; `now`: wall time [s]."""
         if self.began is not None and self.simulation.steps > self.first_step:
             self.first_step_s = now - self.began
             self.start = self.last = self.take_mark(now)
@@ -120,7 +120,7 @@ class Timings(Observer):
 
 
 def synchronization(arch: str) -> Callable[[], None]:
-    """The function that waits for the work of a stage: on a GPU, kernel launches return before their work is done."""
+    """Function that waits until launched kernels are done; it does nothing on a processor, where launches wait."""
     if arch in ("cpu", "x64", "arm64"):
         return lambda: None
     from ocean_sim.kernel_library import ti

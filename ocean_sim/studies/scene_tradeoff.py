@@ -52,14 +52,14 @@ Varied = dict[str, list[Node]]
 
 @dataclass(frozen=True)
 class Budget:
-    """Time that a run may take on an idle machine: of 1/60 s simulated [ms], of a simulated second, or of all [s]."""
+    """Time that a run may take on an idle machine: per 1/60 s simulated [ms], per simulated second, or in all [s]."""
 
     name: str
     most: float
 
     @classmethod
     def of(cls, text: str) -> "Budget":
-        """Raises ValueError where the text is not a budget."""
+        """Budget from a text: `realtime`, or a time as 16ms or 30s. Raises ValueError for any other."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
             raise ValueError(
@@ -68,20 +68,20 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time that is limited [s], wall or processor time, whichever is less: a run that waits for others has more
-        wall time, one on several cores more processor time. The whole run counts with what it compiles."""
+        """Time [s] that the budget limits: per simulated second, or of the whole run with compilation. The less of wall
+        time (more where a run waits) and processor time (more on several cores) counts; None if unknown."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Share of the budget that a run takes, in the budget's unit."""
+        """Time that a run takes, in the unit of the budget's limit `most`; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One choice of values, and its scenes by seed."""
+    """One combination of the varied values by key, and its scenes, one for each seed."""
 
     values: dict[str, Any]
     scenes: tuple[SceneConfig, ...]
@@ -104,16 +104,16 @@ class Repeat:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Its run."""
+        """Order of this run, as plain data."""
         return run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Its answer, and the folder of its run under `run`."""
+        """One row: the answer of the run, with its folder under the key `run`."""
         return [answer | {"run": run}]
 
 
 def vary_setting(texts: list[str]) -> Varied:
-    """The values of each KEY=A,B,C; raises SceneError."""
+    """Values by key, from texts KEY=A,B,C; raises SceneError."""
     found: Varied = {}
     for text in texts:
         key, equals, values = text.partition("=")
@@ -128,7 +128,7 @@ def vary_setting(texts: list[str]) -> Varied:
 
 
 def finest_setting(key: str, values: list[Any]) -> Any:
-    """The value that costs most and errs least: by its name, or the smallest, or for some keys the greatest."""
+    """The finest value: last in a known order of names, or least number, or greatest for keys MORE_IS_FINER."""
     place, _, name = key.rpartition(".")
     if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
         order = FROM_COARSE.get(key) or from_coarse(slot_of(place))
@@ -139,7 +139,7 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Every combination, each with a seed more than the study needs, for the trial of the answer; raises SceneError."""
+    """Settings of all combinations of values, each with one seed more, to test the best setting; raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -165,7 +165,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
-    """The scene with its own seed and those after it, without pictures, and with a gauge if nothing else is seen."""
+    """Scenes with `count` successive seeds, without pictures, and with a gauge if without ships and gauges."""
     quiet: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
@@ -175,7 +175,7 @@ def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: in
 
 
 def errors_against(result: Result, reference: Result) -> dict[str, float | None]:
-    """Errors of a run by the quantities that a user sees, against the reference."""
+    """Differences of a run from the reference by quantity: rms over time, wave heights, periods [m, rad, s]."""
     found: dict[str, float | None] = {}
     legs = []
     motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
@@ -202,7 +202,7 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
 
 
 def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """Differences of heights and period at a gauge; None where a record holds no wave."""
+    """Differences of wave heights [m] and period [s] at a gauge between two runs; None where a record holds no wave."""
     a, b = (wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
@@ -210,7 +210,7 @@ def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarra
 def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
-    """Distance of two records over the time that they share; values that are so far apart are the same."""
+    """Rms difference of two records over the time that they share, NaN if none; `whole`: period of angles."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
     if np.isfinite(whole):
@@ -221,7 +221,7 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """A setting over its seeds: costs by the median, errors by mean and standard deviation; none where a run failed."""
+    """Row of a setting over its seeds: median costs, mean and spread of errors, which are None if a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),
@@ -241,7 +241,7 @@ def tradeoff_summary(
 
 
 def measure_names(rows: list[dict[str, Any]]) -> list[str]:
-    """The names of all errors, felt ones before seen ones: leg lengths, motions, elevations, heights, periods."""
+    """Names of all errors in the rows, in this order: leg lengths, motions, elevations, wave heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
@@ -249,8 +249,8 @@ def measure_names(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """The most accurate row within the budget; of those that differ from it by less than the spread of the seeds, the
-    cheapest."""
+    """The cheapest of the rows within the budget whose error `by` exceeds the least one by no more than the spread of
+    the seeds; None if no row is within the budget."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:
         return None

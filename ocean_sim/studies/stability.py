@@ -45,7 +45,7 @@ VERDICT_WORDS = ("stable", "degraded", "stopped", "none")
 
 @dataclass(frozen=True)
 class Axis:
-    """A setting that is taken to its extremes: what it is called, its values, quick and all."""
+    """A setting that is taken to its extremes: name, scene key, unit, and values in the quick and in the full study."""
 
     name: str
     key: str
@@ -56,7 +56,7 @@ class Axis:
     quick_steps: tuple[float, ...] = (1.0, 4.0)
 
     def settings(self, value: float) -> dict[str, Any]:
-        """Settings laid over the scene."""
+        """Scene settings by key that give the axis this value."""
         if self.name == "wind":
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
@@ -95,7 +95,7 @@ EXTREME_AXES = (
 
 @dataclass(frozen=True)
 class Spot:
-    """One point of a map."""
+    """One run of a stability map: a scheme, a value of the varied setting, and a time step."""
 
     axis: Axis
     scheme: str
@@ -106,11 +106,11 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Its run, on one thread."""
+        """Order of this run on one thread, as plain data."""
         return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Its line in the table."""
+        """One row of the table: setting, time step, limits of the time step, verdict with its reason, and times."""
         outcome, why, numbers = verdict_of(
             answer, unwrapped_table(run, "accuracy"), self.scene, self.axis.name == "wind"
         )
@@ -121,7 +121,7 @@ class Spot:
 
 
 def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
-    """All points, of the study's own scenes or of a user's; raises SceneError."""
+    """All runs of all maps, with the study's own scenes or a user's `scene`; raises SceneError."""
     return [spot for axis in EXTREME_AXES for spot in _of_axis(axis, quick, scene)]
 
 
@@ -163,7 +163,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
-    """Verdict, why, and the numbers it was found by: energy gained over the scale, greatest mean compression."""
+    """Verdict, its reason, and the numbers that it rests on: relative gain of energy, greatest mean compression."""
     gain, dense = (
         energy_gain(accuracy, scene, driven),
         float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
@@ -186,8 +186,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Energy from nowhere over mass times the square of the reference speed; NaN where undefined. Walls at rest
-    give none, whatever a scheme's accounts hold of its single forces."""
+    """Largest unexplained gain of energy over mass times the square of the reference speed; 0 without a table.
+    `driven`: work of the wind is subtracted. Walls at rest do none, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
@@ -200,7 +200,7 @@ def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: boo
 
 
 def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Summary of every value of every map: the longest stable step, the shortest unstable one, and the limits."""
+    """Rows, one for each scheme and value of a map: longest stable step, shortest unstable one, and limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

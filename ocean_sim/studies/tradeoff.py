@@ -50,7 +50,7 @@ BUSY_CLOCK_RATIO = 1.3  # wall over processor time of one thread beyond which th
 
 @dataclass(frozen=True)
 class Trial:
-    """A case, and the one of its errors that is drawn; all of them are in the table."""
+    """A validation case, and the one of its errors that is drawn; the table holds all of them."""
 
     case: str
     quantity: str
@@ -66,7 +66,7 @@ class Trial:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """The kinds that are run."""
+        """Kinds of the slot (schemes) that are run."""
         return self.only or compared(self.slot)
 
 
@@ -105,12 +105,12 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
-        """Its run."""
+        """Order of this run, as plain data."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return run_order(*given)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """A line for every error of the case; one without an error where the run gave none."""
+        """A row for every error of the case; one row without an error if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         head = (
             names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied_points())}
@@ -121,13 +121,13 @@ class Point:
 
     @property
     def changed(self) -> str:
-        """The setting that is not the scheme's own, for people."""
+        """The setting that differs from the scheme's default, as text `key=value`; empty if none does."""
         rest = {key: value for key, value in self.settings.items() if key != "resolution"}
         return ", ".join(f"{key}={value}" for key, value in rest.items())
 
 
 def varied_points() -> list[str]:
-    """The keys of all axes."""
+    """Keys of all settings that the study varies."""
     return [key for axes in SETTING_AXES.values() for key in axes]
 
 
@@ -153,7 +153,7 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
 
 
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
-    """Resolutions of a case, from coarse to fine, each spacing once."""
+    """Resolutions (coarse set-up or not, factor) of a case, from coarse to fine, each particle spacing once."""
     spacings: dict[float, tuple[bool, float]] = {}
     for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
         spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
@@ -173,14 +173,14 @@ def _is_other_setting(point: Point) -> bool:
 
 
 def clock_column(rows: list[dict[str, Any]]) -> str:
-    """The column by which speed is compared: wall time, or processor time where a busy machine spoils the other."""
+    """Name of the column by which speed is compared: wall time, or processor time where the machine was busy."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
 
 
 def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
-    """The Pareto front of (cost, error): no other is as cheap and as accurate, and better in one."""
+    """Indices of the pairs (cost, error) on the Pareto front: no other is as cheap and accurate, and better in one."""
     order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
     for k in order:
@@ -190,10 +190,10 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 
 
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
-    """The schemes at equal time, by the column `speed`, and at equal number of particles; a row holds one error.
+    """Rows that compare schemes at equal time, the column `speed`, and at equal number of particles, by one error each.
 
-    At equal time stands the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
-    number that of each scheme as it comes, at every number.
+    At equal time it is the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
+    number, for every number, that of each scheme with its defaults.
     """
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     found = []

@@ -71,7 +71,7 @@ class Symmetry:
                 self.twins[axis] = twin
 
     def largest_distance(self, simulation: Simulation) -> float:
-        """Largest distance of an image from its place [spacings]; 0 without images."""
+        """Largest distance [spacings] of a particle from the mirror image of its twin; 0 without twins."""
         if not self.twins:
             return 0.0
         place, _ = sorted_by_id(simulation)
@@ -92,7 +92,7 @@ def mirrored(vectors: np.ndarray, axis: int) -> np.ndarray:
 
 
 def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
-    """(n,) id of each particle's image, valid if every particle has one; places in spacings."""
+    """(n,) id of each particle's mirror image, valid if every particle has one; `place`: (n, 3) [spacings]."""
     here, there = (np.lexsort(x.round(3).T + 0.0) for x in (place, mirrored(place, axis)))
     twin = np.empty(len(place), dtype=int)
     twin[here] = there
@@ -100,7 +100,7 @@ def image_ids(place: np.ndarray, axis: int) -> np.ndarray:
 
 
 def is_symmetric(basin: Basin, axis: int) -> bool:
-    """True if gravity, walls and obstacles are the same on both sides of an axis."""
+    """True if gravity, walls and obstacles are mirror images of themselves along an axis."""
     name = "xyz"[axis]
     walls = basin.walls.at(f"{name}_min") == basin.walls.at(f"{name}_max")
     boxes = {tuple(np.round([*low, *up], 9)) for low, up in basin.obstacles}
@@ -113,8 +113,8 @@ def is_symmetric(basin: Basin, axis: int) -> bool:
 
 
 class Momentum:
-    """Momentum of the water against the impulse of all forces from now on. The fluid must sum the impulse of each
-    force, as `accuracy` requests."""
+    """Compares the momentum that the water gains from now on with the impulse of all forces. The fluid must sum the
+    impulse of each force, as `accuracy` requests."""
 
     def __init__(self, simulation: Simulation) -> None:
         self.first = self.unexplained(simulation, with_particles(simulation.fluid).totals())
@@ -125,8 +125,8 @@ class Momentum:
         return moving - sum(simulation.fluid.impulse.values(), np.zeros(3))
 
     def unexplained_share(self, simulation: Simulation, totals: Totals) -> float:
-        """Unexplained momentum since the first look, over all impulses and the mass times the reference speed; 0 where
-        no impulse is summed, or where `motion_limit` has held particles back."""
+        """Momentum since the start of this check that no force has given, over all impulses plus mass times reference
+        speed; 0 where no impulse is summed, or where `motion_limit` has held particles back."""
         fluid = simulation.fluid
         impulses = fluid.impulse
         if not impulses or fluid.status.clipped:

@@ -90,7 +90,7 @@ class Multiples:
 
 
 class Sample(NamedTuple):
-    """One row: `values` are linear between two states, `held` are of the state before."""
+    """One row: `values` are interpolated linearly between two states, `held` are those of the earlier state."""
 
     time: float
     values: np.ndarray
@@ -113,7 +113,7 @@ class Sampled:
         self.before = None
 
     def rows(self, time: float, values: np.ndarray, held: tuple = ()) -> list[Sample]:
-        """The samples that the state at `time` completes."""
+        """Samples at the multiples passed since the last call, up to the state at `time` [s]."""
         now = Sample(time, np.asarray(values, dtype=np.float64), held)
         passed = self.multiples.reached(time)
         shown = passed if len(passed) <= self.most else (passed[0], passed[-1])
@@ -123,7 +123,7 @@ class Sampled:
 
 
 def interpolated(before: Sample, after: Sample, time: float) -> Sample:
-    """The state at `time` on the straight line from `before` to `after`."""
+    """Sample at `time` on the straight line from `before` to `after`; `held` is of `before` until `after`."""
     if time >= after.time or after.time <= before.time:
         return Sample(time, after.values, after.held)
     part = max(0.0, (time - before.time) / (after.time - before.time))
@@ -131,7 +131,7 @@ def interpolated(before: Sample, after: Sample, time: float) -> Sample:
 
 
 class TakesMotion:
-    """An observer that gets each new row of a ship's motion log, in the order of time, up to the forces."""
+    """An observer that gets each new row of a ship's motion log, in the order of time, without the loads."""
 
     at_once = False  # True: it gets each row as soon as it is known, not many together
 

@@ -13,7 +13,7 @@ CONVERSION_TERMS = ("gravity", "pressure")  # their work turns one energy into a
 
 
 class Balance:
-    """Energy of the particles against the work of all forces since the first look. The fluid must sum the work."""
+    """Compares energy gained by the particles with the work of all forces. The fluid must sum the work."""
 
     at_first: float | None
 
@@ -25,7 +25,7 @@ class Balance:
         self.at_first = None
 
     def residual(self, energy: float, potential_energy: float, work: dict[str, float]) -> float:
-        """Energy [J] that the water has gained since the first look and no force has given."""
+        """Energy [J] that the water has gained since the first call and no force has given."""
         given = sum(work[term] for term in self.outer_terms)
         if self.driven:
             given += work.get("gravity", 0.0) + potential_energy
@@ -57,7 +57,7 @@ def total_energy(simulation: Simulation) -> float:
 
 
 def stored_by_weight(simulation: Simulation) -> float:
-    """Largest compression energy from the water's own weight [J]: (g depth)^2 / (6 c^2) a kilogram of a still basin."""
+    """Largest energy [J] of compression by the water's own weight: (g depth)^2 / (6 c^2) per kilogram, at rest."""
     fluid, basin = simulation.fluid, simulation.basin
     particles = with_particles(fluid).particles
     head = float(np.linalg.norm(basin.gravity)) * basin.depth  # [m2/s2]
@@ -85,11 +85,11 @@ def falls_without_potential(simulation: Simulation) -> bool:
 
 
 def separable_work_terms(simulation: Simulation) -> list[str]:
-    """Forces whose work is the energy that the water was given.
+    """Names of the forces whose summed work is the energy given to the water; empty where that is unknown.
 
     Water that solves for its pressure stores no energy in it: pressure and walls give elsewhere the energy that
-    pressure takes. Their sum holds the error of the solver and the work of the walls. The two cannot be separated
-    where walls drive the water, and the list is empty.
+    pressure takes. Their sum holds the error of the solver and the work of the walls. The two cannot be separated where
+    walls drive the water, and the list is empty.
     """
     fluid = simulation.fluid
     if not fluid.solvers:
@@ -98,14 +98,14 @@ def separable_work_terms(simulation: Simulation) -> list[str]:
 
 
 def has_driving_walls(basin: Basin) -> bool:
-    """True if a piston or a lid moves, or an absorbing zone lets a given motion pass."""
+    """True if a piston or a lid moves, or an absorbing zone relaxes the water towards a given motion."""
     lid, absorbing = basin.config.lid, [side.absorbing for side in basin.sides if side.absorbing is not None]
     moved = basin.config.wavemaker is not None or (lid is not None and any(lid.velocity))
     return moved or any(zone.target is not None for zone in absorbing)
 
 
 def gains_energy(simulation: Simulation) -> bool:
-    """True if wind, moving walls or obstacles, ships, new water or a body force may give energy to the water."""
+    """True if wind, moving walls or obstacles, ships, inflow or a body force may give energy to the water."""
     scene, basin = simulation.scene, simulation.basin
     walls = has_driving_walls(basin) or basin.gates
     return bool(

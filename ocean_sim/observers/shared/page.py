@@ -30,7 +30,7 @@ PLOT_CLIP = (
 
 
 def html_page(title: str, parts: Iterable[str]) -> str:
-    """A whole document in English, of HTML parts."""
+    """HTML text of a whole page from the parts of its body."""
     head = [
         '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -44,7 +44,7 @@ def html_page(title: str, parts: Iterable[str]) -> str:
 
 
 def link_headings(parts: list[str]) -> list[str]:
-    """Give every heading a name, and put links to the headings before the first."""
+    """HTML parts with a name for every heading, and links to all headings before the first."""
     headings: list[str] = []
 
     def name_heading(match: re.Match[str]) -> str:
@@ -60,7 +60,7 @@ def link_headings(parts: list[str]) -> list[str]:
 
 
 def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_names: bool = True) -> str:
-    """Rows of cells under a line of heads, if there are any; `row_names`: the first cell of each row is its name."""
+    """HTML table of rows under a line of heads, if there are any; `row_names`: first cells are names of rows."""
     across = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in heads)
     top = [f"<tr>{across}</tr>"] if heads else []
     body = []
@@ -72,7 +72,7 @@ def html_table(rows: Iterable[Sequence[object]], heads: Sequence[str] = (), row_
 
 
 def embedded_picture(path: Path, caption: str, link: str | None = None) -> str:
-    """A picture file inside the page, at most MAX_PICTURE_WIDTH wide; empty if it cannot be read."""
+    """HTML of a picture inside the page, at most MAX_PICTURE_WIDTH wide; empty if the file cannot be read."""
     if not path.exists():
         return ""
     from PIL import Image, UnidentifiedImageError
@@ -120,7 +120,7 @@ def round_ticks(low: float, high: float, about: int = 6) -> np.ndarray:
 
 
 def axis_range(values: np.ndarray) -> tuple[float, float]:
-    """Least and largest value, with a margin; NaN does not count."""
+    """Least and largest value, with a margin, as the ends of an axis; NaN does not count."""
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     gap = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
@@ -152,7 +152,7 @@ def keep_crests(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def curve_stroke(k: int) -> str:
-    """Attributes of the line of curve k; the first 49 differ in colour or dashes."""
+    """SVG attributes of the line of curve k; the first 49 differ in colour or dashes."""
     colour = CURVE_COLOURS[k % len(CURVE_COLOURS)]
     dashes = CURVE_DASHES[(k + k // len(CURVE_COLOURS)) % len(CURVE_DASHES)]
     return f'fill="none" stroke="{colour}" stroke-width="1.7" stroke-dasharray="{dashes}"'
@@ -161,8 +161,8 @@ def curve_stroke(k: int) -> str:
 def draw_curves(
     time: np.ndarray, series: Mapping[str, np.ndarray], label: str, limits: Mapping[str, float] | None = None
 ) -> str:
-    """A figure with one curve a name, over time [s], and lines at the limits; empty if every value is 0 or none is a
-    number. Spikes that would flatten the rest are cut, and the caption says so."""
+    """HTML figure with one curve a name, over time [s], and lines at the limits; empty if every value is 0 or NaN.
+    Spikes that would flatten the rest are cut, and the caption says so."""
     everything = np.concatenate(list(series.values()))
     if not np.nan_to_num(everything).any():
         return ""

@@ -32,7 +32,7 @@ def write_report(folder: Path) -> Path:
 
 
 class Run:
-    """A run folder as its page shows it; a file that is missing or torn is left out."""
+    """A run folder and the HTML parts that report.html shows of it; a missing or incomplete file is left out."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -42,7 +42,7 @@ class Run:
         self.events = whole_lines(folder / "events.jsonl")
 
     def parts(self) -> Iterator[str]:
-        """The body of the page from top to bottom."""
+        """Yield the HTML parts of the page from top to bottom."""
         yield f"<h1>{html.escape(self.title)}</h1>"
         yield self.outcome()
         if (self.folder / "replay.html").exists():
@@ -59,7 +59,7 @@ class Run:
         yield from self.file_links()
 
     def outcome(self) -> str:
-        """A sentence on how the run ended."""
+        """HTML paragraph on how the run ended."""
         manifest, outcome = self.manifest, self.manifest.get("outcome", "unknown")
         if outcome == "running":
             sentence = "This run has not ended: it is still running, or was killed."
@@ -80,7 +80,7 @@ class Run:
             yield embedded_picture(path, f"t = {path.stem.removeprefix('still_').lstrip('0') or '0'} s")
 
     def summary_rows(self) -> Iterator[tuple[str, str]]:
-        """A dozen rows on scene and machine."""
+        """Yield about a dozen rows (name, text) on scene and machine."""
         scene, manifest = self.scene, self.manifest
         basin = scene.get("basin", {})
         if "depth" in basin:
@@ -116,7 +116,7 @@ class Run:
             yield f"<h2>Warnings</h2>\n<ul>{rows}</ul>"
 
     def table(self, name: str) -> Table:
-        """Columns of a CSV file of the run, empty if there is no such file."""
+        """Columns of a CSV file of the run by name; empty if there is no such file."""
         return csv_file.read_columns_if_any(self.folder / name)
 
     def motions(self) -> Iterator[str]:
@@ -224,7 +224,7 @@ class Run:
 
 
 def whole_lines(path: Path) -> list[dict[str, Any]]:
-    """The objects of a JSON-lines file up to its first torn line."""
+    """The objects of a JSON-lines file up to its first incomplete line."""
     objects = []
     for line in input_file.read_text(path).splitlines() if path.is_file() else ():
         try:
@@ -237,19 +237,19 @@ def whole_lines(path: Path) -> list[dict[str, Any]]:
 def draw(
     log: Table, label: str, columns: Mapping[str, str], factor: float = 1.0, limits: Mapping[str, float] | None = None
 ) -> str:
-    """A plot of columns of a table, by the names of their curves, times a factor; empty if there are none."""
+    """HTML plot of columns of a table, by the names of their curves, times a factor; empty if there are none."""
     series = {name: factor * log[column] for name, column in columns.items()}
     return draw_curves(log["time_s"], series, label, limits) if series else ""
 
 
 def columns_between(log: Table, prefix: str, suffix: str) -> dict[str, str]:
-    """The columns of a table that begin and end so, by the part of their name between."""
+    """Columns of a table that begin with `prefix` and end with `suffix`, by the part of their name between."""
     named = [column for column in log if column.startswith(prefix) and column.endswith(suffix)]
     return {column.removeprefix(prefix).removesuffix(suffix): column for column in named}
 
 
 def motion_plots(title: str, log: Table) -> Iterator[str]:
-    """The motions of one ship, from her log."""
+    """Yield HTML plots of the motions of one ship, from her motion log."""
     if "heave_m" not in log:
         return
     yield f"<h2>{html.escape(title)}</h2>"
@@ -267,7 +267,7 @@ def motion_plots(title: str, log: Table) -> Iterator[str]:
 
 
 def wave_trains(part: dict[str, Any]) -> Iterator[str]:
-    """The waves of a sea or a fluid of a scene, a sentence for each train."""
+    """Yield a sentence for each wave train of a sea or a fluid of a scene, given as data."""
     spectrum = part.get("spectrum")
     if spectrum:
         kind, height = spectrum["kind"].replace("_", " "), spectrum["significant_wave_height"]
@@ -282,12 +282,12 @@ def wave_trains(part: dict[str, Any]) -> Iterator[str]:
 
 
 def heading_text(waves: dict[str, Any]) -> str:
-    """The direction in which waves travel; empty if the scene names none."""
+    """Clause on the direction in which waves travel; empty if the scene gives none."""
     towards = waves.get("heading_deg")
     return "" if towards is None else f", heading {towards:g} deg"
 
 
 def event_details(event: dict[str, Any]) -> str:
-    """The facts of an event apart from its time, step and name."""
+    """Text of the facts of an event apart from its time, step and name."""
     facts = {key: value for key, value in event.items() if key not in ("time_s", "step", "event") and value is not None}
     return ", ".join(f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}" for k, v in facts.items())

@@ -15,7 +15,7 @@ TIMED_PARTS, BLOCK_STEPS = (
 
 
 class Clocked(Simulation):
-    """Keeps simulated, wall and processor time of every step; what observers do between steps is not counted."""
+    """Simulation that records simulated, wall and processor time of each step, without the work of observers."""
 
     def __init__(self, *given: Any) -> None:
         self.spent: list[tuple[float, float, float]] = []
@@ -39,8 +39,8 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Wall and processor seconds per simulated second, and the mean time step [s], of each part of the run: as many
-        timings of the same work, since a disturbance rarely hits two. None for too short a run."""
+        """Wall and processor seconds per simulated second, and the mean time step [s], of each of TIMED_PARTS
+        interleaved parts of the run, since a disturbance rarely hits two of them. Empty for too short a run."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
@@ -48,12 +48,12 @@ class Clocked(Simulation):
         return [median_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """Cost of the whole run, as `costs` gives it of a part; None for too short a run."""
+        """Cost of the whole run, with the same keys as `costs`; all values are None for too short a run."""
         steps = self.spent[WARM_UP_STEPS:]
         return median_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 
 def median_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
-    """The cost of steps, each with its simulated, wall and processor time."""
+    """Cost per simulated second, and mean time step [s], of steps (simulated, wall, processor time [s])."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}

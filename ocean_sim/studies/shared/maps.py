@@ -17,13 +17,13 @@ LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force
 
 
 def draw_maps(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
-    """One map, as a file."""
+    """Draw one stability map into a picture file; `name`: label of the varied setting."""
     with atomic_write(path) as draft:
         draw_map(name, rows).savefig(draft, dpi=110)
 
 
 def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
-    """One map, a panel a scheme, as a matplotlib figure."""
+    """Matplotlib figure of one stability map, with a panel for each scheme."""
     from matplotlib.figure import Figure
 
     schemes = list(dict.fromkeys(row["scheme"] for row in rows))

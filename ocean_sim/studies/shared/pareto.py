@@ -1,4 +1,4 @@
-"""Pictures of error against cost: points of one colour and mark a scheme, the front of the best, and what failed."""
+"""Pictures of error against cost: points of one colour and mark a scheme, the Pareto front, and failed runs."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """One case: its error against the time in the column `speed`, and against the number of particles if any."""
+    """Draw the error of one case against the time in the column `speed`, and against the number of particles if any."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,7 +43,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """The error of a case over the column `key`."""
+    """Draw the error of a case over the column `key`, with the Pareto front and failed runs."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
@@ -67,7 +67,7 @@ def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) ->
 
 
 def spread_heights(axis: Any) -> None:
-    """A few readable numbers along a logarithmic axis with fixed ends, however short it is."""
+    """Label a logarithmic axis with fixed ends by a few readable numbers, however short it is."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
@@ -82,7 +82,7 @@ def text_height(row: dict[str, Any]) -> float:
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Full marks: a scheme as it comes, joined over its resolutions; hollow ones: with another setting."""
+    """Draw rows as points: full and joined over resolutions with a scheme's defaults, hollow with another setting."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
@@ -102,13 +102,13 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
 
 
 def name_points(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
-    """A name at a point; `shift_apart` finds its place."""
+    """Write a name beside a point; `shift_apart` then moves it to a free place."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
     axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
 
 def shift_apart(figure: Any) -> None:
-    """Moves the names of points to where they cover neither each other nor a point, and stay within their panel."""
+    """Move the names of points to where they cover neither each other nor a point, and stay within their panel."""
     from matplotlib.text import Annotation, Text
     from matplotlib.transforms import Bbox
 
@@ -131,7 +131,7 @@ def shift_apart(figure: Any) -> None:
 
 
 def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
-    """Crosses along the upper edge: they have no error to be drawn at."""
+    """Draw failed runs, which have no error, as crosses along the upper edge."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
@@ -141,7 +141,7 @@ def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
-    """Settings of one scene: a panel for each error, with the spread of the seeds, and the budget."""
+    """Draw the settings of one scene: a panel for each error over time, with the spread of seeds, and the budget."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

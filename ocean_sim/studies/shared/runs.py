@@ -42,7 +42,7 @@ class ClusterMissing(Lacking):
 
 
 def run_address(order: dict[str, Any]) -> str:
-    """The name of an order's folder: its content's and the package's hash."""
+    """Folder name of an order: the hash of its content, without MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
         json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
@@ -52,7 +52,7 @@ def run_address(order: dict[str, Any]) -> str:
 def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """(index in the list, answer) of every order, as they are finished, those that were finished before at once.
+    """Yield (index in the list, answer) of every order once it is finished, those of earlier calls at once.
 
     `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """
@@ -121,13 +121,13 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """The answer for a run that left none."""
+    """Answer in place of a run that left none: the outcome `failed`, its reason, and wall time [s]."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Executor of many orders: a local cluster's threads, each of which waits for its child, or a cluster elsewhere."""
+    """Executor of many orders: threads of a local Dask cluster that wait for child processes, or a remote cluster."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -145,7 +145,7 @@ def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 
 
 def _death_reason(code: int, errors: str) -> str:
-    """Reason why a process left no answer."""
+    """Reason why a process with this exit code and standard error left no answer."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
         return f"its process was ended by {signal.Signals(-code).name}{hint}"
@@ -154,7 +154,7 @@ def _death_reason(code: int, errors: str) -> str:
 
 
 def _run_child(folder: Path) -> None:
-    """Answer the order in a folder, in the child; its last line on standard error is the reason if it fails."""
+    """Answer the order in a folder, as a child process; the last line on standard error is the reason if it fails."""
     exit_with_parent()
     with stoppable(), Claim(folder):
         order = input_file.read_json(folder / ORDER_FILE)

@@ -15,15 +15,15 @@ class Point(Protocol):
     """One run of a study."""
 
     def order(self) -> dict[str, Any]:
-        """The run as plain data, for the process that makes it."""
+        """Order of the run: plain data for the process that makes it."""
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Lines of the table; `run`: the folder of the run, which may hold nothing."""
+        """Rows of the study's table from the answer of this run; `run`: its folder, which may be empty."""
 
 
 @dataclass
 class Study:
-    """Points, and the rows of those that have been run; each point has a folder below `folder`."""
+    """The runs (points) of a study, and the rows of those that are done; each point has a folder below `folder`."""
 
     points: Sequence[Point]
     folder: Path
@@ -34,7 +34,7 @@ class Study:
     found: dict[int, list[dict[str, Any]]] = field(default_factory=dict)  # rows by number of the point
 
     def run(self) -> Iterator[int]:
-        """Run all points that have no answer yet; yields the number of those that are done, after each."""
+        """Run all points that have no answer yet; yields the number of finished points after each."""
         orders = [point.order() for point in self.points]
         for k, answer in runs.run_answers(orders, self.folder, self.workers, self.scheduler, self.limit):
             self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.run_address(orders[k])))
@@ -44,19 +44,19 @@ class Study:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """Lines of the points that are done, in the order of the points."""
+        """Table rows of the finished points, in the order of the points."""
         return [row for k in sorted(self.found) for row in self.found[k]]
 
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write all rows, with their keys as columns in the order in which they first stand; what is absent is empty, what
-    is neither a number nor a word is JSON."""
+    """Write rows as a CSV file, with their keys as columns in order of first appearance. A missing value is an empty
+    cell; lists, mappings and booleans are written as JSON."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     csv_file.write_table(path, columns, ([cell_text(row.get(name)) for name in columns] for row in rows))
 
 
 def read_table(path: Path) -> list[dict[str, Any]]:
-    """Rows of such a file; an empty cell is None."""
+    """Rows of a CSV file that `write_table` has written; an empty cell is None."""
     return [
         {key: parse_cell(text) for key, text in row.items()}
         for row in csv_file.read_records(input_file.read_text(path))
@@ -64,7 +64,7 @@ def read_table(path: Path) -> list[dict[str, Any]]:
 
 
 def parse_cell(text: str) -> Any:
-    """Value of a cell: a number, JSON or words."""
+    """Value of a CSV cell: None if empty, else parsed as JSON, or the text itself if it is not JSON."""
     try:
         return json.loads(text) if text else None
     except ValueError:
@@ -72,5 +72,5 @@ def parse_cell(text: str) -> Any:
 
 
 def cell_text(value: Any) -> Any:
-    """A value as it stands in the file."""
+    """CSV cell of a value: JSON for a list, mapping or boolean, else the value itself."""
     return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

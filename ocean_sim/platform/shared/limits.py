@@ -112,7 +112,7 @@ class Governor:
     its joints as they turn. It never moves so that it could not be stopped, evenly and on a straight way, with BRAKE
     times that before a leg is at its end: commands are held back before, so that nothing else is felt at the end of a
     stroke. Then one velocity is always possible, that of braking, and the one commanded is the nearest to the
-    wanted velocity that can be stopped from (a reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
+    wanted one from which a stop is possible (reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:

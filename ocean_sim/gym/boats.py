@@ -89,8 +89,7 @@ class Boats:
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and the rate of turn (n,) [rad/s] by
-        them."""
+        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and rate of turn (n,) [rad/s] by them."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
@@ -124,7 +123,7 @@ class Boats:
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length divided by its value in the middle: sin(a) / a, `half` its phase a along half the
+    """Mean of a wave over a length, divided by its middle value: sin(a) / a, a = `half` of its phase along the
     length."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)

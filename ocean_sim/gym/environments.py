@@ -119,8 +119,7 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], with Gymnasium's masks of valid entries, all
-        True."""
+        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each with Gymnasium's mask, True for all."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}

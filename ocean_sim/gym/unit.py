@@ -60,8 +60,7 @@ class OceanBoat(Fmi2Slave):
         self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance the boat by `step_size` [s]; False, an error, if helm, throttle or the step is not a number, or the
-        step is negative."""
+        """Advance the boat by `step_size` [s]; False, an error, if an input is not a number or the step is negative."""
         if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
             return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)

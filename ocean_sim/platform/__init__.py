@@ -90,5 +90,4 @@ class Platform(Protocol):
     def follow(self, ride: Ride) -> Commands: ...
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that lead back to neutral from the poses (2, 6) of the last two rows, the last of a time [s] and
-        number."""
+        """Commands that lead back to neutral after the last two poses (2, 6); the last has a time [s] and number."""

@@ -23,8 +23,7 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Forces on a ship by part, (4.27) of the thesis: (n, 2, 3) force [N] and torque about the centre of mass [N m],
-    world axes."""
+    """Forces on a ship by part (4.27), (n, 2, 3): force [N] and torque about the centre of mass [N m], world axes."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
@@ -86,7 +85,7 @@ class Outline(NamedTuple):
     highest: float  # [m]
 
     def overlap(self, other: "Outline") -> float:
-        """Depth [m] by which two outlines overlap: the shortest displacement that would part them; 0 if they are
+        """Depth [m] of the overlap with another outline: the shortest displacement that parts them; 0 if they are
         apart."""
         least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
         for polygon in (self.plan, other.plan):
@@ -139,8 +138,7 @@ class Ship(Protocol):
         """Advance the ship by a step of dt [s] under a load, (4.22) to (4.25) of the thesis; raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """Let a person take the helm: `give(throttle, rudder)` of the Person returned replaces the controls of the
-        scene."""
+        """Let a person take the helm: `give(throttle, rudder)` of it replaces the controls of the scene."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
         """Let a pilot take the helm and sail along waypoints x, z [m] at a speed [m/s], in place of the controls of the

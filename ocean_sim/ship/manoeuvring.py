@@ -175,8 +175,7 @@ class Manoeuvring(Vessel):
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque about the centre of mass [N m], our body axes, of a load (6,) about the model's
-        origin."""
+        """(2, 3) force [N] and torque about the centre of mass [N m], body axes, of (6,) about the model's origin."""
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 

@@ -48,8 +48,7 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg], [kg m2] by rule. The law of motion uses none: the particles that the ship moves
-        react."""
+        """(6,) added mass [kg], [kg m2] by rule; the law of motion uses none, as the particles themselves react."""
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
@@ -110,8 +109,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """All forces and torques on the ship now, (4.27) of the thesis; every force of the water is under
-        `buoyancy`."""
+        """All forces and torques on the ship now (4.27); every force of the water is under `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])

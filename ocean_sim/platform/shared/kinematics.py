@@ -97,8 +97,7 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Jacobian (n, 6, 6) from velocity [m/s] and rate [rad/s] of the platform, axes of the floor, to leg speeds
-        [m/s]: rows (u, R p x u)."""
+        """Jacobian (n, 6, 6) of leg speeds by velocity [m/s] and rate [rad/s], axes of the floor: rows (u, R p x u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
@@ -126,8 +125,7 @@ class Hexapod:
         return pose
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n,) of the stroke, from neutral, of the leg nearest to its end in poses (n, 6); above 1 is
-        outside."""
+        """Used part (n,) of the stroke, from neutral, of the leg nearest to its end; above 1 is outside."""
         return self.strokes(pose).max(axis=1)
 
     def strokes(self, pose: np.ndarray) -> np.ndarray:

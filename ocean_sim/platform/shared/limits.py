@@ -70,7 +70,7 @@ class Workspace:
         return factor
 
     def usage_factor(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses `moving`, added to `fixed`, that give a usage `goal` of the stroke, by false position
+        """Factors (n,) on `moving`, added to `fixed`, that give a usage `goal` of the stroke, by false position
         (Illinois)."""
         low, high = np.zeros(len(goal)), np.ones(len(goal))
         below, above = np.minimum(self.usage(fixed) - goal, -USAGE_TOLERANCE), usage - goal + USAGE_TOLERANCE
@@ -87,8 +87,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) that keep their condition number within its limit, by bisection of its first
-        crossing."""
+        """Factors (n,) on poses (n, 6) that keep their condition number in its limit: its first crossing, bisected."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -153,8 +152,7 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of changes (n, 6) of the pose: way of the reference point or of the turning joints, the
-        larger."""
+        """Sizes (n,) [m] of changes (n, 6) of the pose: of the reference point or of the turning joints, the larger."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
@@ -193,8 +191,7 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Velocity (6,) between that of braking and a wanted one, the nearest to it from which the platform can
-        stop."""
+        """Velocity (6,) between braking and a wanted one, the nearest to it from which the platform can stop."""
         braked = self.velocity * max(
             0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         )
@@ -241,8 +238,7 @@ class Legs:
         self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] for wanted lengths (n, 6), and bits (n,) of the limits that
-        acted."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s] for wanted lengths (n, 6), and bits (n,) of the limits that acted."""
         n, dt = len(targets), self.every
         wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
         turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)

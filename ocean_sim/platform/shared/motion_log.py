@@ -93,13 +93,12 @@ class MotionLog(NamedTuple):
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:
-        """Mean rates of change (m - n, 3) of values (m, 3) over every n rows, n the number of compared rows."""
+        """Mean rates of change (m - n, 3) of values (m, 3) over every n compared rows."""
         n = self.compared_rows
         return (values[n:] - values[:-n]) / (n * self.every)
 
     def mean_values(self, values: np.ndarray) -> np.ndarray:
-        """Means (m - n, 3) of values (m, 3) over every n rows, n the number of compared rows, by the trapezoidal
-        rule."""
+        """Means (m - n, 3) of values (m, 3) over every n compared rows, by the trapezoidal rule."""
         n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
         whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
         return (whole[n:] - whole[:-n]) / n

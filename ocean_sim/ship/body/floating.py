@@ -142,8 +142,8 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """The body raised by the height that the water will lose as it settles, so that no gap opens under it; a body
-        whose height is given stays."""
+        """The body raised by the height that the water will lose as it settles, so that no gap opens under it;
+        unchanged where its height is given."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 

@@ -134,8 +134,7 @@ class FloatingShip(Vessel):
         return np.zeros((2, 3))
 
     def whole_damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) `damping` force [N] and torque [N m], with drag in heave on a hull far from its draught, world
-        axes."""
+        """(2, 3) `damping` and, on a hull far from its draught, drag in heave: force [N], torque [N m], world axes."""
         if self.slamming is None:
             return self.damping(now)
         return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards

@@ -12,7 +12,7 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion (7, n), and their time derivatives (7,
+    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion (7, n), and their derivatives (7,
     n)."""
 
     time: np.ndarray

@@ -101,7 +101,7 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """The rigid body at the beginning; `height` of the centre of mass [m] and `trim` (4,) quaternion of the ship
+        """The body at the beginning; `height` of the centre of mass [m] and `trim` (4,) quaternion of the ship
         afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
@@ -234,8 +234,7 @@ class Vessel(Ship):
 
     @cached_property
     def outline_corners(self) -> np.ndarray | None:
-        """(n, 3) corners of the convex hull of the ship's shape, from the centre of mass, body axes [m]; None without a
-        shape."""
+        """(n, 3) corners of the shape's convex hull, from the centre of mass, body axes [m]; None without a shape."""
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:

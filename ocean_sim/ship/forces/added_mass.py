@@ -215,8 +215,8 @@ class Slamming:
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3] as an upright hull enters it, layer by layer of its cubes, and added mass in heave at
-    each [kg]."""
+    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and added mass in heave at each
+    [kg]."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

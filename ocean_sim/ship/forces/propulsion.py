@@ -318,7 +318,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] after `now` on its way to `wanted`, within +-`limit` and by at most `rate` a
-    second; None: at once."""
+    """Position of an actuator dt [s] later on its way to `wanted`, within its limit and by at most `rate` a second."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

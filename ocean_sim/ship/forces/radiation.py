@@ -230,8 +230,7 @@ class Scattering:
         return rate
 
     def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) momentum per unit amplitude that waves give a hull at rest, divided by `complex_inertia` at their
-        frequency."""
+        """(6, n) momentum that unit waves give a hull at rest, over its `complex_inertia` at their frequency."""
         return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
     def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
@@ -375,8 +374,7 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N] and torque [N m], body axes, at a velocity relative to the water (6,), body
-        axes."""
+        """(2, 3) radiation force [N] and torque [N m] at a velocity relative to the water (6,), all in body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)

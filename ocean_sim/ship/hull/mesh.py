@@ -83,13 +83,11 @@ class ClosedMesh:
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Segments inside the mesh of the vertical lines of `_column_plan`: number of the line, lower and upper end
-        [m]."""
+        """Segments of the lines of `_column_plan` inside the mesh: number of the line, lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Sum over all segments inside of the area of their column times the rise of a function from their lower to
-        their upper end."""
+        """Sum over all segments inside of their column's area times the rise of a function from lower to upper end."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
@@ -308,8 +306,7 @@ def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: 
 
 
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points and weights [m] of an integral along an axis, piecewise between the corners of a mesh (at most
-    MIN_PANELS of them)."""
+    """Gauss points and weights [m] along an axis, between the corners of a mesh (at most MIN_PANELS of them)."""
     breaks = np.unique(corners)
     even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], MIN_PANELS + 1))
     breaks = breaks if len(breaks) <= MIN_PANELS else breaks[np.unique(even)]
@@ -356,7 +353,7 @@ def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray
 
 
 def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(n, 3) points at z (n,) on edges from a to b (n, 3), which lie on either side of it; the same with a and b
+    """(n, 3) points at z (n,) on edges between a and b (n, 3) on either side of it; the same if a and b are
     exchanged."""
     low, high = np.where((a[:, 2] < b[:, 2])[:, None], [a, b], [b, a])
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))

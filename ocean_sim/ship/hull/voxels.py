@@ -110,8 +110,8 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
 def sample_cubes(
     shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Arrays `share`, `centre` and outward `area` of the cubes that are not empty, by so many sample columns along x
-    and z of each."""
+    """Arrays `share`, `centre` and outward `area` of the cubes not empty, by `samples` columns along x and z of
+    each."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]

@@ -59,8 +59,7 @@ class Hydrostatics:
         return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
     def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
-        """(n,) share of each cube under the level: 0 as it touches the water, 1 as it is wholly under water; not
-        clipped."""
+        """(n,) share of each cube under a level: 0 as it touches the water, 1 as it is wholly wet; not clipped."""
         return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
@@ -69,8 +68,7 @@ class Hydrostatics:
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """Height of the water along a unit vector [m] at which the hull displaces its own mass; infinite if it
-        cannot."""
+        """Height of the water along a unit vector [m] at which the hull floats; infinite if it cannot."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
@@ -222,8 +220,8 @@ class Hydrostatics:
 
 
 def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
-    """Volume [m3] under a level [m] of cubes with centres at `height` (n,), of a height `spread` [m] and of volumes
-    `whole` [m3]."""
+    """Volume [m3] under a level [m] of cubes with centres at `height`, a height `spread` [m], and volumes `whole`
+    [m3]."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
 

@@ -172,8 +172,7 @@ class Stability:
 
     @cached_property
     def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
-        """Unit vector upwards (3,) in the hull's axes and height of the water along it [m], by heel to both sides
-        [deg]."""
+        """Unit vector upwards (3,), hull's axes, and height of the water along it [m], by heel to both sides [deg]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
@@ -223,8 +222,7 @@ class Stability:
 
     @property
     def criteria(self) -> list[Criterion]:
-        """Criteria of A.749(18), 3.1.2.1 to 3.1.2.4, with the ship's values; the levers end at the angle of
-        flooding."""
+        """Criteria of A.749(18), 3.1.2.1 to 3.1.2.4, with the ship's values; levers end at the angle of flooding."""
         end = min(self.flooding_heel[0], 40.0)
         heels, levers = (part[self.curve[0] <= self.flooding_heel[0]] for part in self.curve)
         beyond = float(levers[heels >= 30.0].max()) if heels[-1] >= 30.0 else 0.0

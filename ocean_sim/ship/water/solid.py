@@ -1,4 +1,4 @@
-"""A hull as the water's own laws meet it: the room that it keeps free of water, and samples of its inside near the
+"""A hull as a solid body among particles: the space that it keeps free of water, and samples of its inside near the
 water."""
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly alo
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A hull at its pose at the beginning of a run, as the particles meet it; in 2-D the section amidships."""
+    """A hull at its pose at the beginning of a run, as a solid body; in 2-D the section amidships."""
 
     shape: HullShape
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]

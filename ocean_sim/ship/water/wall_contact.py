@@ -26,8 +26,7 @@ class Sides:
     def __init__(
         self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
-        """`centre` of mass from the hull's origin, `room`: gap that the hull keeps from each side [m]; `axes`: those
-        across which sides count."""
+        """`centre` of mass from the hull's origin, `room`: gap to each side [m]; only sides across `axes` count."""
         self.points = convex_corners(shape) - centre  # body axes [m]
         self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]

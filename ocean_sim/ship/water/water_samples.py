@@ -198,8 +198,7 @@ class SurroundingWater(SampleLattice):
 
 @in_kernels
 class SurroundingSea(SampleLattice):
-    """Water in closed form around a hull: its height, and its velocity and acceleration on levels of the unstretched
-    column."""
+    """Water in closed form: its height, and its velocity and acceleration on levels of the unstretched column."""
 
     samples_depth = True
 
@@ -242,8 +241,7 @@ class SurroundingSea(SampleLattice):
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
     def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
-        """Lay the lattice anew around the place where a hull now at x, z [m] will be half way through the time that it
-        serves."""
+        """Lay the lattice anew around the place of a hull, now at x, z [m], half way through its time of use."""
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)

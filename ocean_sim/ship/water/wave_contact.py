@@ -1,4 +1,4 @@
-"""Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
+"""Contact of particles with a hull (thesis 4.2), by which a ship acts back on the particles.
 
 The hull pushes the particles as still water in its place would (`MovingHull.push`): as a wall would that shows every
 particle the pressure p = rho g (height of the water - y) of the nearest point of the hull, a = -(2 p / rho) times the
@@ -114,8 +114,7 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Outward normal, distance [m] and thinning [1/m] (as `Distance.at`) at a position d from the centre of mass,
-        world axes."""
+        """Outward normal, distance [m] and thinning [1/m] by `Distance.at`, d from the centre of mass, world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
@@ -153,8 +152,8 @@ class Contact(Model):
 
 @in_kernels
 class WaveContact:
-    """The hull among the particles: `collide_step` in every step. Particles that meet it are found cell by cell of the
-    grid that they are sorted into."""
+    """Contact of a hull with the particles: call `collide_step` in every step. Particles that touch it are found cell
+    by cell of the grid into which they are sorted."""
 
     def __init__(
         self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
@@ -176,8 +175,7 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Put the hull at its first pose, by a push that moves nothing: so the kernel is compiled now, not at the first
-        collision of a run."""
+        """Put the hull at its first pose by a push that moves nothing; it compiles the kernel before a run."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
@@ -303,8 +301,8 @@ class WaveContact:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide the listed particles with the hull as it will move, and move them off it; sums impulse, moment and
-        work on the water."""
+        """Collide listed particles with the hull as it will move, and move them off it; sums impulse, moment and
+        work."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):

@@ -59,7 +59,7 @@ class Load:
 
 
 class Look(NamedTuple):
-    """Data of a ship that a picture needs besides her triangles."""
+    """Name, immersion and breadth of a ship, which a picture needs besides her triangles."""
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
@@ -138,7 +138,7 @@ class Ship(Protocol):
         """Advance the ship by a step of dt [s] under a load, (4.22) to (4.25) of the thesis; raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """Let a person take the helm: `give(throttle, rudder)` of it replaces the controls of the scene."""
+        """Let a person take the helm; `give(throttle, rudder)` of the Person replaces the controls of the scene."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
         """Let a pilot take the helm and sail along waypoints x, z [m] at a speed [m/s], in place of the controls of the
@@ -153,7 +153,7 @@ class Ship(Protocol):
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that the hull displaces, as in the last load;
-        m is 0 for kinds without them."""
+        m is 0 if the kind gives none."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":

@@ -202,7 +202,7 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Moor the ship by lines and fenders, if any; their force becomes a part of its load."""
+        """Moor the ship by lines and fenders, if any; their force becomes the part `mooring` of its load."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.parts = (*self.parts, "mooring")

@@ -142,6 +142,6 @@ class CrossFlow:
 
 
 def lift_form_factor(hull: Hydrostatics) -> float:
-    """C_B B / T: the volume under water over length and draught squared."""
+    """Form factor C_B B / T of the hull's lift: the volume under water over length and draught squared."""
     _, _, draught = hull.stations
     return min(hull.needed_volume, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

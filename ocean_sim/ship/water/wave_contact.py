@@ -67,7 +67,7 @@ class MovingHull:
 
     @ti.func
     def take_pose(self, table: Template):
-        """Take the pose in the first row of a table; call it at the top of a kernel."""
+        """Set the pose from the first row of a table; call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in ti.static(range(BOX_COLUMNS.middle)):
@@ -175,7 +175,8 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Put the hull at its first pose by a push that moves nothing; it compiles the kernel before a run."""
+        """Put the hull at its first pose by a push that moves nothing, so that the kernel is compiled before the
+        run."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 

@@ -7,7 +7,7 @@ __all__ = ["OceanEnv", "OceanVectorEnv"]
 
 
 def __getattr__(name: str) -> Any:
-    """The environments, and with them Gymnasium, where they are asked for."""
+    """Import the environments, and with them Gymnasium, only when one is used."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from ocean_sim.gym import environments

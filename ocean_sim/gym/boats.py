@@ -74,7 +74,7 @@ class Boats:
         return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
 
     def wave_phases(self, place: np.ndarray, later: float) -> np.ndarray:
-        """Phases (n, m) of the waves at places (n, 2), some time [s] from now."""
+        """Phases (n, m) [rad] of the waves at places (n, 2), x and z [m], `later` [s] from now."""
         x, z = place[:, 0, None], place[:, 1, None]
         k = self.wavevector
         turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
@@ -83,13 +83,13 @@ class Boats:
         return np.float32(2.0 * np.pi) * turns.astype(np.float32)
 
     def elevation_at_bow(self, later: float) -> np.ndarray:
-        """Elevation (n,) [m] at the future position of the bow, on her course and at her speed."""
+        """Elevation (n,) [m] at the bow `later` [s] from now, if the boat keeps her course and speed."""
         ahead = self.bow_direction()
         bow = self.place + ahead * (0.5 * self.boat.length + self.speed * later)[:, None]
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and their rate of turn (n,) [rad/s]."""
+        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and rate of turn (n,) [rad/s] by them."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
@@ -123,7 +123,7 @@ class Boats:
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length, over its amplitude in the middle: sin(a) / a of half the phase along it."""
+    """Mean of a wave over a length, divided by its middle value: sin(a) / a, a = `half`, the phase along half of it."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

@@ -119,13 +119,13 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each known of every boat."""
+        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each with Gymnasium's mask, True for all."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}
 
     def observations(self) -> np.ndarray:
-        """Observations (n, OBSERVATION_SIZE)."""
+        """Observations (n, OBSERVATION_SIZE) of all boats now."""
         boats, off = self.boats, self.boats.heading - self.asked
         motions = [np.sin(off), np.cos(off), boats.speed / self.boat.cruise, boats.yaw_rate]
         motions += [*boats.rates.T, *boats.angles.T, boats.heave]
@@ -134,12 +134,12 @@ class OceanVectorEnv(VectorEnv):
 
 
 class OceanEnv(gymnasium.Env):
-    """One boat in a random sea."""
+    """One boat in a random sea as a Gymnasium environment."""
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(self, **keys: Any) -> None:
-        """Keys of `OceanVectorEnv` but for their number."""
+        """Keyword arguments of `OceanVectorEnv` except `num_envs`."""
         self.many = OceanVectorEnv(1, **keys)
         self.observation_space, self.action_space = observation_space(), action_space()
 
@@ -156,7 +156,7 @@ class OceanEnv(gymnasium.Env):
         return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (2,), x and z [m], and `heading` [rad]."""
+        """`position` (2,), x and z [m], and `heading` [rad] of the boat."""
         return {"position": self.many.boats.place[0].copy(), "heading": float(self.many.boats.heading[0])}
 
 

@@ -60,7 +60,7 @@ class OceanBoat(Fmi2Slave):
         self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """False, an error of the unit, where helm, throttle or the step is not a number, or the step goes back."""
+        """Advance the boat by `step_size` [s]; False, an error, if an input is not a number or the step is negative."""
         if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
             return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
@@ -71,7 +71,7 @@ class OceanBoat(Fmi2Slave):
         return True
 
     def set_outputs(self) -> None:
-        """Set the output variables."""
+        """Set the output variables to the present state of the boat."""
         boats = self.boats
         (sway, surge), (roll, pitch) = boats.place[0].tolist(), boats.angles[0].tolist()
         motions = (surge, sway, boats.heave[0], roll, pitch, boats.heading[0], boats.speed[0])
@@ -80,7 +80,7 @@ class OceanBoat(Fmi2Slave):
 
 
 def main(words: Sequence[str]) -> int:
-    """Write the unit into a folder, as the words of a command say; its exit code."""
+    """Write the unit into the folder that the command-line words name; returns the exit code."""
     from pythonfmu.builder import FmuBuilder
 
     if len(words) > 1 or any(word.startswith("-") for word in words):

@@ -30,7 +30,7 @@ LIMIT_TEXTS = {
 
 
 class Cue(NamedTuple):
-    """Request of a washout to a platform, row by row, along FLU: x forward, y left, z up."""
+    """Motion that a washout requests of a platform, row by row, along FLU: x forward, y left, z up."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
     limited: np.ndarray  # (n,) sum of the limits that acted
@@ -52,12 +52,12 @@ class Commands(NamedTuple):
     cue: Cue  # the request of the washout
 
     def select(self, which: slice) -> "Commands":
-        """Some of the rows."""
+        """Commands of some of the rows."""
         cue = Cue(*(column[which] for column in self.cue))
         return Commands._make([*(column[which] for column in self[:-1]), cue])
 
     def rows(self) -> list[list[float | int]]:
-        """The rows of platform.csv."""
+        """Rows of platform.csv, a list of numbers each."""
         columns = (self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate)
         table = np.hstack(columns) + 0.0
         heads, ends = zip(self.time.tolist(), self.seq.tolist()), self.limited.tolist()
@@ -81,13 +81,13 @@ class WashoutConfig(Protocol):
 
 
 class Platform(Protocol):
-    """A washout and the machine under it."""
+    """Interface of a motion platform: a washout, and the machine that follows its requests."""
 
     @property
     def neutral_legs(self) -> np.ndarray:
-        """(6,) lengths of the legs in neutral [m]."""
+        """(6,) lengths of the legs in the neutral pose [m]."""
 
     def follow(self, ride: Ride) -> Commands: ...
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """The way back to neutral from the poses (2, 6) of the last two rows, the last of a time [s] and number."""
+        """Commands that lead back to neutral after the last two poses (2, 6); the last has a time [s] and number."""

@@ -55,7 +55,7 @@ class Config(PlatformConfig):
         return found
 
     def cut_short(self, duration: float) -> list[str]:
-        """Warning about a ride of a duration [s] that ends before the ramp."""
+        """Warning that a ride of a duration [s] ends before the ramp; empty if it does not."""
         if duration >= self.ramp:
             return []
         share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
@@ -65,7 +65,7 @@ class Config(PlatformConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Ledger without fields; that of `platform_log` holds the cost of the rows."""
+        """One row without fields; that of `platform_log` holds the cost of the rows."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
@@ -75,7 +75,7 @@ class Config(PlatformConfig):
 
 
 class Moving:
-    """The platform in motion: rows in, commands out, any number at once."""
+    """A platform that turns rows of ship motion into commands, any number at once."""
 
     def __init__(self, config: Config, every: float) -> None:
         geometry, washout = cast(Geometry, config.geometry), cast(WashoutConfig, config.washout)  # no names any more
@@ -105,8 +105,8 @@ class Moving:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of legs that follow poses (n, 6), and limits (n,) that acted. The
-        pose of legs that come late takes the place of the wanted one."""
+        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of legs that follow poses (n, 6), and bits (n,) of the limits that
+        acted. Rows of `pose` at which legs come late are overwritten by the pose reached."""
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         lengths, speeds, limited = legs.follow(within)
@@ -119,9 +119,9 @@ class Moving:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Rows after a last one of a time [s] and number that bring the platform from its last two poses (2, 6) back to
-        neutral within its ramp: it glides on, within the acceleration and stroke of every leg. Legs that need longer
-        take more rows."""
+        """Commands after a last row of a time [s] and number that bring the platform from its last two poses (2, 6)
+        back to neutral within its ramp: it glides on, within the acceleration and stroke of every leg. Legs that need
+        longer take more rows."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest
@@ -140,7 +140,7 @@ class Moving:
         return rows.select(slice(end))
 
     def ramp_share(self, time: np.ndarray) -> np.ndarray:
-        """Share (n,) from 0 to 1 over the ramp."""
+        """Share (n,) of the motion that is shown at times (n,) [s]: 0 to 1 over the ramp at the start."""
         if self.ramp == 0.0:
             return np.ones(len(time))
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))

@@ -23,43 +23,43 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """(4.27): force [N] and torque about the centre of mass [N m] of every part, (n, 2, 3), world axes."""
+    """Forces on a ship by part (4.27), (n, 2, 3): force [N] and torque about the centre of mass [N m], world axes."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
     @classmethod
     def of(cls, forces: dict[str, np.ndarray], names: tuple[str, ...] = PARTS) -> "Load":
-        """Load of forces and torques by name, (2, 3) each; the other parts are zero. Raises ValueError for a name that
-        is not one of the ship's parts."""
+        """Load from the (2, 3) force and torque of each named part; parts not named are zero. Raises ValueError for a
+        name that is not one of the ship's parts."""
         for name in forces:
             if name not in names:
                 raise ValueError(f"a ship with a force {name!r} must name it in `parts`, which are {', '.join(names)}")
         return cls(np.concatenate([forces.get(name, NO_FORCE) for name in names]).reshape(-1, 2, 3))
 
     def plus(self, name: str, more: np.ndarray) -> "Load":
-        """The load with (2, 3) more of one of PARTS."""
+        """This load with the (2, 3) force and torque `more` added to the part `name`, one of PARTS."""
         parts = self.parts.copy()
         parts[PARTS.index(name)] += more
         return Load(parts)
 
     @property
     def total(self) -> np.ndarray:
-        """Their sum, force and torque, (2, 3)."""
+        """(2, 3) sum of all parts: force [N] and torque [N m]."""
         return self.parts.sum(axis=0)
 
     @property
     def force(self) -> np.ndarray:
-        """Their sum, (3,), world axes [N]."""
+        """(3,) total force of all parts [N], world axes."""
         return self.total[0]
 
     @property
     def torque(self) -> np.ndarray:
-        """Their sum, (3,), world axes [N m]."""
+        """(3,) total torque of all parts about the centre of mass [N m], world axes."""
         return self.total[1]
 
 
 class Look(NamedTuple):
-    """Data of a ship that a picture needs besides her triangles."""
+    """Name, immersion and breadth of a ship, which a picture needs besides her triangles."""
 
     name: str  # of its hull, if it has one, and of its shape
     submerged: float  # share of its volume that is under water at rest
@@ -67,7 +67,7 @@ class Look(NamedTuple):
 
 
 class Afloat(NamedTuple):
-    """A ship at rest in still water."""
+    """Hydrostatic data of a ship at rest in still water."""
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks
@@ -78,14 +78,15 @@ class Afloat(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """The room that a hull takes: its outline from above, and the heights between which it lies."""
+    """Space that a hull occupies: its outline in plan view, and its lowest and highest point."""
 
     plan: np.ndarray  # (n, 2) corners of a convex polygon, x and z [m]
     lowest: float  # [m]
     highest: float  # [m]
 
     def overlap(self, other: "Outline") -> float:
-        """Depth [m] of the overlap with another outline: the shortest way that would part both, 0 if they are apart."""
+        """Depth [m] of the overlap with another outline: the shortest displacement that parts them; 0 if they are
+        apart."""
         least = min(self.highest, other.highest) - max(self.lowest, other.lowest)
         for polygon in (self.plan, other.plan):
             along = np.roll(polygon, -1, axis=0) - polygon
@@ -96,8 +97,8 @@ class Outline(NamedTuple):
         return max(least, 0.0)
 
     def images(self, other: "Outline", periods: Sequence[float]) -> list["Outline"]:
-        """This outline, moved by whole periods next to another one, and the images around it. `periods` [m] are the
-        lengths after which the water repeats itself along x, y and z; 0: it does not."""
+        """Periodic copies of this outline: the one nearest to another outline, and those on every side of it. `periods`
+        [m]: lengths after which the water repeats along x, y and z; 0: not periodic."""
         apart = other.plan.mean(axis=0) - self.plan.mean(axis=0)
         sides = np.array(periods[::2])
         next_to = product(*([-side, 0.0, side] if side else [0.0] for side in sides))
@@ -105,14 +106,14 @@ class Outline(NamedTuple):
         return [self._replace(plan=self.plan + (nearest + way)) for way in next_to]
 
     def middle(self, other: "Outline") -> np.ndarray:
-        """(2,) x and z [m] of the middle of the overlap of both bounding boxes."""
+        """(2,) x and z [m] of the middle of the overlap of the bounding boxes of two outlines."""
         low = np.maximum(self.plan.min(axis=0), other.plan.min(axis=0))
         high = np.minimum(self.plan.max(axis=0), other.plan.max(axis=0))
         return 0.5 * (low + high)
 
 
 class Ship(Protocol):
-    """A floating body; `ship.body.vessel.Vessel`, the base class of all kinds, derives from it."""
+    """Interface of a ship; `ship.body.vessel.Vessel`, the base class of all kinds, derives from it."""
 
     name: str  # in the scene
     parts: tuple[str, ...] = PARTS  # names of the parts of its load, then those of the kind; columns of motion.csv
@@ -127,32 +128,33 @@ class Ship(Protocol):
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Throttle and rudder [rad] as they are now."""
+        """Present throttle (-1 to 1) and rudder angle [rad]."""
 
     @abstractmethod
     def load(self, wind: "Wind", fluid: "Fluid", surface: "Surface | Fluid") -> Load:
-        """(4.27), now."""
+        """All forces and torques on the ship now, by part: (4.27) of the thesis."""
 
     def advance(self, load: Load, dt: float) -> None:
-        """(4.22) to (4.25); raises Diverged."""
+        """Advance the ship by a step of dt [s] under a load, (4.22) to (4.25) of the thesis; raises Diverged."""
 
     def hand_over(self) -> "Person":
-        """Let a person take the helm: `give(throttle, rudder)` replaces the controls of the scene."""
+        """Let a person take the helm; `give(throttle, rudder)` of the Person replaces the controls of the scene."""
 
     def sail(self, route: list[tuple[float, float]], speed: float) -> "Helmsman":
         """Let a pilot take the helm and sail along waypoints x, z [m] at a speed [m/s], in place of the controls of the
         scene; a waypoint is reached a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices from the centre of mass, body axes (n, 3) [m], and triangles (m, 3); None where it has no shape."""
+        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3) of the hull as drawn; None
+        without a shape."""
 
     def outline(self) -> Outline | None:
-        """The room that it takes; None where it has no shape."""
+        """Outline of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that it displaces, as in its last load; m is
-        0 if its law of motion does not say."""
+        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that the hull displaces, as in the last load;
+        m is 0 if the kind gives none."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":
-        """Upper bounds of the time step, by the fastest motion."""
+        """Upper bounds of the time step for the fastest motion of the ship."""

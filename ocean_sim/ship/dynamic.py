@@ -59,21 +59,21 @@ class SeakeepingConfig(FloatingConfig):
 
     @cached_property
     def table(self) -> Radiation | None:
-        """Radiation table in the file of `radiation`, if any."""
+        """Radiation table in the file of `radiation`; None without one."""
         return None if self.radiation is None else Radiation(self.radiation)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
         return self.added_mass.diagonal(still)
 
     def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] without the memory of waves, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2], A(infinity) for motions in the table, in the order of `Motions`."""
         added = self.moved_along(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass between motions, symmetric with a diagonal of 0; None if a table has none."""
+        """(6, 6) added mass that couples two motions each, symmetric with a diagonal of 0; None if a table has none."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -112,7 +112,7 @@ class SeakeepingConfig(FloatingConfig):
         return found + [f"radiation: {sentence}" for sentence in said]
 
     def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
-        """Sentences on forces on free motions that the table lacks."""
+        """Sentences on forces on free motions that are missing in the table."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))
@@ -141,7 +141,7 @@ class SeakeepingConfig(FloatingConfig):
         return self.table is not None and self.table.depth == depth
 
     def table_differences(self, table: Radiation, tank: Basin, still: Hydrostatics) -> list[str]:
-        """Sentences on differences between the case of the table and this one."""
+        """Sentences on differences between the table's speed, depth and axis of rotation and those of this scene."""
         found = list[str]()
         if self.propeller is not None or any(self.velocity):
             found.append(
@@ -169,7 +169,7 @@ class SeakeepingConfig(FloatingConfig):
 
 
 class SeakeepingShip(FloatingShip):
-    """A hull of cubes, and the water that it moves."""
+    """A hull of cubes with added mass and, by a radiation table, with forces of radiated and scattered waves."""
 
     samples_depth: ClassVar[bool] = True
 
@@ -201,16 +201,16 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.body)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) water velocity in body axes [m/s], [rad/s] that counts for each motion: the current alone where the
-        table has the force of waves on it."""
+        """(6,) water velocity in body axes [m/s], [rad/s] for the reaction of added mass: only the current for motions
+        of which the table has the wave force."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces with the reaction of moved water: its reaction to the hull's acceleration is part of `damping`,
-        that of its own acceleration part of `wave`."""
+        """The forces by part with the reaction of added mass: to the hull's acceleration as part of `damping`, to the
+        water's own acceleration as part of `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:

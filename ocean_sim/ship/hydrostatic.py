@@ -38,7 +38,7 @@ class Config(FloatingConfig):
 
 
 class Hydrostatic(FloatingShip):
-    """A damped hull of cubes."""
+    """A ship of cubes under water pressure, with damping but without added mass."""
 
     samples_depth: ClassVar[bool] = True
 

@@ -109,7 +109,7 @@ class Otter:
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) drag: linear, quadratic in yaw, and by cross-flow."""
+        """(6,) drag at a velocity `nu` (6,) relative to the water: linear, quadratic in yaw, and by cross-flow."""
         load = -self.damping * nu
         load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
         x = np.linspace(-HULL_LENGTH / 2.0, HULL_LENGTH / 2.0, 21)
@@ -120,7 +120,7 @@ class Otter:
         return load
 
     def centripetal_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) C(nu) nu of hull and added mass (Fossen 2021, 3.3)."""
+        """(6,) Coriolis and centripetal load C(nu) nu of hull and added mass (Fossen 2021, 3.3)."""
         own = np.zeros((6, 6))
         own[:3, :3], own[3:, 3:] = self.mass * skew_matrix(nu[3:]), -skew_matrix(self.inertia @ nu[3:])
         moved = self.added * nu
@@ -147,8 +147,8 @@ class Manoeuvring(Vessel):
         self.revolutions = np.zeros(2)  # port and starboard [rad/s]
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """The model's own sum, by the velocity relative to the water (Fossen 2021, ch. 10), as force and torque about
-        the centre of mass. A steady current changes no acceleration in world axes."""
+        """All forces and torques of the model about the centre of mass, by the velocity relative to the water (Fossen
+        2021, ch. 10). A steady current changes no acceleration in world axes."""
         model, body = self.model, self.centred_body
         r, omega = body.matrix, body.rates
         u, w = fluid.current
@@ -175,26 +175,26 @@ class Manoeuvring(Vessel):
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
-        """(2, 3) about the centre of mass, our body axes, of (6,) about the model's origin."""
+        """(2, 3) force [N] and torque about the centre of mass [N m], body axes, of (6,) about the model's origin."""
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 
     def propeller_load(self) -> np.ndarray:
-        """(6,) of both propellers."""
+        """(6,) load of both propellers about the model's origin."""
         n = self.revolutions
         port, starboard = np.where(n > 0.0, AHEAD_COEFFICIENT, ASTERN_COEFFICIENT) * n * np.abs(n)
         return np.array([port + starboard, 0.0, 0.0, 0.0, 0.0, PONTOON_OFFSET * (port - starboard)])
 
     @property
     def ordered_revolutions(self) -> np.ndarray:
-        """(2,) revolutions of port and starboard that are ordered [rad/s]."""
+        """(2,) revolutions of the port and starboard propellers that the crew orders [rad/s]."""
         throttle, rudder = self.orders
         share = np.clip(throttle + np.array([-1.0, 1.0]) * rudder / STOPPING_RUDDER, -1.0, 1.0)
         return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of second order: from the first step on, velocities are those of half a step before the position,
-        and the propellers follow the mean of the orders before and after."""
+        """Take a step of dt [s], second-order: from the first step on, velocities are those of half a step before the
+        position, and the propellers follow the mean of the orders before and after."""
         body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0

@@ -48,11 +48,11 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """Added mass by rule. No law of hers has it: the particles that she moves do."""
+        """(6,) added mass [kg], [kg m2] by rule; the law of motion uses none, as the particles themselves react."""
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:
-        """The body at the beginning; in 2-D a metre of it."""
+        """The body at the beginning; in 2-D with the mass and inertia of a metre of the hull."""
         matter = still.matter
         if flat:
             share = 1.0 / float(np.ptp(self.whole_hull.shape.bounds(), axis=0)[2])
@@ -80,7 +80,7 @@ class Config(FloatingConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """Nothing of its own: the water keeps the samples."""
+        """Empty: the water has the samples of the hull among its own fields."""
         return []
 
     def build(self, name: str, basin: Basin, fluid: Fluid) -> Ship:
@@ -88,7 +88,7 @@ class Config(FloatingConfig):
 
 
 class Pressure(Vessel):
-    """A hull among the solid bodies of the water."""
+    """A ship whose hull is one of the solid bodies in the water."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         solid, water = basin.afloat[name], with_particles(fluid)
@@ -109,7 +109,7 @@ class Pressure(Vessel):
         self.place_hull()
 
     def load(self, wind: Wind, fluid: Fluid, surface: Surface | Fluid) -> Load:
-        """(4.27); everything that the water does is under `buoyancy`."""
+        """All forces and torques on the ship now (4.27); every force of the water is under `buoyancy`."""
         forces, torques = self.boundary.forces()
         body = self.body
         motion = np.array([*body.own_velocity, *body.own_spin])

@@ -40,7 +40,7 @@ class Config(FloatingConfig):
 
 
 class Thesis(FloatingShip):
-    """The hull as columns."""
+    """The ship of the thesis: columns of water carry the hull, and forward Euler moves it."""
 
     def __init__(self, name: str, config: Config, basin: Basin, fluid: Fluid) -> None:
         super().__init__(name, config, basin, fluid)
@@ -64,7 +64,7 @@ class Thesis(FloatingShip):
 
 @in_kernels
 class Columns:
-    """The bottom of a hull in squares, each with its column of water."""
+    """The bottom of a hull in squares, each of which carries a column of water."""
 
     def __init__(self, still: Hydrostatics, basin: Basin) -> None:
         cubes, size = still.voxels, still.voxels.size
@@ -91,7 +91,7 @@ class Columns:
     def buoyancy_load(
         self, surface: Surface | Fluid | SurroundingWater | SurroundingSea, body: RigidBody
     ) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] of all columns."""
+        """(2, 3) buoyancy [N] and torque about the centre of mass [N m], summed over all columns."""
         self.sum_columns(surface, body.position, body.matrix)
         return self.out.to_numpy().sum(axis=0).reshape(2, 3)
 

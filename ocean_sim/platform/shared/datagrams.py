@@ -71,7 +71,7 @@ def parse_address(url: str) -> tuple[str, int]:
 
 
 class Jitter(NamedTuple):
-    """Evenness of the packets sent."""
+    """Statistics of the times between packets sent."""
 
     packets: int
     interval: float  # mean time from packet to packet [s]
@@ -87,7 +87,7 @@ class Jitter(NamedTuple):
 
 
 class Latency(NamedTuple):
-    """Times from packets to the reports of the platform."""
+    """Statistics of the times from sending a packet to the platform's report on it."""
 
     packets: int
     median: float  # [s]
@@ -140,7 +140,7 @@ class Sender:
         self.listen()
 
     def listen(self) -> None:
-        """Take all reports of the platform so far."""
+        """Receive all reports that the platform has sent so far."""
         while True:
             try:
                 data = self.socket.recv(2048, socket.MSG_DONTWAIT)
@@ -150,7 +150,7 @@ class Sender:
                 self.readings.append((time.perf_counter(), parse_report(data)))
 
     def latency(self) -> "Latency | None":
-        """Times from sending a packet to the report that it counted, or None without reports."""
+        """Statistics of the times from sending a packet to the report that it counted; None without reports."""
         first: dict[int, float] = {}
         for came, found in self.readings:
             first.setdefault(found.seq, came)
@@ -161,12 +161,12 @@ class Sender:
         return Latency(len(ways), median, most, max(ways))
 
     def stop_report(self) -> str:
-        """Report of a stop of the platform, in words; empty without one."""
+        """Sentence on a stop of the platform; empty without one."""
         came = next((came for came, found in self.readings if found.stopped), None)
         return "" if came is None else f"the platform was stopped, {came - self.sent[0]:.2f} s after the first packet"
 
     def jitter(self) -> Jitter:
-        """Evenness of the packets sent so far."""
+        """Statistics of the times between the packets sent so far."""
         gaps, wanted = np.diff(self.sent), np.diff(self.due)
         if not len(gaps):
             return Jitter(len(self.sent), 0.0, 0.0, 0.0, 0.0)
@@ -221,7 +221,7 @@ class SmoothPose:
         self.line = [*self.line[-1:], (now, np.array(packet.pose))]
 
     def pose(self, now: float) -> np.ndarray:
-        """(6,) x, y, z [m], roll, pitch, yaw [rad] at `now` [s]."""
+        """Pose (6,) x, y, z [m], roll, pitch, yaw [rad] at `now` [s]."""
         if self.glide is not None and now >= self.glide[0]:
             since, pose, speed = self.glide
             return pose + speed * BRAKE_TIME * (1.0 - np.exp((since - now) / BRAKE_TIME))
@@ -258,7 +258,7 @@ class Receiver(SmoothPose):
         self.foreign = self.implausible = 0
 
     def accept_datagram(self, data: bytes, source: object, now: float) -> Packet | None:
-        """Packet in a datagram from a source at `now` [s], or None if it does not count."""
+        """Packet in a datagram from a source at `now` [s]; None if it is malformed, refused, or stops the platform."""
         if is_stop_packet(data, self.key):
             self.stop(now)
             return None
@@ -325,13 +325,13 @@ class Receiver(SmoothPose):
         return lengths, speeds
 
     def report(self) -> bytes:
-        """Packet that tells the sender the lengths of the legs and the last packet that was accepted."""
+        """Bytes of the report to the sender: lengths of the legs, and the last packet that was accepted."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
         return pack_report(LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 
 
 def preset_geometry(name: str) -> Geometry:
-    """The geometry configs/geometry/<name>.yaml."""
+    """Geometry of a hexapod in configs/geometry/<name>.yaml."""
     return Geometry.model_validate(preset("geometry", name))
 
 
@@ -388,7 +388,7 @@ def print_stream(url: str, key: bytes = b"") -> None:
 
 
 def main(words: Sequence[str]) -> int:
-    """Receive a stream, or stop a platform, as the words of a command say; its exit code."""
+    """Receive a stream, or stop a platform, as the command-line words say; returns the exit code."""
     stops = [*words[:1]] == ["stop"]
     rest = words[1:] if stops else words or [f"udp://{LOOPBACK_HOST}:5005"]
     if "--help" in words or not 1 <= len(rest) <= 2:

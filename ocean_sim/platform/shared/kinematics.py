@@ -97,7 +97,7 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Leg speeds over velocity [m/s] and rate [rad/s] in the axes of the floor (n, 6, 6): rows (u, R p x u)."""
+        """Jacobian (n, 6, 6) of leg speeds by velocity [m/s] and rate [rad/s], axes of the floor: rows (u, R p x u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
@@ -125,11 +125,11 @@ class Hexapod:
         return pose
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n,) of the stroke of the leg nearest to its end, counted from neutral; above 1 is outside."""
+        """Used part (n,) of the stroke, from neutral, of the leg nearest to its end; above 1 is outside."""
         return self.strokes(pose).max(axis=1)
 
     def strokes(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n, 6) of the stroke of each leg, out or in from neutral."""
+        """Used part (n, 6) of the stroke of each leg in poses (n, 6), out or in from neutral."""
         legs, neutral = self.legs(pose), self.neutral_legs
         return (legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)
 
@@ -140,7 +140,7 @@ class Hexapod:
         return within
 
     def excursions(self) -> np.ndarray:
-        """Lowest and highest value (6, 2) of each motion alone from neutral [m, rad]."""
+        """Lowest and highest value (6, 2) that each motion may have by itself from neutral [m], [rad]."""
         ways = np.concatenate([-np.eye(6), np.eye(6)])  # to their lowest and highest
         most = np.where(ways[:, :3].any(axis=1), self.high, 1.5)
         steps = np.linspace(0.0, 2.0 * most, 400)
@@ -155,7 +155,7 @@ class Hexapod:
 
 
 def bisect_last(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Largest number between `low`, where `holds` is true, and `high` for which it is, by bisection."""
+    """Largest number from `low`, where `holds` is true, to `high` at which it is still true, by bisection."""
     for _ in range(BISECTION_STEPS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)

@@ -32,8 +32,8 @@ class Workspace:
         self.ends = hexapod.excursions()  # (6, 2) [m, rad]
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n,) of the stroke, up to 6 % above that of the leg nearest to its end: a norm, which stays
-        smooth as another leg becomes the nearest."""
+        """Used part (n,) of the stroke in poses (n, 6), up to 6 % above that of the leg nearest to its end: a norm,
+        which stays smooth as another leg becomes the nearest."""
         strokes = self.hexapod.strokes(pose)
         most = strokes.max(axis=1)
         return most * ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1) ** (
@@ -41,9 +41,9 @@ class Workspace:
         )
 
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) inside, near the wanted ones (n, 6), and limits (n,) that acted.
+        """Poses (n, 6) in the workspace, near the wanted ones (n, 6), and bits (n,) of the limits that acted.
 
-        Angles are scaled back as if there were no displacement, then the displacement by what they leave: people notice
+        Angles are scaled back as if there were no displacement, then the displacement to the stroke left: people notice
         at once a deck that is tilted wrongly, but not one that travels less.
         """
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
@@ -61,7 +61,7 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors (n,) on `moving`, added to `fixed`, that give the softened usage of the stroke."""
+        """Factors (n,) on poses `moving`, added to `fixed`, that give the softened usage of the stroke."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():
@@ -70,7 +70,8 @@ class Workspace:
         return factor
 
     def usage_factor(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
-        """Factors (n,) that give a usage `goal` of the stroke, by false position (Illinois)."""
+        """Factors (n,) on `moving`, added to `fixed`, that give a usage `goal` of the stroke, by false position
+        (Illinois)."""
         low, high = np.zeros(len(goal)), np.ones(len(goal))
         below, above = np.minimum(self.usage(fixed) - goal, -USAGE_TOLERANCE), usage - goal + USAGE_TOLERANCE
         guess = (low * above - high * below) / (above - below)
@@ -86,7 +87,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) that keep their condition number in its limit: the first crossing, bisected."""
+        """Factors (n,) on poses (n, 6) that keep their condition number in its limit: its first crossing, bisected."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -101,20 +102,20 @@ class Workspace:
 
 
 class Governor:
-    """Poses that a machine can follow without a jerk.
+    """Governor that turns wanted poses into poses that a machine can follow without a jerk.
 
-    They are followed exactly within the limits of the legs and of the felt acceleration; else all motions are held back
-    together, never one leg by itself, which would tilt and shake the platform.
+    Wanted poses are followed exactly within limits of the legs and of the felt acceleration; else all motions are held
+    back together, never one leg by itself, which would tilt and shake the platform.
 
-    A platform that fell behind catches up with at most an acceleration that is given, of its reference point and of
+    A platform that fell behind catches up with at most the acceleration `catch_up`, of its reference point and of
     its joints as they turn. It never moves so that it could not be stopped, evenly and on a straight way, with BRAKE
     times that before a leg is at its end: commands are held back before, so that nothing else is felt at the end of a
-    stroke. Then one velocity is always possible, that of braking, and the given one is the nearest to the wanted
-    velocity that can be stopped from (a reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
+    stroke. Then one velocity is always possible, that of braking, and the one commanded is the nearest to the
+    wanted one from which a stop is possible (reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
-        """`every`: time between rows [s]; `catch_up` [m/s2]."""
+        """`every`: time between rows [s]; `catch_up`: acceleration of a platform that fell behind [m/s2]."""
         self.hexapod, self.every, self.catch_up = hexapod, every, catch_up
         self.speed, self.acceleration = geometry.leg_speed, geometry.leg_acceleration
         self.brake = min(BRAKE_FACTOR * catch_up, geometry.leg_acceleration / LEG_ACCELERATION_RATIO)  # [m/s2]
@@ -123,8 +124,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) for the wanted ones (n, 6), which are the requested ones (n, 6) as far as they fit; and limits
-        (n,) that acted."""
+        """Poses (n, 6) that the machine can follow, for `wanted` ones (n, 6) in its workspace, which come of those
+        requested, `asked` (n, 6); and bits (n,) of the limits that acted."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -151,16 +152,16 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of changes of the pose (n, 6): of the reference point or of the turning joints, the larger."""
+        """Sizes (n,) [m] of changes (n, 6) of the pose: of the reference point or of the turning joints, the larger."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
     def motion_size(self, motion: np.ndarray) -> float:
-        """Size [m] of one change (6,)."""
+        """Size [m] of one change (6,) of the pose, as `motion_sizes`."""
         return float(self.motion_sizes(motion[None])[0])
 
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
-        """True if the platform is in its target pose, and its change to a velocity is allowed."""
+        """True if the platform is in its target pose, and may change its velocity to `step` (6,) in one row."""
         if self.motion_size(self.pose - self.target) > LEG_MATCH:
             return False
         change = step - self.velocity
@@ -174,7 +175,8 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Advance a platform that cannot follow by one row; the limits that acted."""
+        """Move a platform that cannot follow by one row towards its target, which moves on at `step` (6,) [m/s],
+        [rad/s]; returns bits of the limits that acted."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -189,7 +191,7 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Velocity (6,) between braking and a wanted one, the nearest to it that the platform can stop from."""
+        """Velocity (6,) between braking and a wanted one, the nearest to it from which the platform can stop."""
         braked = self.velocity * max(
             0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         )
@@ -212,12 +214,12 @@ class Governor:
         return np.asarray(within.all(axis=1))
 
     def stopping_speed(self, acceleration: float, left: np.ndarray) -> np.ndarray:
-        """Highest speed [m/s] that allows a stop in whole rows within a way [m]."""
+        """Highest speed [m/s] from which a stop in whole rows is possible within `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
 
     def stroke_left(self, legs: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Rest (6,) [m] of the stroke of each leg in the direction of its speed."""
+        """Stroke (6,) [m] that each leg has left in the direction of its speed."""
         return np.where(speed > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)
 
 
@@ -236,7 +238,7 @@ class Legs:
         self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] for wanted lengths (n, 6), and limits (n,) that acted."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s] for wanted lengths (n, 6), and bits (n,) of the limits that acted."""
         n, dt = len(targets), self.every
         wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
         turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)
@@ -256,14 +258,14 @@ class Legs:
         return length, velocity, limited
 
     def can_follow(self, wanted: np.ndarray) -> bool:
-        """True if the legs have their target lengths and can take a speed."""
+        """True if the legs have their target lengths and may take the speeds `wanted` (6,) [m/s] in one row."""
         there = float(np.abs(self.length - self.target).max()) < LEG_MATCH
         fast = float(np.abs(wanted).max()) > self.speed
         hard = float(np.abs(wanted - self.velocity).max()) > self.acceleration * self.every * (1.0 + 1e-9)
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Advance legs that cannot follow by one row; the limits that acted."""
+        """Move legs that cannot follow by one row towards their targets; returns bits of the limits that acted."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

@@ -45,20 +45,20 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:
-    """Specific force [m/s2] and rate [rad/s] (n, 6) on a platform in poses (n, 6), by central differences, without
-    acceleration in the first and the last."""
+    """Specific force [m/s2] and rate [rad/s] (n, 6) on a platform in poses (n, 6), by central differences; its
+    acceleration counts as 0 in the first and the last."""
     known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return np.hstack(kinematics.felt_motion(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
 
 
 def rest_value(name: str) -> float:
-    """Value of a force or rate in neutral without motion."""
+    """Value of a specific force [m/s2] or rate of this name on a platform at rest in neutral."""
     return GRAVITY if name == "force_z" else 0.0
 
 
 def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, every: float) -> list[Metric]:
-    """Metrics of one motion, felt against scaled."""
+    """Metrics of one motion, as felt (n,) on the platform against the scaled one (n,) of the ship."""
     against = felt * np.sign(scaled) < 0.0
     return [
         Metric(f"{name}_scaled_rms", rms(scaled), unit),
@@ -71,12 +71,12 @@ def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, e
 
 
 def rms(signal: np.ndarray) -> float:
-    """Root mean square."""
+    """Root mean square of a signal."""
     return float(np.sqrt(np.mean(signal**2)))
 
 
 def correlation(one: np.ndarray, other: np.ndarray) -> float:
-    """Correlation of the deviations from the means, or NaN if one signal does not move."""
+    """Correlation coefficient of two signals, or NaN if one does not move."""
     a, b = one - one.mean(), other - other.mean()
     size = rms(a) * rms(b)
     return float(np.mean(a * b) / size) if rms(a) > MIN_RMS and rms(b) > MIN_RMS else float("nan")

@@ -74,7 +74,7 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def chunks(self) -> Iterator["Ride"]:
-        """Rows in their order, a chunk at a time."""
+        """Yield the rows in their order, a chunk at a time."""
         for k in range(0, len(self.time), CHUNK_ROWS):
             yield Ride(*(column[k : k + CHUNK_ROWS] for column in self))
 
@@ -89,16 +89,16 @@ class MotionLog(NamedTuple):
 
     @property
     def compared_rows(self) -> int:
-        """Number of rows over which columns are compared: of COMPARED_SECONDS, or less in a short log."""
+        """Number of rows, of COMPARED_SECONDS or less in a short log, over which columns are compared."""
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:
-        """Mean rates of change (m - n, 3) of values (m, 3) over the n compared rows."""
+        """Mean rates of change (m - n, 3) of values (m, 3) over every n compared rows."""
         n = self.compared_rows
         return (values[n:] - values[:-n]) / (n * self.every)
 
     def mean_values(self, values: np.ndarray) -> np.ndarray:
-        """Means (m - n, 3) of values (m, 3) over the n compared rows, by the trapezoidal rule."""
+        """Means (m - n, 3) of values (m, 3) over every n compared rows, by the trapezoidal rule."""
         n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
         whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
         return (whole[n:] - whole[:-n]) / n
@@ -161,7 +161,7 @@ def round_interval(every: float) -> float:
 
 
 def check_plausible(log: MotionLog) -> None:
-    """Refuse a log with motions of no ship: jumps, other units, angles against rates, gravity along another axis."""
+    """Raise Unreadable for motions of no ship: jumps, other units, angles against rates, gravity along another axis."""
     ride, time, path, pose = log.ride, log.ride.time, log.table.path, ride_rotations(log.ride)
     jump = np.linalg.norm(np.diff(log_positions(log), axis=0), axis=1)
     leap = np.degrees((pose[:-1].inv() * pose[1:]).magnitude())
@@ -194,7 +194,7 @@ def check_plausible(log: MotionLog) -> None:
 
 
 def check_agreement(log: MotionLog) -> None:
-    """Refuse positions that disagree with their derivatives, by the changes within COMPARED_SECONDS."""
+    """Raise Unreadable if positions disagree with their derivatives, by the changes within COMPARED_SECONDS."""
     table, pose, axes = log.table, ride_rotations(log.ride), LOG_FRAMES[log.frame]
     for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
@@ -223,8 +223,8 @@ def check_agreement(log: MotionLog) -> None:
 
 
 def compare_columns(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
-    """Refuse columns (n, k) that disagree with others (n, k) in sign, axis or unit; a column that moves less than
-    `least` tells nothing."""
+    """Raise Unreadable if columns (n, k) disagree with others (n, k) in sign, axis or unit; a column that moves less
+    than `least` is not compared."""
     (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
         return
@@ -299,7 +299,8 @@ def negate_cell(cell: str) -> str:
 
 
 def check_convertible(log: MotionLog) -> None:
-    """Refuse a log that cannot be converted to other axes: a vector without a component, or a cell without a number."""
+    """Raise Unreadable for a log that cannot be converted to other axes: a vector without a component, or a cell
+    without a number."""
     wanted = [name for triple in vector_columns(log.table.names) for name in triple] + sign_changing_columns(
         log.table.names
     )

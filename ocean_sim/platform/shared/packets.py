@@ -43,7 +43,7 @@ FRAME_NAMES = ("flu", "ned", "ship")
 
 
 class Packet(NamedTuple):
-    """One row of platform.csv on its way."""
+    """One row of platform.csv as it is sent."""
 
     seq: int
     time: float  # [s]
@@ -60,7 +60,7 @@ def turn_to_frame(pose: np.ndarray, frame: str) -> np.ndarray:
 
 
 def row_packets(rows: Commands, frame: str) -> Iterator[Packet]:
-    """Rows of platform.csv as packets whose poses are along the axes of a frame."""
+    """Yield rows of platform.csv as packets whose poses are along the axes of a frame."""
     poses = turn_to_frame(rows.pose, frame).tolist()
     columns = (rows.seq.tolist(), rows.time.tolist(), poses, rows.legs.tolist(), rows.limited.tolist())
     for seq, moment, pose, lengths, limited in zip(*columns):
@@ -68,13 +68,13 @@ def row_packets(rows: Commands, frame: str) -> Iterator[Packet]:
 
 
 def pack_ocean_sim(packet: Packet) -> bytes:
-    """Layout `ocean_sim`."""
+    """Bytes of a packet in the layout `ocean_sim`."""
     head = (POSE_MAGIC, FORMAT_VERSION, FRAME_NAMES.index(packet.frame), packet.seq, packet.limited, packet.time)
     return POSE_STRUCT.pack(*head, *packet.pose, *packet.legs)
 
 
 def pack_openmotionsim(packet: Packet) -> bytes:
-    """Layout `openmotionsim`."""
+    """Bytes of a packet in the layout `openmotionsim`."""
     upward = FRAME_AXES[packet.frame] @ [0.0, 0.0, 1.0]
     roll, pitch, yaw = np.degrees(packet.pose[3:])
     return OPENMOTIONSIM_STRUCT.pack(packet.time, yaw, pitch, roll, float(upward @ packet.pose[:3]))
@@ -89,12 +89,12 @@ def six_motions(packet: Packet) -> list[float]:
 
 
 def pack_floats(packet: Packet) -> bytes:
-    """Layout `floats`."""
+    """Bytes of a packet in the layout `floats`."""
     return FLOATS_STRUCT.pack(packet.time, packet.seq, *six_motions(packet), packet.limited)
 
 
 def pack_text(packet: Packet) -> bytes:
-    """Layout `text`."""
+    """Bytes of a packet in the layout `text`."""
     return (",".join(f"{value:.3f}" for value in [packet.time, *six_motions(packet)]) + "\n").encode()
 
 
@@ -108,7 +108,7 @@ FORMAT_NAMES = tuple(PACKET_LAYOUTS)
 
 
 def pack(packet: Packet, layout: str) -> bytes:
-    """Pack a packet into bytes of a layout."""
+    """Bytes of a packet in the layout of this name."""
     return PACKET_LAYOUTS[layout](packet)
 
 
@@ -125,7 +125,7 @@ def unpack(data: bytes) -> Packet:
 
 
 def pose_along_flu(packet: Packet) -> np.ndarray:
-    """Pose (6,) of a packet along FLU."""
+    """Pose (6,) of a packet, turned from the axes of its frame to FLU."""
     pose = np.array(packet.pose)
     return np.concatenate([pose[:3] @ FRAME_AXES[packet.frame], pose[3:] * frame_signs(packet.frame)])
 

@@ -45,10 +45,10 @@ class WashingConfig(Model):
 
 
 class Travelling(Protocol):
-    """Travel of a platform along one axis."""
+    """Interface of the travel of a platform along one axis."""
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and True (n,) for cut input."""
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where the input was cut."""
 
 
 class Filter:
@@ -93,14 +93,14 @@ def second_order(frequency: float, damping: float) -> list[complex]:
 
 
 class Tilt:
-    """An angle that gives the slow part of a specific force by gravity, at a limited rate."""
+    """Angle that lets gravity stand in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
     def follow_force(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Angles (n,) asin(f / g) of the slow part of f (n,) [m/s2], and True (n,) at a limited rate."""
+        """Angles (n,) asin(f / g) [rad] of the slow part of f (n,) [m/s2], and (n,) True where the rate was limited."""
         wanted = np.arcsin(np.clip(self.slow.apply(force) / GRAVITY, -1.0, 1.0)).tolist()
         angle, step, angles, held = self.angle, self.step, [], []
         for target in wanted:
@@ -113,7 +113,7 @@ class Tilt:
 
 
 class Washing:
-    """A washout at work."""
+    """Washout of one ride: scaling, tilt and turns, with a travel for each axis."""
 
     def __init__(self, config: WashingConfig, every: float, travels: Sequence[Travelling]) -> None:
         """`every`: time between rows [s]; `travels`: along x, y and z."""
@@ -148,12 +148,13 @@ class Washing:
         return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """Clip (n, 3) to a limit, and mark clipped rows in `limited` (n,)."""
+        """Input (n, 3) clipped to a limit; marks clipped rows in `limited` (n,)."""
         limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT_LIMIT
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x and y, without the part that a followed angle shows by itself."""
+        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without gravity's part in angles that are
+        followed as they are."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]

@@ -53,7 +53,7 @@ class Travel:
         self.low, self.high = ends
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m], and True (n,) for cut input.
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where the input was cut.
 
         Beyond the end of the travel an acceleration further out is cut, so that the platform comes back as soon as the
         motion turns, and not after a filter full of it has run empty.
@@ -75,5 +75,5 @@ class Travel:
         return moved, cut
 
     def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """True (n,) if a displacement is inside the travel, or pushed towards it."""
+        """(n,) True if a displacement is inside the travel, or the acceleration pushes towards it."""
         return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

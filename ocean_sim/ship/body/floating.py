@@ -68,34 +68,34 @@ class FloatingConfig(VesselConfig):
 
     @cached_property
     def whole_hull(self) -> Hull:
-        """The hull, with the values of the ship in place of its own."""
+        """The hull; mass, centre of mass and inertia given for the ship replace its own."""
         hull = hull_of(self.hull) if isinstance(self.hull, str) else self.hull
         own = {"mass": self.mass, "centre_of_mass": self.centre_of_mass, "inertia": self.inertia}
         return hull.model_copy(update={key: value for key, value in own.items() if value is not None})
 
     @cached_property
     def still_water_cache(self) -> dict[tuple[float, float], Hydrostatics]:
-        """Hydrostatics by gravity and density, as far as they have been asked for."""
+        """Cache of hydrostatics by (gravity, density), filled by `in_still_water`."""
         return {}
 
     @cached_property
     def face_gms(self) -> dict[Hydrostatics, float | None]:
-        """GM [m] of the hull by its faces, as far as it has been asked for."""
+        """Cache of GM [m] from the hull's faces, filled by `gm_of_faces`."""
         return {}
 
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
-        """The hull in still water; raises ValueError."""
+        """Hydrostatics of the hull at a gravity [m/s2] and a water density [kg/m3]; raises ValueError."""
         asked = gravity, density
         if asked not in self.still_water_cache:
             self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)
         return self.still_water_cache[asked]
 
     def hydrostatics_of(self, preflight: Preflight) -> Hydrostatics:
-        """The hull in the still water of a scene; raises ValueError."""
+        """Hydrostatics of the hull in the still water of a scene; raises ValueError."""
         return self.in_still_water(-preflight.tank.gravity[1], preflight.fluid.rest_density)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] of her law of motion, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2] in the ship's law of motion, in the order of `Motions`."""
         return np.zeros(6)
 
     def resistance(self, still: Hydrostatics) -> Resistance | None:
@@ -111,7 +111,7 @@ class FloatingConfig(VesselConfig):
         return Afloat(still.matter.mass, still.draught, across, along, periods, self.gm_of_faces(still))
 
     def gm_of_faces(self, still: Hydrostatics) -> float | None:
-        """GM [m] of the hull itself, not of its cubes; None where its faces only approach it."""
+        """GM [m] from the hull's faces, not from its cubes; None where they only approximate its shape or it sinks."""
         if still not in self.face_gms:
             heights = metacentric_heights(self.whole_hull.shape, still)
             self.face_gms[still] = None if heights is None else heights[0]
@@ -142,13 +142,13 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """The body raised by the height that the water will lose as it settles, so that no gap opens under it; a body
-        whose height is given stays."""
+        """The body raised by the height that the water will lose as it settles, so that no gap opens under it;
+        unchanged where its height is given."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def oversize(self, basin: Basin) -> str:
-        """Words on a hull that is larger than the basin; empty if it is not."""
+        """Message on a hull that is larger than the basin; empty if it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -245,11 +245,11 @@ class FloatingConfig(VesselConfig):
         return [f"{fall}: it falls on the water at {speed:.2g} m/s, and {rule}"]
 
     def feels_bed(self, depth: float) -> bool:
-        """True if added mass and damping are those over a bed at this depth [m]."""
+        """True if the ship's added mass and damping are those over a bed at this depth [m]."""
         return False
 
     def shallow_water_warning(self, hull: Hydrostatics, depth: float) -> str:
-        """Warning of the effects that are missing in water of few draughts."""
+        """Warning of effects of shallow water, such as squat, that are not modelled."""
         bed = "squat is" if self.feels_bed(depth) else "squat, and the bed's part in added mass and damping, are"
         message = f"the water is {depth / hull.draught:.3g} draughts deep: {bed} not modelled"
         speed = max(float(np.linalg.norm(self.velocity)), self.helm.speed if self.helm is not None else 0.0)
@@ -357,8 +357,8 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 @lru_cache(maxsize=4)
 def rest_angles(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll [rad] at which nothing turns a hull that floats: upright, if it can rest so; None if there is
-    no such pose within MAX_LEAN."""
+    """(2,) pitch and roll [rad] at which a floating hull is in balance: upright, if it is so there; None if there is no
+    such pose within MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
         return still.buoyancy_offset(lean_matrix(angle))[::-1]
@@ -372,8 +372,8 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
 
 
 def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
-    """Pitch and roll [rad] without levers, by Newton's method with differences over 1e-4 rad and at most 0.1 rad a
-    step: to 1e-10 rad, or as near as 20 steps come."""
+    """(2,) pitch and roll [rad] at which both levers vanish, by Newton's method with differences over 1e-4 rad and at
+    most 0.1 rad a step: to 1e-10 rad, or as near as 20 steps come."""
     small = 1e-4
     for _ in range(20):
         here = levers(angle)

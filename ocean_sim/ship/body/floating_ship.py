@@ -33,7 +33,7 @@ FORCE_NUMBER = 0.25  # share of a limit that the time step `courant` takes
 
 
 class Immersion(NamedTuple):
-    """The hull in the water at one time."""
+    """State of a hull in the water at one time: loads of water and wind, relative velocity, and pose."""
 
     wet: Wetted
     share: float  # of added mass, damping and thrust that is left, 0 to 1
@@ -43,7 +43,7 @@ class Immersion(NamedTuple):
 
 
 class FloatingShip(Vessel):
-    """A hull of cubes and the water around it; without a kind's own methods nothing damps it."""
+    """Base of ships that float by their volume: a hull of cubes in the water; damping comes with the kinds derived."""
 
     samples_depth: ClassVar[bool] = False  # True if it asks the water under its surface, which a closed form answers
     slamming: Slamming | None = None  # of a hull that falls into the water; particles push one themselves
@@ -89,8 +89,8 @@ class FloatingShip(Vessel):
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
     def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body with the velocity of the water around it added where that is a closed form, so that it does not
-        drift by the difference."""
+        """The body with the mean velocity of closed-form water around the hull added, so that it does not begin with a
+        drift through it; unchanged among particles."""
         if fluid.of_particles is not None:
             return body
         still, turn = self.hydrostatics, body.matrix
@@ -115,7 +115,7 @@ class FloatingShip(Vessel):
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
         """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without the reaction of
-        the water that is moved along."""
+        added mass."""
         wet, density = now.wet, self.hydrostatics.density
         driven = self.actuators.load(now.motion, density, now.share)
         return {
@@ -134,13 +134,13 @@ class FloatingShip(Vessel):
         return np.zeros((2, 3))
 
     def whole_damping(self, now: Immersion) -> np.ndarray:
-        """(2, 3) `damping`, and drag in heave on a hull that lies far from its draught."""
+        """(2, 3) `damping` and, on a hull far from its draught, drag in heave: force [N], torque [N m], world axes."""
         if self.slamming is None:
             return self.damping(now)
         return self.damping(now) + self.slamming.heave_drag(self.wet, self.rising) * self.upwards
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces with the reaction of the water that is moved along, which depends on all of them."""
+        """The forces by part with the reaction of added mass, which depends on the sum of all parts."""
         return forces
 
     def advance(self, load: Load, dt: float) -> None:
@@ -157,7 +157,7 @@ class FloatingShip(Vessel):
         return self.cubes.displaced_water(self.body, self.water)
 
     def limits_of_motion(self, added: np.ndarray) -> Limits:
-        """STEPS_A_PERIOD steps in the fastest natural motion, with (6,) added mass."""
+        """Limit of the time step: STEPS_A_PERIOD steps in the shortest natural period, with (6,) added mass."""
         still = self.hydrostatics
         periods = [] if isinf(still.draught) else [period for period in still.periods(added).values() if period]
         if self.moorings is not None:

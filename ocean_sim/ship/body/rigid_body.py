@@ -14,7 +14,7 @@ from ocean_sim.ship.body import small_linalg
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in world axes unless stated otherwise."""
+    """State of a rigid body; in world axes unless stated otherwise."""
 
     mass: float  # [kg]
     inertia_body: np.ndarray  # (3, 3) about the centre of mass, body axes [kg m2]
@@ -46,12 +46,12 @@ class RigidBody:
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """(3, 3) rotation, body to world."""
+        """(3, 3) rotation matrix, body to world."""
         return np.array(self.rows)
 
     @cached_property
     def angular_velocity(self) -> np.ndarray:
-        """(3,) in world axes [rad/s]."""
+        """(3,) angular velocity in world axes [rad/s]."""
         return np.array(self.spin)
 
     @cached_property
@@ -74,7 +74,7 @@ class RigidBody:
         return self.position + self.matrix @ arm
 
     def point_velocity(self, arm: np.ndarray) -> np.ndarray:
-        """(4.15): world velocity [m/s] of such a point."""
+        """World velocity [m/s] of a point whose position from the centre of mass is `arm`, body axes [m] (4.15)."""
         return self.velocity + cross(self.angular_velocity, self.matrix @ arm)
 
 
@@ -90,53 +90,53 @@ def plain_components(vector: np.ndarray) -> list:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b of two (3,), many times as quick as NumPy's, or of (3, n)."""
+    """Cross product a x b of two (3,), many times as quick as NumPy's, or of (3, n)."""
     return np.array(small_linalg.cross(plain_components(a), plain_components(b)))
 
 
 def quaternion(axis: np.ndarray, angle: float) -> np.ndarray:
-    """(4.6): turn by `angle` [rad] about a unit vector."""
+    """Quaternion (4,) of a turn by `angle` [rad] about a unit vector (4.6)."""
     return np.concatenate([[np.cos(angle / 2.0)], np.sin(angle / 2.0) * np.asarray(axis)])
 
 
 def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """(4.7): first q, then p; (4,) each, or (4, n)."""
+    """Product p q of quaternions, the rotation q followed by p (4.7); (4,) each, or (4, n)."""
     return np.array(small_linalg.quaternion_product(plain_components(p), plain_components(q)))
 
 
 def quaternion_inverse(q: np.ndarray) -> np.ndarray:
-    """(4.8): the inverse of a unit quaternion, or of (4, n)."""
+    """Inverse of a unit quaternion (4,), or of (4, n) (4.8)."""
     w, x, y, z = plain_components(q)
     return np.array([w, -x, -y, -z])
 
 
 def rotate_vector(q: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(4.9): a vector turned by a unit quaternion."""
+    """(3,) vector turned by a unit quaternion (4.9)."""
     return quaternion_product(quaternion_product(q, np.concatenate([[0.0], vector])), quaternion_inverse(q))[1:]
 
 
 def rotation_matrix(q: np.ndarray) -> np.ndarray:
-    """(4.10): (3, 3) rotation of a quaternion of any length, or (3, 3, n) of (4, n)."""
+    """(3, 3) rotation matrix of a quaternion of any length, or (3, 3, n) of (4, n) (4.10)."""
     return np.array(small_linalg.rotation_matrix(plain_components(q)))
 
 
 def unit_quaternion(q: np.ndarray) -> np.ndarray:
-    """The unit quaternion along q."""
+    """The quaternion scaled to unit length."""
     return np.array(small_linalg.unit_quaternion(q.tolist()))
 
 
 def turn_quaternion(turn: np.ndarray) -> np.ndarray:
-    """The factor of (4.25): turn about a vector by its length [rad]."""
+    """Quaternion of a rotation vector, a turn about it by its length [rad]: the factor of (4.25)."""
     return np.array(small_linalg.turn_quaternion(turn.tolist()))
 
 
 def axis_rotation(axis: int, angle: float) -> np.ndarray:
-    """(4.3): (3, 3) rotation about x, y or z (0, 1, 2)."""
+    """(3, 3) rotation matrix of a turn by `angle` [rad] about x, y or z (0, 1, 2) (4.3)."""
     return rotation_matrix(quaternion(np.eye(3)[axis], angle))
 
 
 def euler_quaternion(pitch: float, yaw: float, roll: float) -> np.ndarray:
-    """Quaternion of intrinsic yaw about Y, then pitch about X, then roll about Z [rad]."""
+    """Quaternion (4,) of intrinsic yaw about Y, then pitch about X, then roll about Z [rad]."""
     turns = [quaternion(np.eye(3)[axis], angle) for axis, angle in ((1, yaw), (0, pitch), (2, roll))]
     return quaternion_product(quaternion_product(turns[0], turns[1]), turns[2])
 
@@ -178,7 +178,8 @@ def advance_body(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: flo
 
 
 def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: float) -> RigidBody:
-    """(4.22), (4.23) and (4.25) as printed: forward Euler, from the velocities of the step's beginning.
+    """The body one step of dt [s] later by (4.22), (4.23) and (4.25) of the thesis as printed: forward Euler, from the
+    velocities of the step's beginning.
 
     Algorithm 7 prints v = a dt, x = v dt; the increments of (4.22) and (4.23) are meant.
     """
@@ -197,7 +198,7 @@ def thesis_advance(body: RigidBody, force: np.ndarray, torque: np.ndarray, dt: f
 
 
 def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
-    """The body with the motions stopped that are not free: (6,) booleans in the order of `Motions`.
+    """The body with zero velocity in the motions that are not `free`, (6,) booleans in the order of `Motions`.
 
     Sway and surge are held along the ship's heading, heave along the vertical, turns about the body's axes.
     """

@@ -14,19 +14,19 @@ Rows = Sequence[Vector]  # of a matrix
 
 
 def plus(a: Vector, b: Vector) -> Three:
-    """a + b."""
+    """Sum a + b of two vectors."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax + bx, ay + by, az + bz
 
 
 def minus(a: Vector, b: Vector) -> Three:
-    """a - b."""
+    """Difference a - b of two vectors."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax - bx, ay - by, az - bz
 
 
 def times(factor: float, a: Vector) -> Three:
-    """factor a."""
+    """Product of a number and a vector."""
     x, y, z = a
     return factor * x, factor * y, factor * z
 
@@ -38,26 +38,26 @@ def times_each(factors: Vector, a: Vector) -> Three:
 
 
 def dot(a: Vector, b: Vector) -> float:
-    """a . b."""
+    """Dot product a . b."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax * bx + ay * by + az * bz
 
 
 def cross(a: Vector, b: Vector) -> Three:
-    """a x b."""
+    """Cross product a x b."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def matrix_times(m: Rows, a: Vector) -> Three:
-    """m a."""
+    """Product of a (3, 3) matrix m and a vector a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + q * y + r * z, s * x + t * y + u * z, v * x + w * y + o * z
 
 
 def transpose_times(m: Rows, a: Vector) -> Three:
-    """Transpose of m, times a."""
+    """Product of the transpose of a (3, 3) matrix m and a vector a."""
     (p, q, r), (s, t, u), (v, w, o) = m
     x, y, z = a
     return p * x + s * y + v * z, q * x + t * y + w * z, r * x + u * y + o * z
@@ -77,7 +77,7 @@ def solve_3x3(m: Rows, b: Vector) -> Three:
 
 
 def quaternion_product(p: Vector, q: Vector) -> Four:
-    """(4.7): first q, then p."""
+    """Product p q of quaternions, the rotation q followed by p (4.7)."""
     a, b, c, d = p
     e, f, g, h = q
     return (
@@ -89,7 +89,7 @@ def quaternion_product(p: Vector, q: Vector) -> Four:
 
 
 def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
-    """(4.10): rotation of a quaternion of any length."""
+    """Rows of the rotation matrix of a quaternion of any length (4.10)."""
     w, x, y, z = q
     s = 2.0 / (w * w + x * x + y * y + z * z)
     return (
@@ -100,14 +100,14 @@ def rotation_matrix(q: Vector) -> tuple[Three, Three, Three]:
 
 
 def unit_quaternion(q: Vector) -> Four:
-    """The unit quaternion along q."""
+    """The quaternion scaled to unit length."""
     w, x, y, z = q
     size = sqrt(w * w + x * x + y * y + z * z)
     return w / size, x / size, y / size, z / size
 
 
 def turn_quaternion(turn: Vector) -> Four:
-    """The factor of (4.25): turn about a vector by its length [rad]."""
+    """Quaternion of a rotation vector, a turn about it by its length [rad]: the factor of (4.25)."""
     x, y, z = turn
     angle = sqrt(x * x + y * y + z * z)
     half = sin(0.5 * angle) / angle if angle > 1e-150 else 0.5

@@ -12,19 +12,20 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """n moments: times (n,) [s], places (7, n) of position [m] and quaternion, and their time derivatives."""
+    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion (7, n), and their derivatives (7,
+    n)."""
 
     time: np.ndarray
     place: np.ndarray
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """The moments of these numbers."""
+        """Part of the track: the moments with these numbers."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
 class Attitude(NamedTuple):
-    """Orientation and angular velocity of a body, by moment."""
+    """Orientation and angular velocity of a body at n moments."""
 
     orientation: np.ndarray  # (4, n) unit quaternion, body to world
     matrix: np.ndarray  # (3, 3, n) body to world
@@ -36,18 +37,18 @@ class Attitude(NamedTuple):
         return euler_angles(self.orientation)
 
     def to_body(self, vector: np.ndarray) -> np.ndarray:
-        """(3, n) vectors in world axes, in body axes."""
+        """(3, n) vectors turned from world axes to body axes."""
         return self.matrix[0] * vector[0] + self.matrix[1] * vector[1] + self.matrix[2] * vector[2]
 
     def point_acceleration(self, arm: np.ndarray, acceleration: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """(3, n) world acceleration [m/s2] of a point whose position from the centre of mass is `arm`, body axes [m],
-        from that of the centre of mass and the angular one [rad/s2], (3, n)."""
+        """(3, n) world acceleration [m/s2] of a point at `arm` from the centre of mass, body axes [m], by the
+        acceleration of the centre of mass and the angular acceleration `turning` [rad/s2], (3, n)."""
         away = self.matrix[:, 0] * arm[0] + self.matrix[:, 1] * arm[1] + self.matrix[:, 2] * arm[2]
         return acceleration + cross(turning, away) + cross(self.spin, cross(self.spin, away))
 
 
 def short_way(orientation: np.ndarray) -> np.ndarray:
-    """(4, n) quaternions, each with the sign that is nearer to the one before."""
+    """(4, n) quaternions with signs chosen so that each is nearer to the one before than its negative is."""
     away = (orientation[:, 1:] * orientation[:, :-1]).sum(axis=0) < 0.0
     return orientation * np.cumprod(np.append(1.0, np.where(away, -1.0, 1.0))) if away.any() else orientation
 
@@ -74,8 +75,9 @@ def second_derivative(
 
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
-    """Track of successive moments with the velocities of their own times. The displacement over a step gives the mean
-    velocity; accelerations that change linearly lead on from it. `first`: (7,) velocity of the first moment."""
+    """Track through places (7, n) at times (n,) [s]: velocities are the mean over a step, corrected by second
+    derivatives `bends` (7, n) that change linearly over it. `first`: (7,) velocity at the first moment; NaN: to be
+    estimated."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -86,7 +88,7 @@ def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: 
 
 
 class Between:
-    """Times (n,) [s], each between the moment of a number and the one before it."""
+    """Interpolation of a track at times (n,) [s], each between the moment `number` and the one before it."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
@@ -97,8 +99,8 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Cubic Hermite interpolation of place and velocity between the two moments, continuous in both from one step
-        to the next. If the velocities are third-order in the step, so is the velocity found, and the place is
+        """Track at these times: cubic Hermite interpolation of place and velocity, both continuous from one step to the
+        next. If velocities of the moments are third-order in the step, so are those returned, and places are
         fourth-order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
@@ -108,7 +110,7 @@ class Between:
         return Track(self.time, np.where(self.over, after.place, place), np.where(self.over, after.velocity, velocity))
 
     def interpolated_values(self, known: np.ndarray) -> np.ndarray:
-        """(n, m) linear interpolation of the values (k, m) of the moments."""
+        """(n, m) values at these times, linear between the values (k, m) of the k moments."""
         earlier, later = known[self.before], known[self.after]
         return np.where(self.over[:, None], later, earlier + self.part[:, None] * (later - earlier))
 

@@ -63,7 +63,7 @@ class VesselConfig(Helm, ShipConfig):
     """Named points, from the hull's origin [m]: x to port, y up from the keel, z to the bow from amidships."""
 
     def basin_problems(self, basin: Basin) -> Problems:
-        """Contradictions to the basin: (path below `ship`, sentence)."""
+        """Problems of keys that contradict the basin: (path below `ship`, sentence)."""
         found: Problems = []
         if basin.dimension == 2 and not self.slices:
             found.append((("kind",), "a ship needs a basin with a width; in a slice of particles take kind pressure"))
@@ -83,7 +83,7 @@ class VesselConfig(Helm, ShipConfig):
         return [*self.lost_at_first(), *self.late_orders(preflight.duration)]
 
     def lost_at_first(self) -> list[str]:
-        """Warnings of velocities and rates at the beginning in motions that are held."""
+        """Warnings of initial velocities and rates in motions that are not free, which are ignored."""
         heading = axis_rotation(1, radians(self.heading_deg + self.attitude_deg[1]))
         motion = dict(zip(Motions._fields, [*(heading.T @ np.array(self.velocity)), *self.rates], strict=True))
         told = []
@@ -101,7 +101,8 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """The body at the beginning; `height` of the centre of mass afloat [m], `trim` (4,) quaternion afloat."""
+        """The body at the beginning; `height` of the centre of mass [m] and `trim` (4,) quaternion of the ship
+        afloat."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -112,7 +113,8 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body as it begins in water that has settled: lower by as much if it floats, else at its own height."""
+        """The initial body in water that has settled: lowered with the surface if the ship begins afloat, else at its
+        given height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))
@@ -136,8 +138,8 @@ class Actuators:
         return self.rudder_blade.limit if self.rudder_blade else radians(90.0)
 
     def steer(self, body: RigidBody, dt: float, ahead: float = 0.0) -> None:
-        """Follow the orders of the crew `ahead` [s] of the beginning of a step of `dt` [s], as fast as propeller and
-        rudder can; dt 0 is the first time."""
+        """Move throttle and rudder over a step of `dt` [s] to the crew's orders at `ahead` [s] after its beginning, as
+        fast as propeller and rudder can; dt 0: at once."""
         throttle, rudder = self.crew.order(self.time + ahead, body)
         blade, screw = self.rudder_blade, self.propeller
         self.throttle = rate_limited(self.throttle, throttle, screw.rate if screw and dt else None, dt, 1.0)
@@ -145,7 +147,8 @@ class Actuators:
         self.time += dt
 
     def load(self, motion: np.ndarray, density: float, wet: float) -> dict[str, np.ndarray]:
-        """(2, 3) of propeller and rudder in body axes, at a velocity relative to the water (6,), `wet` from 0 to 1."""
+        """(2, 3) force [N] and torque about the centre of mass [N m] of propeller and rudder, body axes, by name; at a
+        velocity relative to the water (6,), times the share `wet` under water, 0 to 1."""
         found, thrust = {}, 0.0
         velocity, rates = motion[:3].tolist(), motion[3:].tolist()
         if self.propeller is not None:
@@ -162,7 +165,7 @@ class Actuators:
 
 
 def force_at(arm: small_linalg.Vector, force: small_linalg.Three) -> np.ndarray:
-    """(2, 3) force [N] and its torque [N m], at an arm [m]."""
+    """(2, 3) force [N] that acts at `arm` from the centre of mass [m], and its torque [N m]."""
     return np.array((force, small_linalg.cross(arm, force)))
 
 
@@ -176,13 +179,13 @@ def placed_outline(corners: np.ndarray, body: RigidBody) -> Outline:
 
 
 class Vessel(Ship):
-    """A ship under way: body, actuators, last load, and its named points. A kind gives `load`."""
+    """Base class of ships: body, actuators, last load, and named points. A kind gives `load`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("outline_corners",)  # of its shape, made again when asked for
     prompt: ClassVar[bool] = False  # whether a step ends with the orders of its end, not of its beginning
 
     def __init__(self, name: str, config: VesselConfig, body: RigidBody, actuators: Actuators, bed: float) -> None:
-        """`bed`: its height [m]; contact with a bed of another shape is not modelled."""
+        """`bed`: height of a flat bed [m]; contact with a bed of another shape is not modelled."""
         self.name, self.bed, self.body, self.actuators, self.last = name, bed, body, actuators, Load.of({}, self.parts)
         self.shape: HullShape | None = None  # what it looks like
         self.free = np.array([motion in config.free for motion in Motions._fields])
@@ -199,7 +202,7 @@ class Vessel(Ship):
         actuators.steer(body, 0.0)
 
     def moor(self, lines: list[Mooring], points: Mapping[str, tuple[float, ...]]) -> None:
-        """Make the ship fast by lines and fenders, if any; their force becomes a part of its load."""
+        """Moor the ship by lines and fenders, if any; their force becomes the part `mooring` of its load."""
         if lines:
             self.moorings = Moorings(lines, points, self.actuators.centre, self.body)
             self.parts = (*self.parts, "mooring")
@@ -207,7 +210,7 @@ class Vessel(Ship):
 
     @property
     def orders(self) -> tuple[float, float]:
-        """Throttle and rudder [rad] as they are now."""
+        """Present throttle (-1 to 1) and rudder angle [rad]."""
         return self.actuators.throttle, self.actuators.rudder
 
     def hand_over(self) -> Person:
@@ -231,7 +234,7 @@ class Vessel(Ship):
 
     @cached_property
     def outline_corners(self) -> np.ndarray | None:
-        """(n, 3) corners of the convex hull of its shape, from the centre of mass, body axes [m]."""
+        """(n, 3) corners of the shape's convex hull, from the centre of mass, body axes [m]; None without a shape."""
         return None if self.shape is None else convex_corners(self.shape) - self.actuators.centre
 
     def outline(self) -> Outline | None:
@@ -239,8 +242,7 @@ class Vessel(Ship):
 
     @property
     def centred_body(self) -> RigidBody:
-        """The body with velocities of the time of its position. The integrator's own velocities lead to that position,
-        so they are those of half a step before."""
+        """The body with velocities at the time of its position. Those of the integrator are of half a step before."""
         body, (of, faster, more) = self.body, self.gained
         if of is not body:
             return body
@@ -250,7 +252,7 @@ class Vessel(Ship):
         return Limits()
 
     def free_step(self, body: RigidBody, load: Load, dt: float) -> RigidBody:
-        """The body a step of dt [s] later if nothing holds it: the kind's law of motion."""
+        """The body a step of dt [s] later by the kind's law of motion, with all motions free and without walls."""
         force, torque = load.total
         return advance_body(body, force, torque, dt)
 

@@ -68,13 +68,13 @@ class AddedMass(Model):
     """About z."""
 
     def diagonal(self, hull: Hydrostatics) -> np.ndarray:
-        """(6,) given values, or those by rule, in the order of `Motions`."""
+        """(6,) added mass [kg] and inertia [kg m2], given or by rule, in the order of `Motions`."""
         given = [self.sway, self.heave, self.surge, self.pitch, self.yaw, self.roll]
         return np.array([rule if value is None else value for value, rule in zip(given, by_rule(hull))])
 
 
 def by_rule(hull: Hydrostatics) -> np.ndarray:
-    """(6,) added mass [kg] and inertia [kg m2] of a hull at its draught."""
+    """(6,) added mass [kg] and inertia [kg m2] of a hull at its draught, by rule from its sections."""
     z, breadth, draught = hull.stations
     ds, rho = float(hull.voxels.size[2]), hull.density
     z = z - hull.matter.centre[2]
@@ -93,8 +93,8 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) breadth^4 [m4] of the plates with the added roll inertia of the sections, at the fullness of the whole
-    hull."""
+    """(n,) fourth power [m4] of the breadth of a flat plate with the same added roll inertia as each section; every
+    section counts as full as the whole hull."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -118,7 +118,8 @@ def water_reaction(
     surge: np.ndarray,
     free: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Reactions of moved water, (2, 3) each in world axes: to the hull's motion, and by the water's own motion.
+    """Reactions of added mass, (2, 3) force [N] and torque [N m] each, world axes: to the hull's motion, and by the
+    water's own.
 
     Kirchhoff's equations with the added mass (6,) of each motion in body axes and, if any, `between` them, (6, 6)
     symmetric with a diagonal of 0; the rest of the load [N], [N m] in world axes; the water's own velocity and
@@ -148,7 +149,7 @@ def water_reaction(
 
 
 def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
-    """Three numbers along and three about the axes, of (6,), as plain numbers."""
+    """Linear and angular part of a motion (6,), three numbers each, as plain numbers."""
     six = motion.tolist()
     return six[:3], six[3:]
 
@@ -180,10 +181,10 @@ def joint_acceleration(
 
 
 class Slamming:
-    """The added mass of one hull as it enters the water, by the volume under water."""
+    """Added mass of one hull as it enters the water, by the volume under water, and the force by its growth."""
 
     def __init__(self, hull: Hydrostatics, usual: float) -> None:
-        """`usual`: added mass in heave afloat [kg]."""
+        """`usual`: added mass in heave of the hull afloat [kg]."""
         self.volumes, self.masses = entry_curve(hull)
         self.mass, self.usual = hull.matter.mass, usual
         self.volume = min(hull.needed_volume, hull.voxels.volume)  # afloat [m3]
@@ -191,12 +192,12 @@ class Slamming:
         self.entering, self.moved = False, usual  # since it left the water [kg]
 
     def added(self, volume: float) -> float:
-        """Added mass [kg] at a volume under water [m3]."""
+        """Added mass in heave [kg] at a volume under water [m3]."""
         return min(float(np.interp(volume, self.volumes, self.masses)), self.usual)
 
     def push(self, volume: float, speed: float, dt: float) -> float:
-        """Force upwards [N] in a step of dt [s] that begins at a volume under water [m3] and a vertical speed relative
-        to the water [m/s]; the speed becomes V (m + A before) / (m + A now)."""
+        """Slamming force upwards [N] in a step of dt [s] that begins at a volume under water [m3] and a vertical speed
+        relative to the water [m/s]; the speed V becomes V (m + A before) / (m + A now)."""
         if volume == 0.0:
             self.entering, self.moved = True, 0.0
         if not self.entering:
@@ -206,14 +207,16 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Drag in heave, upwards [N], at a volume under water [m3] and a vertical speed relative to it [m/s]."""
+        """Drag upwards [N] on a hull far from its draught, at a volume under water [m3] and a vertical speed relative
+        to it [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed
 
 
 def entry_curve(hull: Hydrostatics) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and the added mass at each [kg]."""
+    """Volumes under water [m3] of an upright hull, layer by layer of its cubes, and added mass in heave at each
+    [kg]."""
     v = hull.voxels
     lower = v.centre[:, 1:].min(axis=0)
     layer, slice_ = np.round((v.centre[:, 1:] - lower) / v.size[1:]).astype(int).T

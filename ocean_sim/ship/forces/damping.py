@@ -103,7 +103,7 @@ class Resistance:
             yield f"damping.cross_flow is 0: a steady drift in {' and '.join(across)} meets no drag of her sections"
 
     def load(self, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in body axes at a velocity relative to the water (6,), body axes."""
+        """(2, 3) damping force [N] and torque [N m], body axes, at a velocity relative to the water (6,), body axes."""
         sway, heave, surge, pitch, yaw, roll = motion.tolist()
         middle = sway - roll * self.rolled  # where water crosses amidships (4.15)
         crossed, crossed_turn = self.crossing.strip_drag(middle, yaw)
@@ -123,17 +123,17 @@ class Resistance:
 
 
 class CrossFlow:
-    """Drag c |v + r z| (v + r z) of sections at z, summed along a hull. On either side of the zero of the cross-flow
-    that is a parabola, by the moments of c."""
+    """Cross-flow drag c |v + r z| (v + r z) of sections at z, summed along a hull. On either side of the point without
+    cross-flow the sum follows from the moments of c."""
 
     def __init__(self, z: np.ndarray, c: np.ndarray) -> None:
-        """(n,) from stern to bow [m]; (n,) [N s2/m2]."""
+        """`z`: positions (n,) of sections from stern to bow [m]; `c`: their drag coefficients (n,) [N s2/m2]."""
         self.z: list[float] = z.tolist()
         moments = np.cumsum(np.stack([c * z**k for k in range(4)], axis=1), axis=0)
         self.behind: list[list[float]] = [[0.0] * 4, *moments.tolist()]  # of how many sections, from the stern on
 
     def strip_drag(self, v: float, r: float) -> tuple[float, float]:
-        """Force [N] and moment [N m] of cross-flow v [m/s] amidships and r [1/s] more a metre ahead."""
+        """Drag [N] and its moment about z = 0 [N m] in a cross-flow v + r z: v [m/s], r [1/s]."""
         astern = self.behind[bisect_left(self.z, -v / r)] if r else self.behind[0]
         way = copysign(1.0, r or v)  # of the water ahead of there
         c_0, c_1, c_2, c_3 = (way * (whole - 2.0 * part) for whole, part in zip(self.behind[-1], astern))
@@ -142,6 +142,6 @@ class CrossFlow:
 
 
 def lift_form_factor(hull: Hydrostatics) -> float:
-    """C_B B / T: the volume under water over length and draught squared."""
+    """Form factor C_B B / T of the hull's lift: the volume under water over length and draught squared."""
     _, _, draught = hull.stations
     return min(hull.needed_volume, hull.voxels.volume) / (hull.length * float(draught.max()) ** 2)

@@ -40,7 +40,7 @@ class Moorings:
     def __init__(
         self, configs: list[Mooring], points: Mapping[str, tuple[float, ...]], centre: np.ndarray, body: RigidBody
     ) -> None:
-        """`points` of the ship and its `centre` of mass from the hull's origin [m]; the body at the beginning."""
+        """`points` of the ship and its `centre` of mass, from the hull's origin [m]; `body` at the beginning."""
         at = [points[c.fairlead] if isinstance(c.fairlead, str) else c.fairlead for c in configs]
         self.arm = np.array(at).reshape(-1, 3) - centre  # (n, 3) body axes [m]
         self.to = np.array([c.to for c in configs]).reshape(-1, 3)
@@ -50,11 +50,11 @@ class Moorings:
         self.slack = np.array([l if c.slack_length is None else c.slack_length for c, l in zip(configs, first)])
 
     def line_spans(self, body: RigidBody) -> np.ndarray:
-        """(n, 3) from the ship to the anchor points [m]."""
+        """(n, 3) vectors from each line's point on the ship to its anchor point, world axes [m]."""
         return self.to - body.position - self.arm @ body.matrix.T
 
     def load(self, body: RigidBody) -> np.ndarray:
-        """(2, 3) force [N] and torque about the centre of mass [N m], world axes."""
+        """(2, 3) force [N] and torque about the centre of mass [N m] of all lines and fenders, world axes."""
         total = np.zeros((2, 3))
         for k, span in enumerate(self.line_spans(body)):
             length = sqrt(float(span @ span))

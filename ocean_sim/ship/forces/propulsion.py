@@ -53,7 +53,7 @@ class Propeller(Model):
     slipstream."""
 
     def thrust_at(self, throttle: float, speed: float) -> float:
-        """Thrust [N] at a speed of the ship ahead [m/s]."""
+        """Thrust [N] at a throttle (-1 to 1) and a speed of the ship ahead [m/s]."""
         slip = (1.0 - self.wake) * speed / self.zero_thrust_speed if self.zero_thrust_speed else 0.0
         bare = self.thrust * (throttle * abs(throttle) - abs(throttle) * slip)
         return bare if throttle >= 0.0 else self.astern * bare
@@ -91,7 +91,7 @@ class Rudder(Model):
         return sqrt(share * stream**2 + (1.0 - share) * speed**2)
 
     def blade_force(self, angle: float, across: float, ahead: float, density: float) -> Three:
-        """Force [N], body axes, at speeds across and ahead through the water [m/s], body axes."""
+        """Force of the rudder [N], body axes, at an angle [rad] and speeds across and ahead through the water [m/s]."""
         speed = hypot(ahead, across)
         incidence = angle + atan2(across, abs(ahead)) if speed > 0.0 else 0.0
         slope = 6.13 * self.aspect_ratio / (self.aspect_ratio + 2.25)
@@ -231,7 +231,7 @@ class Crew:
 
 
 class Helmsman:
-    """The pilot at work."""
+    """A pilot at the helm, with the state of steering: present leg, drift integral, throttle."""
 
     start: tuple[float, float] | None
 
@@ -247,7 +247,7 @@ class Helmsman:
         self.bent, self.driven = 0.0, 0.0  # the integrals: of the heading's error [rad], and throttle
 
     def order(self, time: float, body: RigidBody) -> tuple[float, float]:
-        """Ordered throttle and rudder [rad]."""
+        """Throttle (-1 to 1) and rudder [rad] that the pilot orders at a time [s]."""
         config, dt = self.config, time - self.time
         self.time = time
         error = remainder(self.wanted_heading(body, dt) - float(body.angles[1]), 2.0 * pi)
@@ -263,7 +263,7 @@ class Helmsman:
         return min(max(wanted, -1.0), 1.0), rudder
 
     def wanted_heading(self, body: RigidBody, dt: float) -> float:
-        """Heading to steer [rad]."""
+        """Heading [rad] that the pilot steers: along the route by line of sight, or the one given."""
         if not self.route:
             return radians(self.config.heading_deg or 0.0)
         route, x, z = self.route, float(body.position[0]), float(body.position[2])
@@ -292,7 +292,7 @@ class Helmsman:
         return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
     def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
-        """Heading of the leg [rad], distance to its end, and distance of the ship to port of it [m]."""
+        """Heading of the present leg [rad], distance along it to its end, and distance to port of it, from x, z [m]."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0)
@@ -304,7 +304,7 @@ class Person:
     """A person at the helm; the last order stands."""
 
     def __init__(self, throttle: float, rudder: float, limit: float) -> None:
-        """`limit` [rad] of the rudder."""
+        """Throttle and rudder [rad] at first; `limit`: largest rudder angle [rad]."""
         self.throttle, self.rudder, self.limit = throttle, rudder, limit
 
     def give(self, throttle: float, rudder: float) -> None:
@@ -318,6 +318,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator a step of dt after an order, within its limit and at most `rate` a second."""
+    """Position of an actuator dt [s] later on its way to `wanted`, within its limit and by at most `rate` a second."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

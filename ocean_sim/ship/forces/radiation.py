@@ -63,14 +63,14 @@ HEADING_STEP = 0.02  # [rad] of a turn, after which forces are looked up anew
 
 
 class Scattered(NamedTuple):
-    """Force of waves of unit amplitude that the hull scatters, crest at the centre of mass: Re(X exp(-i omega t))."""
+    """Diffraction force, Re(X exp(-i omega t)), of waves of unit amplitude with their crest at the centre of mass."""
 
     headings: np.ndarray  # (h,) to which waves go, from that of the ship [deg], rising
     force: np.ndarray  # (6, h, n) [N/m], [N m/m], of the `Motions`
 
 
 class BemTable(NamedTuple):
-    """Hydrodynamic coefficients of some motions; coupling is symmetric, 0 where a table does not say."""
+    """Hydrodynamic coefficients of some motions over frequency; coupling is symmetric, 0 where a table does not say."""
 
     omega: np.ndarray  # (n,) [rad/s]
     motions: list[str]
@@ -129,7 +129,7 @@ def read_csv_table(file: str) -> BemTable:
 
 
 def scattering_columns(table: dict[str, np.ndarray]) -> Iterator[tuple[str, tuple[int, float, complex]]]:
-    """Columns like `heave_scattered_90_re`: number of the motion, heading [deg], and 1 or i."""
+    """Yield the columns named like `heave_scattered_90_re`: name, and number of the motion, heading [deg], 1 or i."""
     for column in table:
         motion, _, rest = column.partition("_scattered_")
         heading, _, part = rest.rpartition("_")
@@ -190,14 +190,14 @@ def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarra
 
 
 def in_axis_order(data: Any, name: str, axes: tuple[str, ...]) -> np.ndarray:
-    """An array of an HDF5 file with its axes in this order."""
+    """Array `name` of an HDF5 file, transposed to this order of axes."""
     numbers = read_data_set(data, name)
     names = [dimension[0].name.strip("/") for dimension in data[name].dims]
     return np.transpose(numbers, [names.index(axis) for axis in axes])
 
 
 class Scattering:
-    """The force of scattered waves on one hull, as they arrive.
+    """Force on one hull by the waves that it scatters, as waves arrive.
 
     A hull held against the water's own motion w feels X(omega) = (B - i omega A) w. A hull that goes through the water
     meets the same w at another frequency, with A and B of that frequency; the momentum given to it turns it as it moves
@@ -230,7 +230,7 @@ class Scattering:
         return rate
 
     def given_momentum(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) momentum that waves give a hull at rest, over its inertia at their frequency."""
+        """(6, n) momentum that unit waves give a hull at rest, over its `complex_inertia` at their frequency."""
         return self.unit_wave_forces(omega, heading) / (-1j * omega * self.complex_inertia(omega))
 
     def complex_inertia(self, omega: np.ndarray) -> np.ndarray:
@@ -241,7 +241,7 @@ class Scattering:
         return found
 
     def unit_wave_forces(self, omega: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """(6, n) forces of waves of unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored if
+        """(6, n) complex forces per unit amplitude, by frequency and heading [deg] relative to the ship's; mirrored if
         the table ends at 180 degrees, constant beyond its frequencies."""
         headings, force = self.scattered
         angle, turned = heading % 360.0, np.ones((6, len(heading)))
@@ -257,7 +257,7 @@ class Scattering:
 
 
 def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n,) interpolation of (h, n) values over (h,) headings; the nearest value beyond them."""
+    """(n,) values at angles (n,) [deg], linear between those (h, n) at headings (h,); the nearest ones beyond."""
     each = np.arange(len(angle))
     if len(headings) == 1:
         return values[0, each]
@@ -268,7 +268,7 @@ def at_headings(angle: np.ndarray, headings: np.ndarray, values: np.ndarray) -> 
 
 
 class Response(NamedTuple):
-    """Response of some motions to an impulse: the waves that it leaves behind."""
+    """Impulse response of some motions by the waves that the hull radiates."""
 
     times: np.ndarray  # (n,) since a push [s]
     kernels: np.ndarray  # (m, m, n) K [kg/s2], [kg m/s2], [kg m2/s2]
@@ -326,7 +326,7 @@ class Radiation:
 
     @cached_property
     def impulse_response(self) -> "Response":
-        """Response to an impulse, until less than FORGOTTEN_SHARE of it is left."""
+        """Impulse response of the table's motions, until less than FORGOTTEN_SHARE of it is left."""
         from scipy.integrate import cumulative_trapezoid
 
         omega, apart = self.omega, np.diff(self.omega, prepend=0.0).max()
@@ -348,7 +348,8 @@ class Radiation:
         return Response(times, kernels, whole - whole[:, :, -1:], added)
 
     def retardation_kernel(self, times: np.ndarray, damping: np.ndarray) -> np.ndarray:
-        """K at some times [s]; beyond the table damping falls on as at its end, by a power of the frequency."""
+        """Retardation kernel K at times [s] from damping over frequency; beyond the table damping falls on as at its
+        end, by a power of the frequency."""
         from scipy.interpolate import PchipInterpolator
 
         omega = self.omega
@@ -364,7 +365,7 @@ class Radiation:
 
 
 class Memory:
-    """The radiation force on one hull, by the motions that it has made."""
+    """Radiation force on one hull by its past motions (Cummins 1962)."""
 
     def __init__(self, radiation: Radiation) -> None:
         self.impulse_response, self.numbers = radiation.impulse_response, np.array(radiation.numbers)
@@ -373,7 +374,7 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in body axes, at a velocity relative to the water (6,), body axes."""
+        """(2, 3) radiation force [N] and torque [N m] at a velocity relative to the water (6,), all in body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)
@@ -386,7 +387,7 @@ class Memory:
         return -rate.reshape(2, 3) - [cross(omega, line), cross(omega, turn) + cross(v, line)]
 
     def remember(self, time: float, motion: np.ndarray) -> None:
-        """Store this velocity (6,), if the last one was long enough ago."""
+        """Store the velocity (6,) at a time [s], unless the last one was stored too short a time before."""
         if len(self.when) == 0 or time - self.when[-1] >= self.often * (1.0 - 1e-9):
             near = self.when >= time - self.impulse_response.times[-1] - self.often
             self.when = np.append(self.when[near], time)

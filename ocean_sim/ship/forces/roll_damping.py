@@ -110,7 +110,7 @@ class Ikeda(Model):
 
 
 class Form(NamedTuple):
-    """Ratios of a hull that the regressions take."""
+    """Ratios of a hull from which the regressions take roll damping."""
 
     length: float  # of the waterline [m]
     breadth: float  # [m]
@@ -123,7 +123,7 @@ class Form(NamedTuple):
 
     @property
     def limited_ratios(self) -> dict[str, float]:
-        """Ratios that REGRESSION_LIMITS bound."""
+        """Ratios that REGRESSION_LIMITS bound, by name."""
         found = {
             "block coefficient": self.block,
             "midship section coefficient": self.midship,
@@ -138,7 +138,8 @@ class Form(NamedTuple):
 
 
 class Components(NamedTuple):
-    """Moments over the rate of roll, as B / (rho V B^2) sqrt(B / 2g), at one amplitude and frequency."""
+    """Components of roll damping at one amplitude and frequency: moments over the rate of roll, as B / (rho V B^2)
+    sqrt(B / 2g)."""
 
     friction: float
     wave: float
@@ -165,7 +166,7 @@ def form_of(hull: Hydrostatics, omega: float, keels: BilgeKeels | None) -> Form:
 
 
 def ratios_beyond(form: Form) -> list[str]:
-    """Ratios of a hull beyond the regressions, in words."""
+    """Texts on ratios of a hull that lie beyond the limits of the regressions."""
     return [
         f"{name} {value:.3g} ({REGRESSION_LIMITS[name][0]:g} to {REGRESSION_LIMITS[name][1]:g})"
         for name, value in form.limited_ratios.items()
@@ -174,7 +175,7 @@ def ratios_beyond(form: Form) -> list[str]:
 
 
 def damping_components(form: Form, amplitude: float, viscosity: float, gravity: float) -> Components:
-    """Components at an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
+    """Components of roll damping at an amplitude [deg]; ratios beyond REGRESSION_LIMITS count as those at the limit."""
     held = {
         name: min(max(value, REGRESSION_LIMITS[name][0]), REGRESSION_LIMITS[name][1])
         for name, value in form.limited_ratios.items()
@@ -189,7 +190,7 @@ def damping_components(form: Form, amplitude: float, viscosity: float, gravity: 
 
 
 def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float) -> float:
-    """Friction of the skin (Kato 1958): Blasius's layer on a cylinder of the hull's mean radius."""
+    """Roll damping by skin friction (Kato 1958): Blasius's boundary layer on a cylinder of the hull's mean radius."""
     _, broad, deep, cb, _, og, frequency, _ = form
     phi, omega = radians(amplitude), frequency * sqrt(2.0 * gravity / broad)
     radius = deep * ((0.887 + 0.145 * cb) * (1.7 + cb * broad / deep) - 2.0 * og) / pi
@@ -200,7 +201,7 @@ def skin_friction(form: Form, amplitude: float, viscosity: float, gravity: float
 
 
 def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> float:
-    """Wave damping of the hull at rest."""
+    """Roll damping by the waves of a hull without forward speed."""
     if frequency == 0.0:
         return 0.0
     over = 1.0 - og
@@ -215,8 +216,8 @@ def waves_made(cb: float, cm: float, bd: float, og: float, frequency: float) -> 
 
 
 def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -> float:
-    """Eddy damping of the naked hull, over the frequency; 0 where the regression, beyond a block coefficient of 0.84,
-    is negative: a drag takes energy."""
+    """Roll damping by eddies of the naked hull, over the frequency; 0 where the regression, beyond a block coefficient
+    of 0.84, is negative: a drag takes energy."""
     form = max((-0.0182 * cb + 0.0155) * (bd - 1.8) ** 3 + polynomial_at(EDDIES_FORM, cb), 0.0)
     axis = (3.98 * cb - 5.1525) * (-0.2 * bd + 1.6) * og
     axis *= (0.9717 * cb**2 - 1.55 * cb + 0.723) * og + 0.04567 * cb + 0.9408
@@ -227,7 +228,7 @@ def eddy_damping(cb: float, cm: float, bd: float, og: float, amplitude: float) -
 
 
 def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, long: float, broad: float) -> float:
-    """Damping of bilge keels, `long` and `broad` over the hull's length and breadth, over the frequency."""
+    """Roll damping by bilge keels, over the frequency; `long` and `broad`: their length and breadth over the hull's."""
     form = (-0.3651 * cb + 0.3907) * (bd - 2.83) ** 2 - 2.21 * cb + 2.632
     swing = 0.00255 * amplitude**2 + 0.122 * amplitude + 0.4794
     size = (-0.8913 * broad**2 - 0.0733 * broad) * long**2
@@ -238,7 +239,7 @@ def keel_damping(cb: float, cm: float, bd: float, og: float, amplitude: float, l
 
 
 def lift_damping(form: Form, density: float) -> float:
-    """Moment by the hull's lift over the rate of roll and the speed ahead [N s2 rad-1]."""
+    """Moment of roll damping by the hull's lift, over the rate of roll and the speed ahead [N s2 rad-1]."""
     length, broad, deep, _, cm, _, _, _ = form
     held = min(max(cm, 0.91), 0.99)
     slope = 2.0 * pi * deep / length
@@ -248,11 +249,11 @@ def lift_damping(form: Form, density: float) -> float:
 
 
 class RollDamping:
-    """The roll damping of one hull: moments over the rate, its square, and the rate and the speed ahead."""
+    """Roll damping of one hull: moments over the rate, over its square, and over rate times speed ahead."""
 
     def __init__(self, config: Ikeda, hull: Hydrostatics, added: float, waves: bool) -> None:
         """`added`: added inertia in roll [kg m2]; `waves`: True if the hull's own waves are part of it, False if a
-        table of radiation has them. A hull without righting moment, of no roll frequency, has none."""
+        table of radiation has them. A hull without righting moment has lift damping alone."""
         stiffness = hull.stiffness["roll"]
         omega = sqrt(max(stiffness, 0.0) / (hull.inertia["roll"] + added))
         self.keels = config.bilge_keels
@@ -272,7 +273,7 @@ class RollDamping:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings for a reader of the results."""
+        """Warnings of a form beyond the regressions, and of eddy damping counted as 0."""
         beyond = ratios_beyond(self.form)
         said = (
             [f"roll damping: {', '.join(beyond)}: beyond Ikeda's regressions, taken at their limit"] if beyond else []
@@ -282,8 +283,7 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Share of critical damping by all components at one of FIT_AMPLITUDES [deg]; 0 of a hull without righting
-        moment."""
+        """Share of critical damping by all components at one of FIT_AMPLITUDES [deg]; 0 without righting moment."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:

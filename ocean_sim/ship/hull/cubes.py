@@ -103,7 +103,7 @@ class Cubes:
 
     @staticmethod
     def bytes(n: int, word: int) -> int:
-        """Memory that n cubes take."""
+        """Memory [bytes] of n cubes with floats of `word` bytes."""
         return n * (7 * word + 4) + (n // BLOCK_CUBES + 1) * (SUM_COLUMNS.size * 8 + 6 * word)
 
     def sum_forces(
@@ -209,7 +209,7 @@ class Cubes:
 
     @ti.func
     def add_water(self, total: Template, k, water: Template, tall, arm, x, turn: Template):
-        """Add the loads of the water on a cube that it may reach; returns the share under water."""
+        """Add the loads of the water on cube k, which it may reach, to `total`; returns the share under water."""
         corner = water.cell_at(x.x, x.z)
         eta, slope = water.surface_at(corner)
         depth = eta - x.y
@@ -251,8 +251,8 @@ class Cubes:
 
     @ti.func
     def add_motion(self, total: Template, column: Template, own, face, moved):
-        """Add the motion of water at a cube times the area that it meets, and that times the arms of pitch, yaw and
-        roll."""
+        """Add to `total` the velocity or acceleration `moved` of water at a cube times the area that it meets, and
+        their moments for pitch, yaw and roll."""
         for c in ti.static(range(3)):
             self.add_number(total, column + c, face[c] * moved[c])
         self.add_number(total, column + 3, -face.y * own.z * moved.y)
@@ -261,8 +261,8 @@ class Cubes:
 
 
 def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np.ndarray:
-    """(6,) velocity of water as one body about the centre of mass, from its sums (6,) by `add_motion` over cubes of a
-    size (3,): least squares over FACE_COLUMNS, so that uniform flow turns nothing."""
+    """(6,) velocity or acceleration of the water as one rigid body about the centre of mass: least squares over cubes
+    of a size (3,) from the sums (6,) of `add_motion` and those of FACE_COLUMNS, so that uniform flow turns nothing."""
     x, y, z, turned_x, turned_y, turned_z = moved
     area_x, area_y, area_z = (max(area, 1e-12) for area in faces[:3])
     ahead, ahead_x, aside = faces[3] / area_y, faces[4] / area_x, faces[5] / area_y
@@ -282,5 +282,5 @@ def as_one_body(moved: list[float], faces: list[float], size: list[float]) -> np
 
 @ti.func
 def three_of(six: Template, first: Template):
-    """Three of six numbers."""
+    """Vector of three of six numbers, those from `first` on."""
     return tm.vec3(six[first], six[first + 1], six[first + 2])

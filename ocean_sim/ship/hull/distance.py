@@ -15,8 +15,8 @@ SMOOTHING_CUBES = 0.5  # [cubes] over which steps of cubes are smoothed
 
 
 def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Side of the cubes [m], that asked for or, if larger, that of a lattice of USUAL_CUBES; their (3,) sides as they
-    fill the box around a hull [m]; and (3,) cubes that are added on each side of it."""
+    """Side of the cubes [m], `side` or, if larger, that of a lattice of USUAL_CUBES; their (3,) sides as they fill the
+    box around a hull [m]; and (3,) numbers of cubes that are added on each side of it."""
     lower, upper = shape.bounds()
     side = max(side, float((upper - lower + 2.0 * reach).prod() / USUAL_CUBES) ** (1.0 / 3.0))
     size = (upper - lower) / np.maximum(1, np.ceil((upper - lower) / side - 1e-6))
@@ -24,7 +24,7 @@ def lattice_shape(shape: HullShape, side: float, reach: float) -> tuple[float, n
 
 
 def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tuple[int, int]:
-    """Nodes of a lattice, and their memory [bytes]."""
+    """Number of nodes of a lattice, and their memory [bytes]."""
     _, size, margin = lattice_shape(shape, side, reach)
     lower, upper = shape.bounds()
     n = int((np.round((upper - lower) / size) + 2 * margin).prod())
@@ -34,9 +34,9 @@ def lattice_memory(shape: HullShape, side: float, reach: float, word: int) -> tu
 def distance_lattice(
     shape: HullShape, side: float, support: float, reach: float
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """`distance` [m] at (i, j, k), negative inside, and `share` of the hull in Wendland's kernel (C2) of a support; the
-    position of the first node in the axes of the hull, and the steps (3,) [m]. `side` of a cube, `reach` of the lattice
-    over the hull [m]."""
+    """Lattice around a hull: `distance` [m] at nodes (i, j, k), negative inside, and `share` of the hull, smoothed by
+    Wendland's kernel (C2) of a support; position of the first node in the hull's axes, and steps (3,) [m]. `side` of a
+    cube, `reach` of the lattice over the hull [m]."""
     lower, upper = shape.bounds()
     side, size, margin = lattice_shape(shape, side, reach)
     cubes = voxels(shape, side, 1.0)
@@ -71,7 +71,8 @@ class Distance:
     """Signed distance from a hull, and the outward normal, in body axes from the centre of mass."""
 
     def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`side` of the cubes, `support` of the water, `reach` over the hull [m]."""
+        """`centre` of mass from the hull's origin, `side` of cubes, `support` of the water's kernel, `reach` over the
+        hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]
@@ -85,7 +86,7 @@ class Distance:
     @ti.func
     def at(self, position):
         """Outward normal, distance [m] (beyond the lattice its reach), and minus the gradient of the share [1/m], which
-        is the integral of the kernel's gradient over the hull."""
+        is the integral of the kernel's gradient over the hull, at a position from the centre of mass [m]."""
         a = (position - self.first) * self.per_step
         c = tm.clamp(int(ti.floor(a)), 0, self.last)
         normal, distance, thinning = tm.vec3(0.0), self.far, tm.vec3(0.0)

@@ -35,7 +35,7 @@ CHECKS = (
 
 
 class BadMesh(ValueError):
-    """A mesh that is no hull; `problems` are sentences on the fault and its place."""
+    """Error of a mesh that is no hull; `problems` are sentences on the fault and its place."""
 
     def __init__(self, *problems: Unreadable) -> None:
         self.problems = [str(problem) for problem in problems]
@@ -55,12 +55,12 @@ class ClosedMesh:
 
     @cached_property
     def triangles(self) -> np.ndarray:
-        """(m, 3, 3) [m]."""
+        """(m, 3, 3) corners of the faces [m]."""
         return np.asarray(self.vertices[self.faces])
 
     @cached_property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of the box around it [m]."""
+        """Lower and upper corner (3,) of the box around the mesh [m]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     @property
@@ -83,17 +83,17 @@ class ClosedMesh:
 
     @cached_property
     def inside_columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Stretches of vertical lines inside: number of the line, lower and upper end [m]."""
+        """Segments of the lines of `_column_plan` inside the mesh: number of the line, lower and upper end [m]."""
         return inside_stretches(self.triangles, *self._column_plan[:2])
 
     def column_integral(self, of_heights: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Sum over all columns inside of the gain of a function of height from the lower to the upper end."""
+        """Sum over all segments inside of their column's area times the rise of a function from lower to upper end."""
         line, low, high = self.inside_columns
         return float(self._column_plan[2].ravel()[line] @ (of_heights(high) - of_heights(low)))
 
     @cached_property
     def volume(self) -> float:
-        """Volume of the inside [m3]: by its faces, or by columns if they pass through each other."""
+        """Volume inside the mesh [m3]: from its faces, or from columns if faces pass through each other."""
         if self.has_overlaps:
             return self.column_integral(np.positive)
         return float(signed_volumes(self.triangles).sum())
@@ -105,7 +105,7 @@ class ClosedMesh:
         return 4.0 * self.volume / float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
     def size_sentence(self) -> str:
-        """Sentence on size and axes."""
+        """Sentence on size and axes of the mesh."""
         broad, tall, long = self.size
         size = f"{long:.4g} m long, {broad:.4g} m broad and {tall:.4g} m high"
         axes = f"{self.scale:g} m per unit, {self.up} up and the bow along {self.bow}"
@@ -133,7 +133,7 @@ class ClosedMesh:
 
     @cached_property
     def remarks(self) -> list[str]:
-        """Sentences on possible mistakes: several skins, and an open room whose volume counts beside the hull's own."""
+        """Sentences on possible mistakes: several closed skins, and a shell open at the top that would hold water."""
         from scipy.ndimage import binary_propagation
 
         area, room = self._column_plan[2], 0.0
@@ -155,7 +155,7 @@ class ClosedMesh:
 
 
 def axis_vector(name: str) -> np.ndarray:
-    """(3,) unit vector along a signed axis, as -z."""
+    """(3,) unit vector along an axis with a sign, named like `-z`."""
     return (-1.0 if name[0] == "-" else 1.0) * np.eye(3)["xyz".index(name[-1])]
 
 
@@ -226,8 +226,8 @@ def mesh_flaws(vertices: np.ndarray, faces: np.ndarray) -> list[str]:
 
 
 def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(e, 2) edges by their corners, in order, how many faces use each, and how many more do so one way than the other
-    way."""
+    """(e, 2) edges as pairs of corners in rising order, (e,) number of faces that use each, and (e,) how many more of
+    them pass it from the lower to the higher corner than back."""
     directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges, which, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
     way = np.where(directed[:, 0] < directed[:, 1], 1, -1)
@@ -235,8 +235,8 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) number of the closed skin of each face: the faces that share an edge with no other; all one if such skins
-    are not closed by themselves."""
+    """(m,) number of the closed skin of each face, the faces joined by shared edges; all 0 if these are not closed by
+    themselves."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -245,14 +245,15 @@ def closed_skins(faces: np.ndarray) -> np.ndarray:
 
 
 def signed_volumes(triangles: np.ndarray) -> np.ndarray:
-    """(m,) volume between each face and the middle of the mesh, in the cube of its unit."""
+    """(m,) volume between each face and the middle of the mesh, positive where the face looks away from it, in the cube
+    of its unit."""
     a, b, c = np.moveaxis(triangles - 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))), 1, 0)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
 
 def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Faces turned so that each closed skin looks outwards, and sentences on several skins and on those that did not
-    look the way of the largest."""
+    """(m, 3) faces turned so that each closed skin looks outwards, and sentences on several skins and on those that did
+    not look the way of the largest."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0
@@ -305,7 +306,7 @@ def guess_axes(triangles: np.ndarray, scale: float | None, up: str | None, bow: 
 
 
 def gauss_points(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and weights that sum over an axis, between the corners of a mesh (at most MIN_PANELS of them) [m]."""
+    """Gauss points and weights [m] along an axis, between the corners of a mesh (at most MIN_PANELS of them)."""
     breaks = np.unique(corners)
     even = np.searchsorted(breaks, np.linspace(breaks[0], breaks[-1], MIN_PANELS + 1))
     breaks = breaks if len(breaks) <= MIN_PANELS else breaks[np.unique(even)]
@@ -343,8 +344,8 @@ def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple
 
 
 def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corners, (n, 3) each, of faces (n, 3, 3) that a plane cuts, in their order from the one that is alone on its
-    side; and (n,) True if that side is `beyond`, (n, 3) per corner."""
+    """Corners a, b, c, (n, 3) each, of faces (n, 3, 3) that a plane cuts, in their order from the one alone on its
+    side; and (n,) True if a is beyond the plane. `beyond`: (n, 3) True for corners beyond it."""
     alone = np.count_nonzero(beyond, axis=1) == 1
     first = np.argmax(beyond == alone[:, None], axis=1)[:, None]
     a, b, c = np.moveaxis(np.take_along_axis(faces, ((first + range(3)) % 3)[..., None], axis=1), 1, 0)
@@ -352,13 +353,14 @@ def lone_corner_first(faces: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray
 
 
 def on_edge(a: np.ndarray, b: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(n, 3) points at z between points (n, 3) on either side of it, the same for either order of the two."""
+    """(n, 3) points at z (n,) on edges between a and b (n, 3) on either side of it; the same if a and b are
+    exchanged."""
     low, high = np.where((a[:, 2] < b[:, 2])[:, None], [a, b], [b, a])
     return np.asarray(low + ((z - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None] * (high - low))
 
 
 def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Parts inside of lines along y at x and z: number of the line, lower and upper end."""
+    """Segments inside a mesh of lines along y at x and z: number of the line, lower and upper end."""
     line, height, winding = line_crossings(triangles, x, z)
     inside = winding > 0
     before = np.r_[False, inside[:-1]]

@@ -23,12 +23,12 @@ class HullShape(Model):
     rounded: ClassVar[bool] = False  # whether the faces that it is drawn with only approach it
 
     def content(self) -> bytes:
-        """Bytes that the voxels depend on."""
+        """Bytes that identify the shape in the cache of its voxels."""
         return self.model_dump_json().encode()
 
     @abstractmethod
     def bounds(self) -> Box3:
-        """Corners of the box around it [m]."""
+        """Lower and upper corner of the box around the shape [m]."""
 
     def inside(self, x: np.ndarray) -> np.ndarray:
         """True for points (..., 3) [m] that lie inside."""
@@ -135,7 +135,7 @@ class Outline(HullShape):
     """Vertices [m]; each with x > 0 also stands for its mirror image on starboard."""
 
     def vertices(self) -> np.ndarray:
-        """(n, 3), both sides [m]."""
+        """(n, 3) points of both sides [m]."""
         port = np.array(self.points, dtype=float)
         return np.concatenate([port, port[port[:, 0] > 0.0] * [-1.0, 1.0, 1.0]])
 
@@ -144,7 +144,7 @@ class Outline(HullShape):
         return x.min(axis=0), x.max(axis=0)
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Points of the lattice, by the part of each column along y that lies between the planes."""
+        """True for lattice points inside, by the part of each column along y that lies between the planes."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)
@@ -200,7 +200,7 @@ def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
 
 
 def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
-    """The convex hull of the sections of a shape: all their points, and the triangles."""
+    """Arrays `vertices`, all points of the sections of a shape, and `triangles` of their convex hull."""
     from scipy.spatial import ConvexHull
 
     vertices = shape.vertices()
@@ -212,7 +212,7 @@ def convex_triangles(shape: HullShape) -> dict[str, np.ndarray]:
 
 
 def section_points(shape: HullShape) -> np.ndarray:
-    """(n, 3) points of the sides [m], found by bisection."""
+    """(n, 3) points on both sides of a shape [m] over a grid of heights and stations, found by bisection."""
     lower, upper = shape.bounds()
     tiny = 1e-6 * (upper - lower)
     y, z = (
@@ -231,7 +231,7 @@ def section_points(shape: HullShape) -> np.ndarray:
 
 
 def convex_corners(shape: HullShape) -> np.ndarray:
-    """(n, 3) corners of a hull's convex outline [m], in its axes."""
+    """(n, 3) corners of the convex hull of a shape [m], in its axes."""
 
     def made() -> dict[str, np.ndarray]:
         from scipy.spatial import ConvexHull

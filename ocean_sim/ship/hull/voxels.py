@@ -38,7 +38,7 @@ class Voxels:
 
     @cached_property
     def cells(self) -> np.ndarray:
-        """(n, 3) number of each cube along each axis."""
+        """(n, 3) index of each cube along each axis."""
         return np.floor((self.centre - self.lower) / self.size).astype(int)
 
     @cached_property
@@ -47,8 +47,8 @@ class Voxels:
         return float(self.share.sum() * self.size.prod())
 
     def centre_heights(self, up: np.ndarray) -> np.ndarray:
-        """(n,) heights of the centres along a unit vector [m]; summed by hand, so that the bytes do not depend on
-        threads."""
+        """(n,) heights of the cubes' centres along a unit vector [m]; summed term by term, so that the bytes do not
+        depend on threads."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:
@@ -56,25 +56,25 @@ class Voxels:
         return float(np.linalg.norm(self.size * up))
 
     def cut_offset(self, turn: small_linalg.Rows, cut: float) -> tuple[float, float]:
-        """Offset of the wet part of the cut cubes of a turned hull, of volume `cut` [m3], from their centres to the
-        lower side, along x and z of the world, times its volume [m4]."""
+        """Moment [m4] along x and z of the world by which the wet part of the cut cubes of a turned hull lies to the
+        lower side of their centres; `cut`: volume of these cubes [m3]."""
         x, square_of_spread, z = small_linalg.matrix_times(turn, small_linalg.times_each(self.size_squared, turn[1]))
         share = -cut / (12.0 * sqrt(square_of_spread))
         return share * x, share * z
 
     @cached_property
     def size_squared(self) -> small_linalg.Three:
-        """Squares of the size along each axis [m2]."""
+        """Squares of the sides of a cube along each axis [m2]."""
         x, y, z = (self.size**2).tolist()
         return x, y, z
 
     @cached_property
     def centroid(self) -> np.ndarray:
-        """(3,) centroid [m]."""
+        """(3,) centroid of the hull [m]."""
         return (self.share[:, None] * self.centre).sum(axis=0) / self.share.sum()
 
     def inertia(self, mass: float, about: np.ndarray) -> np.ndarray:
-        """(4.18): (3, 3) of a homogeneous body about a point, by parallel axes from its centroid [kg m2]."""
+        """(3, 3) inertia [kg m2] of a homogeneous hull of this mass [kg] about a point, by parallel axes (4.18)."""
         m = mass * self.share / self.share.sum()
         r = self.centre - about
         own = mass * np.diag(self.size**2) / 12.0  # spread of each cube
@@ -83,7 +83,7 @@ class Voxels:
 
 
 def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
-    """The cubes of a shape, up to `flat` times as long as tall; raises ValueError if they are too many."""
+    """The cubes of a shape, `side` [m] tall and up to `flat` times as long; raises ValueError if they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))
@@ -110,7 +110,8 @@ def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
 def sample_cubes(
     shape: HullShape, counts: np.ndarray, lower: np.ndarray, upper: np.ndarray, samples: int
 ) -> dict[str, np.ndarray]:
-    """Share, centre and outward area of the cubes that hold something, by so many columns along x and z of each."""
+    """Arrays `share`, `centre` and outward `area` of the cubes not empty, by `samples` columns along x and z of
+    each."""
     size = (upper - lower) / counts
     per_cube = (samples, EDGE_SAMPLES, samples)
     axes = [lower[a] + size[a] * (np.arange(counts[a] * per_cube[a]) + 0.5) / per_cube[a] for a in range(3)]

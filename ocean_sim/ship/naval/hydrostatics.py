@@ -41,7 +41,7 @@ class Matter:
 
 @dataclass(frozen=True, eq=False)
 class Hydrostatics:
-    """A hull of given matter in still water."""
+    """A hull of given mass and centre of mass in still water."""
 
     voxels: Voxels
     matter: Matter
@@ -51,24 +51,24 @@ class Hydrostatics:
 
     @property
     def needed_volume(self) -> float:
-        """Volume that carries the mass [m3]."""
+        """Volume of water that carries the mass [m3]."""
         return self.matter.mass / self.density
 
     def wet_volumes(self, up: np.ndarray, level: float) -> np.ndarray:
-        """Volume of each cube under a level [m3] along a unit vector of the hull's axes."""
+        """(n,) volume of each cube [m3] under a water level [m] along `up`, a unit vector in the hull's axes."""
         return self.cube_volumes * np.clip(self.wet_shares(up, level), 0.0, 1.0)
 
     def wet_shares(self, up: np.ndarray, level: float) -> np.ndarray:
-        """Share of each cube that is wet: 0 as it touches the water, 1 as it is wholly under water; not clipped."""
+        """(n,) share of each cube under a level: 0 as it touches the water, 1 as it is wholly wet; not clipped."""
         return (level - self.voxels.centre_heights(up)) / self.voxels.height_spread(up) + 0.5
 
     @cached_property
     def cube_volumes(self) -> np.ndarray:
-        """Volume of each cube inside the hull [m3]."""
+        """(n,) volume of each cube inside the hull [m3]."""
         return self.voxels.size.prod() * self.voxels.share
 
     def water_level(self, up: np.ndarray) -> float:
-        """Height of the water along a unit vector [m] at which it carries the mass; infinite if it cannot."""
+        """Height of the water along a unit vector [m] at which the hull floats; infinite if it cannot."""
         if self.needed_volume >= self.voxels.volume:
             return inf
         height, spread = self.voxels.centre_heights(up), self.voxels.height_spread(up)
@@ -89,7 +89,7 @@ class Hydrostatics:
 
     @cached_property
     def draught(self) -> float:
-        """Draught upright [m]."""
+        """Draught of the upright hull [m]; infinite if it sinks."""
         return self.water_level(UPRIGHT) - self.keel
 
     @cached_property
@@ -98,7 +98,7 @@ class Hydrostatics:
         return float(self.voxels.lower[1])
 
     def centre_of_buoyancy(self, turn: np.ndarray | None = None) -> np.ndarray:
-        """(3,) in the axes of a turned hull (upright by default), from its origin [m]."""
+        """(3,) centre of buoyancy of a turned hull (upright by default) from its origin, axes of the world [m]."""
         turn = np.eye(3) if turn is None else turn
         share = self.wet_shares(turn[1], self.water_level(turn[1]))
         volume = self.cube_volumes * np.clip(share, 0.0, 1.0)
@@ -106,18 +106,18 @@ class Hydrostatics:
         return (turn @ (volume[:, None] * self.voxels.centre).sum(axis=0) + [dx, 0.0, dz]) / volume.sum()
 
     def buoyancy_offset(self, turn: np.ndarray) -> np.ndarray:
-        """(2,) from the centre of mass to the centre of buoyancy of a turned hull, to port and ahead [m]; free surfaces
-        move the centre of mass to the lower side."""
+        """(2,) horizontal offset from the centre of mass to the centre of buoyancy of a turned hull, to port and ahead
+        [m]; free surfaces move the centre of mass to the lower side."""
         between = self.centre_of_buoyancy(turn) - turn @ self.matter.centre
         return between[[0, 2]] + self.lost * turn[1, [0, 2]]
 
     def righting_lever(self, axis: int, degrees: float) -> float:
-        """Righting lever [m] of a turn about z (2: GZ) or x (0: in trim), with free sinkage."""
+        """Righting lever [m] at a turn [deg] about z (2: GZ) or x (0: in trim), with free sinkage."""
         to_port, ahead = self.buoyancy_offset(axis_rotation(axis, radians(degrees))).tolist()
         return -to_port if axis == 2 else ahead
 
     def gz(self, degrees: float) -> float:
-        """Righting lever [m] at a heel, starboard down where positive."""
+        """Righting lever GZ [m] at a heel [deg], starboard down where positive."""
         return self.righting_lever(2, degrees)
 
     @cached_property
@@ -126,14 +126,14 @@ class Hydrostatics:
         return float(self.centre_of_buoyancy()[1]) - self.keel
 
     def metacentric_height(self, axis: int = 2) -> float:
-        """GM [m], by a small turn both ways."""
+        """Metacentric height GM [m] in heel (axis 2) or trim (0), by a small turn both ways."""
         return (self.righting_lever(axis, SMALL_TURN) - self.righting_lever(axis, -SMALL_TURN)) / (
             2.0 * sin(radians(SMALL_TURN))
         )
 
     @cached_property
     def waterplane(self) -> float:
-        """Area of the hull at the still water [m2]."""
+        """Area of the waterplane of the upright hull [m2]."""
         level, step = self.draught + self.keel, 0.25 * self.voxels.size[1]
         return float(self.wet_volumes(UPRIGHT, level + step).sum() - self.wet_volumes(UPRIGHT, level - step).sum()) / (
             2.0 * step
@@ -162,13 +162,13 @@ class Hydrostatics:
 
     @cached_property
     def at_the_water(self) -> np.ndarray:
-        """Volume of each cube within a quarter of a cube's height of the still water [m3]."""
+        """(n,) volume of each cube within a quarter of a cube's height of the still water [m3]."""
         step = 0.25 * self.voxels.size[1]
         return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
     @cached_property
     def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position along z, breadth at the still water and draught of every slice of cubes [m]."""
+        """Position along z, breadth at the still water and draught of every slice of cubes, (m,) each [m]."""
         v, level = self.voxels, self.waterline
         _, tall, long = v.size
         number, n = self.cube_slices
@@ -203,7 +203,7 @@ class Hydrostatics:
 
     @cached_property
     def section_areas(self) -> np.ndarray:
-        """(n,) area under the still water of every slice of cubes [m2]."""
+        """(m,) area under the still water of every slice of cubes [m2]."""
         number, n = self.cube_slices
         return np.bincount(number, self.wet_volumes(UPRIGHT, self.waterline), n) / self.voxels.size[2]
 
@@ -214,13 +214,14 @@ class Hydrostatics:
 
     @cached_property
     def cube_slices(self) -> tuple[np.ndarray, int]:
-        """Number of the slice along z of each cube, and the number of slices."""
+        """(n,) number of the slice along z of each cube, and the number of slices."""
         number = self.voxels.cells[:, 2]
         return number, int(number.max()) + 1
 
 
 def volume_under(level: float, height: np.ndarray, spread: float, whole: np.ndarray) -> float:
-    """Volume under a level [m3] of cubes of these heights of their centres and of this volume each."""
+    """Volume [m3] under a level [m] of cubes with centres at `height`, a height `spread` [m], and volumes `whole`
+    [m3]."""
     return float((whole * np.clip((level - height) / spread + 0.5, 0.0, 1.0)).sum())
 
 
@@ -235,7 +236,7 @@ class Wet(NamedTuple):
 
 
 def metacentric_heights(shape: HullShape, still: Hydrostatics) -> tuple[float, float] | None:
-    """GM across and along [m] of a hull upright in still water; None if its faces only approach it, or it sinks."""
+    """GM across and along [m] of a hull upright in still water; None if its faces only approximate it, or it sinks."""
     from scipy.optimize import brentq
 
     if shape.rounded:
@@ -280,8 +281,8 @@ def columns_under(mesh: ClosedMesh, level: float) -> Wet:
 
 
 def faces_below(faces: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: the faces of which most is there, and
-    the tips cut off, reversed if they are to be subtracted."""
+    """(m, 3, 3) triangles that sum up to the part of faces (n, 3, 3) under y = 0: faces with most corners there, and
+    the tips that y = 0 cuts off, reversed if they are to be subtracted."""
     over = faces[..., 1] > 0.0
     number = np.count_nonzero(over, axis=1)
     cut = number % 3 > 0
@@ -299,7 +300,7 @@ def bow_squat(volume: float, length: float, speed: float, depth: float) -> float
 
 
 def squat_factor(speed: float, depth: float) -> float:
-    """F^2 / sqrt(1 - F^2), infinite from F = 1 on."""
+    """Squat factor F^2 / sqrt(1 - F^2) at a speed [m/s] and a depth [m], F^2 = U^2 / (g h); infinite from F = 1 on."""
     froude_2 = speed**2 / (GRAVITY * depth)
     return froude_2 / sqrt(1.0 - froude_2) if froude_2 < 1.0 else inf
 
@@ -338,7 +339,7 @@ def slender_squat(hull: Hydrostatics) -> Slender:
     kernel = 0.5 * apart**2 * np.log(np.where(apart > 0.0, apart, 1.0)) - 0.75 * apart**2  # log, integrated twice
 
     def bends(values: np.ndarray) -> np.ndarray:
-        """Change of slope of straight lines between the nodes, at each of them."""
+        """Change of slope at each node of straight lines between the nodes."""
         return np.diff(np.diff(values) / np.diff(x), prepend=0.0, append=0.0)
 
     def pulled(values: np.ndarray) -> float:

@@ -55,7 +55,7 @@ class Liquid(Weight):
 
     @property
     def free_surface_moments(self) -> np.ndarray:
-        """(2,) rho i of its free surface across and along the ship [kg m]."""
+        """(2,) density times second moment of the free surface, across and along the ship [kg m]."""
         long, broad = self.length or 0.0, self.breadth or 0.0
         return self.density * np.array([long * broad**3, broad * long**3]) / 12.0
 
@@ -74,7 +74,7 @@ class Loading(Model):
 
     @property
     def matter(self) -> tuple[float, np.ndarray]:
-        """Mass [kg], and centre (3,) from the hull's origin [m]."""
+        """Mass of ship and load [kg], and their centre (3,) from the hull's origin [m]."""
         parts = [self.light, *(of[name] for of in (self.weights, self.tanks) for name in sorted(of))]  # in one order
         mass = sum(part.mass for part in parts)
         return mass, np.sum([part.mass * np.array(part.at) for part in parts], axis=0) / mass
@@ -105,7 +105,7 @@ class Loading(Model):
 
     @property
     def named_points(self) -> dict[str, np.ndarray]:
-        """Position of everything on board, from the hull's origin [m], by its key."""
+        """Position of everything on board and of openings, from the hull's origin [m], by its key."""
         parts = {"light": self.light} | {f"weights.{name}": each for name, each in self.weights.items()}
         parts |= {f"tanks.{name}": each for name, each in self.tanks.items()}
         points = {name: np.array(part.at) for name, part in parts.items()}
@@ -113,7 +113,7 @@ class Loading(Model):
 
 
 class Criterion(NamedTuple):
-    """A criterion: required and present value."""
+    """A stability criterion: value of the ship, and least value required."""
 
     name: str
     value: float
@@ -127,7 +127,7 @@ class Criterion(NamedTuple):
 
 @dataclass(frozen=True)
 class Stability:
-    """A ship in still water, with openings."""
+    """Stability of a ship in still water, with openings through which water may come in."""
 
     still: Hydrostatics
     openings: Mapping[str, Vector3] | None = None  # from the hull's origin [m]
@@ -144,16 +144,16 @@ class Stability:
 
     @cached_property
     def heels(self) -> np.ndarray:
-        """(n,) [deg], that side down."""
+        """(n,) heels [deg] to the side `heeling_side`."""
         return np.arange(0.0, LAST_HEEL + HEEL_STEP, HEEL_STEP)
 
     @cached_property
     def levers(self) -> np.ndarray:
-        """(n,) GZ at the heels, free surfaces taken off [m]."""
+        """(n,) righting levers GZ at `heels`, free surfaces taken off [m]."""
         return np.array([self.lever_at(heel) for heel in self.heels.tolist()])
 
     def lever_at(self, heel: float) -> float:
-        """GZ [m] at a heel [deg], that side down."""
+        """Righting lever GZ [m] at a heel [deg] to the side `heeling_side`."""
         return self.heeling_side * self.still.gz(self.heeling_side * heel)
 
     @cached_property
@@ -172,33 +172,33 @@ class Stability:
 
     @cached_property
     def water_levels(self) -> dict[float, tuple[np.ndarray, float]]:
-        """Unit vector upwards (3,) and height of the water along it [m], by heel to both sides [deg]."""
+        """Unit vector upwards (3,), hull's axes, and height of the water along it [m], by heel to both sides [deg]."""
         heels = [side * heel for heel in self.heels.tolist() for side in (1.0, -1.0)]
         ups = {heel: axis_rotation(2, radians(heel))[1] for heel in heels}
         return {heel: (up, self.still.water_level(up)) for heel, up in ups.items()}
 
     def clearance(self, point: Sequence[float], heel: float) -> float:
-        """Height of a point of the ship over the water [m] at one of these heels."""
+        """Height of a point of the ship over the water [m] at a heel [deg], one of those of `water_levels`."""
         up, level = self.water_levels[heel]
         return float(up @ np.array(point)) - level
 
     @cached_property
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) heels [deg] and (m,) levers [m] on a cubic through the levers."""
+        """(m,) heels [deg] and (m,) righting levers [m] on a cubic spline through `levers`."""
         from scipy.interpolate import CubicSpline
 
         fine = np.linspace(0.0, LAST_HEEL, CURVE_POINTS)
         return fine, CubicSpline(self.heels, self.levers)(fine)
 
     def lever_area(self, first: float, last: float) -> float:
-        """Area under the levers between two heels [deg], [m rad]."""
+        """Area under the curve of righting levers between two heels [deg], in m rad."""
         heels = np.linspace(first, last, CURVE_POINTS)
         return float(np.trapezoid(np.interp(heels, *self.curve), np.radians(heels)))
 
     @cached_property
     def rest_heel(self) -> float | None:
-        """Heel [deg] at which she stays, 0 if upright: of a list, or of a loll if she is unstable upright; None if no
-        lever rights her."""
+        """Heel [deg] at which the ship rests, 0 if upright: of a list, or of a loll if she is unstable upright; None if
+        no lever rights her."""
         righted = np.flatnonzero(self.levers[1:] > 0.0)
         if not len(righted):
             return None
@@ -212,7 +212,7 @@ class Stability:
 
     @property
     def vanishing_heel(self) -> float:
-        """Heel [deg] at which the lever comes back to 0; 90 if it does not, 0 if there is none."""
+        """Heel [deg] at which the righting lever comes back to 0; 90 if it does not, 0 if no lever rights the ship."""
         heels, levers = self.curve
         if self.rest_heel is None:
             return 0.0
@@ -222,7 +222,7 @@ class Stability:
 
     @property
     def criteria(self) -> list[Criterion]:
-        """A.749(18), 3.1.2.1 to 3.1.2.4; the levers end at the angle of flooding."""
+        """Criteria of A.749(18), 3.1.2.1 to 3.1.2.4, with the ship's values; levers end at the angle of flooding."""
         end = min(self.flooding_heel[0], 40.0)
         heels, levers = (part[self.curve[0] <= self.flooding_heel[0]] for part in self.curve)
         beyond = float(levers[heels >= 30.0].max()) if heels[-1] >= 30.0 else 0.0

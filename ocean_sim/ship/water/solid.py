@@ -1,4 +1,4 @@
-"""A hull as the water's own laws meet it: the room that it keeps free of water, and samples of its inside near the
+"""A hull as a solid body among particles: the space that it keeps free of water, and samples of its inside near the
 water."""
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ GOLDEN_RATIO = 0.6180339887498949  # spreads what is taken from a row evenly alo
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A hull at the beginning; in 2-D the section amidships."""
+    """A hull at its pose at the beginning of a run, as a solid body; in 2-D the section amidships."""
 
     shape: HullShape
     centre: np.ndarray  # (3,) centre of mass from the hull's origin [m]
@@ -85,8 +85,8 @@ class Solid:
         return gone, moved
 
     def carve_room(self, positions: np.ndarray, boxes: Boxes, spacing: float) -> dict[str, np.ndarray]:
-        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` half a spacing off the hull
-        and away from each other [m]."""
+        """Numbers of the particles that are `gone`, and of those `near`, with the positions to which these are `moved`:
+        half a spacing off the hull and away from each other [m]."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         distance, order = self.deepest_first((positions - self.origin) @ self.turn + self.centre, spacing)
         gone = np.zeros(len(positions), dtype=bool)
@@ -94,7 +94,7 @@ class Solid:
         slopes = np.gradient(values["distance"], *step)
 
         def off(points: np.ndarray) -> np.ndarray:
-            """(m, 3) points moved to half a spacing off the hull, if they are nearer."""
+            """(m, 3) points, those nearer to the hull than half a spacing moved to that distance."""
             at = ((points - self.origin) @ self.turn + self.centre - first) / step
             away = lattice_values(values["distance"], at, 2.0 * spacing)
             return points + np.maximum(START_GAP * spacing - away, 0.0)[:, None] * face_normals(slopes, at, self.turn.T)
@@ -106,9 +106,9 @@ class Solid:
     def fit_room(
         self, positions: np.ndarray, beyond: np.ndarray, boxes: Boxes, spacing: float, volume: float
     ) -> dict[str, np.ndarray]:
-        """Numbers of the particles that are `gone`, and of those `near`, which are `moved` to minimise a kernel's sum
-        over particles and samples of the hull, so that an even pressure pushes none (particle packing, Colagrossi et
-        al. 2012)."""
+        """Numbers of the particles that are `gone`, and of those `near`, with the positions to which these are `moved`
+        to minimise a kernel's sum over particles and samples of the hull, so that an even pressure pushes none
+        (particle packing, Colagrossi et al. 2012)."""
         points = np.concatenate([positions, beyond])
         water = np.arange(len(points)) < len(positions)
         # To a thousandth of a spacing, since minimisation would make rounding of a pose a hundred times as large.
@@ -129,8 +129,8 @@ class Solid:
         return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n,) of points (n, 3) in the hull's axes from the hull [m], and their order, the deepest first,
-        spread evenly along rows of the same depth."""
+        """(n,) distances from the hull [m] of points (n, 3) in its axes, and their order, the deepest in the hull
+        first, spread evenly along rows of the same depth."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
@@ -149,15 +149,15 @@ class Solid:
         return found * float(cubes.size[: self.dimension].prod())
 
     def met_cubes(self, cubes: Voxels) -> np.ndarray:
-        """(n,) True for the cubes that the water meets: all, in 2-D those amidships."""
+        """(n,) True for the cubes that are part of the body in the water: all, in 2-D those amidships."""
         if not self.flat:
             return np.ones(len(cubes.share), dtype=bool)
         lower, upper = self.shape.bounds()
         return np.asarray(cubes.cells[:, 2] == np.round((upper - lower) / cubes.size).astype(int)[2] // 2)
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
-        outward normals of the nearest face."""
+        """Samples of the hull's inside near the water: (n, 3) positions from the centre of mass, body axes [m], (n,)
+        volumes [m3], in 2-D areas [m2], and (n, 3) outward normals of the nearest face."""
         from scipy.ndimage import distance_transform_edt
 
         cubes = voxels(self.shape, spacing, 1.0)

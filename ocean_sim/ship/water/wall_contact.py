@@ -21,12 +21,12 @@ MAX_TOUCHING = 8  # points of a side that are looked at: the deepest
 
 
 class Sides:
-    """Walls and bed around a hull."""
+    """Contact of one hull with walls and bed."""
 
     def __init__(
         self, shape: HullShape, centre: np.ndarray, basin: Basin, room: float = 0.0, axes: tuple[int, ...] = (0, 1, 2)
     ) -> None:
-        """`centre` of mass from the hull's origin, `room` before each side [m]; the sides across `axes`."""
+        """`centre` of mass from the hull's origin, `room`: gap to each side [m]; only sides across `axes` count."""
         self.points = convex_corners(shape) - centre  # body axes [m]
         self.middle: list[float] = (0.5 * (self.points.max(axis=0) + self.points.min(axis=0))).tolist()
         self.half: list[float] = (0.5 * np.ptp(self.points, axis=0)).tolist()  # of the box around them [m]
@@ -47,20 +47,20 @@ class Sides:
         return any(way * (position[axis] - side) < reach[axis] + along for axis, way, side in self.stops)
 
     def penetrations(self, body: RigidBody) -> list[tuple[int, float, np.ndarray]]:
-        """Axis, inward direction, and depth of each point beyond it [m], of every side."""
+        """Axis, inward direction (1 or -1), and depth of each corner of the hull beyond it [m], of every side."""
         positions = self.points @ body.matrix.T + body.position
         return [(axis, way, way * (side - positions[:, axis])) for axis, way, side in self.stops]
 
     def moved_inside(self, body: RigidBody) -> RigidBody:
-        """The body moved back until it only touches."""
+        """The body moved back until its hull only touches the sides."""
         move = np.zeros(3)
         for axis, way, depth in self.penetrations(body):
             move[axis] += way * max(0.0, float(depth.max()))
         return replace(body, position=body.position + move) if move.any() else body
 
     def with_impulses(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> Load:
-        """The load with the impulses of walls and bed in a step of dt [s] under `wave`; `after`: the body after a load
-        without contact."""
+        """The load with the impulses of walls and bed over a step of dt [s] added to `wave`; `after` gives the body
+        after a load without contact."""
         body = after(load)
         normals, arms = [], []
         self.bed = False
@@ -105,6 +105,7 @@ class Sides:
 
 
 def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Mass [kg] of the body at the point `arm` along a direction."""
+    """Effective mass [kg] of a body for a push at `arm` from its centre of mass in the direction of a unit vector;
+    `heavy`: inverse of its inertia, world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

@@ -43,20 +43,20 @@ def write_pose(row: np.ndarray, body: RigidBody) -> None:
 
 @ti.func
 def row_vector(table: Template, first: Template):
-    """Three numbers of the first row of a table."""
+    """Vector of three numbers of the first row of a table, from column `first` on."""
     return ti.cast(tm.vec3(table[0, first], table[0, first + 1], table[0, first + 2]), float)
 
 
 @ti.func
 def row_matrix(table: Template):
-    """The matrix in the first row of a table, from body to world axes."""
+    """Rotation matrix in the first row of a table, from body to world axes."""
     return ti.Matrix.rows(
         [row_vector(table, pose.turn), row_vector(table, pose.turn + 3), row_vector(table, pose.turn + 6)]
     )
 
 
 class SampleLattice:
-    """A lattice around a hull, and the height of the water on it."""
+    """A lattice around a hull, and the height of the water at its nodes."""
 
     samples_depth: ClassVar[bool]  # True if the water is asked under its surface, too
     middle: tuple[float, float] = (0.0, 0.0)  # x, z from which kernels count places [m]
@@ -72,14 +72,14 @@ class SampleLattice:
 
     @staticmethod
     def bytes(word: int) -> int:
-        """Memory of its fields."""
+        """Memory [bytes] of the lattice's fields with floats of `word` bytes."""
         return word * (NODES_ALONG * NODES_ACROSS + HIGHEST_LEVEL + 1)
 
     def place(self, body: RigidBody, row: np.ndarray) -> None:
         """Place the lattice: write its part of ROW_COLUMNS, and the body's position from its middle."""
 
     def middle_now(self) -> np.ndarray:
-        """x, z [m] of the middle after the bodies have taken their step."""
+        """(2,) x, z [m] of the lattice's middle after the bodies have taken their step."""
         return np.array(self.middle)
 
     @ti.func
@@ -104,7 +104,7 @@ class SampleLattice:
 
     @ti.func
     def cell_at(self, x, z):
-        """Numbers of the lower node, and the shares of the way to the next, along and across."""
+        """Indices of the node below x, z [m], and the shares of the way to the next node, along and across."""
         dx, dz = x - self.frame[0], z - self.frame[1]
         a = (dx * self.frame[3] + dz * self.frame[2] + self.half[0]) / self.step[0]
         b = (dx * self.frame[2] - dz * self.frame[3] + self.half[1]) / self.step[1]
@@ -114,13 +114,13 @@ class SampleLattice:
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation of the water [m]."""
+        """Elevation of the water at x, z [m]."""
         return self.surface_at(self.cell_at(x, z))[0]
 
     @ti.func
     def surface_at(self, corner: Template):
-        """Elevation [m], and the wave force over the weight of the displaced water, where the surface alone is known:
-        that of long waves, along its slope."""
+        """Elevation [m] in a cell (from `cell_at`), and the wave force over the weight of the displaced water, where
+        the surface alone is known: that of long waves, along its slope."""
         i, k, a, b = corner
         here, left = self.level[i, k], self.level[i, k + 1]
         ahead, across = self.level[i + 1, k], self.level[i + 1, k + 1]
@@ -205,7 +205,7 @@ class SurroundingSea(SampleLattice):
     def __init__(
         self, length: float, breadth: float, height: float, draught: float, gravity: float, sea: ClosedForm
     ) -> None:
-        """Sizes of the hull [m]."""
+        """Sizes and draught of the hull [m], and gravity [m/s2]."""
         self.size_lattice(length, breadth, height)
         self.gravity, self.layer = gravity, 0.5 * draught
         self.depths = tuple(float(d) for d in self.layer * np.arange(DEPTH_LEVELS))  # [m]
@@ -236,12 +236,12 @@ class SurroundingSea(SampleLattice):
         return super().middle_now() + self.window.step_taken * np.array(self.window.current)
 
     def is_astray(self, x: float, z: float) -> bool:
-        """True if a hull at this position from the middle [m] is too far away."""
+        """True if a hull at x, z from the middle of the lattice [m] is too far away from it."""
         (s, c), (ahead, aside) = self.heading, self.half
         return abs(x * s + z * c) > LATTICE_SLACK * ahead or abs(x * c - z * s) > LATTICE_SLACK * aside
 
     def lay_lattice(self, body: RigidBody, x: float, z: float) -> None:
-        """Lay the lattice anew around the hull at x, z [m], half of its way through the moment ahead."""
+        """Lay the lattice anew around the place of a hull, now at x, z [m], half way through its time of use."""
         s, c = float(body.matrix[0, 2]), float(body.matrix[2, 2])
         size, window = hypot(s, c), self.window
         self.heading = (s / size, c / size) if size else (0.0, 1.0)
@@ -269,8 +269,8 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def motion_at(self, corner: Template, eta, depth):
-        """Velocity of the water [m/s] at a depth [m] under an elevation, and the wave force over the weight of the
-        displaced water there: the pressure gradient."""
+        """Velocity of the water [m/s] in a cell (from `cell_at`) at a depth [m] under an elevation, and the wave force
+        over the weight of the displaced water there: the pressure gradient."""
         h = ti.static(self.window.depth)
         stretched = h * depth / ti.max(h + eta, 1e-6 * h)  # Wheeler's
         level = tm.clamp(stretched / self.layer, 0.0, DEPTH_LEVELS - 1.0)
@@ -280,6 +280,6 @@ class SurroundingSea(SampleLattice):
 
     @ti.func
     def on_level(self, i, k, a, b, l):
-        """Bilinear interpolation of the motion on a level."""
+        """Bilinear interpolation of the water's motion in a cell of depth level l."""
         near = (1.0 - b) * self.moved[i, k, l] + b * self.moved[i, k + 1, l]
         return (1.0 - a) * near + a * ((1.0 - b) * self.moved[i + 1, k, l] + b * self.moved[i + 1, k + 1, l])

@@ -1,4 +1,4 @@
-"""Water that meets a hull (thesis 4.2): the one arrow that goes back from the ship to the particles.
+"""Contact of particles with a hull (thesis 4.2), by which a ship acts back on the particles.
 
 The hull pushes the particles as still water in its place would (`MovingHull.push`): as a wall would that shows every
 particle the pressure p = rho g (height of the water - y) of the nearest point of the hull, a = -(2 p / rho) times the
@@ -53,7 +53,7 @@ BOX_COLUMNS = Columns(**POSE_COLUMNS, middle=3, half=3)
 
 @in_kernels
 class MovingHull:
-    """A hull at its last pose."""
+    """A hull at its last pose, as kernels use it: distance to it, and its push on the particles."""
 
     def __init__(
         self, distance: Distance, bounds: np.ndarray, reach: float, periods: tuple[float, ...], gravity: float
@@ -67,7 +67,7 @@ class MovingHull:
 
     @ti.func
     def take_pose(self, table: Template):
-        """Take the pose in the first row of a table; call it at the top of a kernel."""
+        """Set the pose from the first row of a table; call it at the top of a kernel."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             for c in ti.static(range(BOX_COLUMNS.middle)):
@@ -79,7 +79,7 @@ class MovingHull:
 
     @ti.func
     def pose_vector(self, first: Template):
-        """Three numbers in a row of the pose."""
+        """Vector of three numbers of the pose, from column `first` on."""
         return tm.vec3(self.pose[first], self.pose[first + 1], self.pose[first + 2])
 
     @ti.func
@@ -104,8 +104,7 @@ class MovingHull:
 
     @ti.func
     def is_near(self, d, more):
-        """True if a position from the centre of mass lies in the box around the hull, or at most `more` [m] beyond
-        it."""
+        """True if a position d from the centre of mass lies at most `more` [m] beyond the box around the hull."""
         return (abs(d - self.pose_vector(BOX_COLUMNS.middle)) < self.pose_vector(BOX_COLUMNS.half) + more).all()
 
     @ti.func
@@ -115,13 +114,13 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Outward normal, distance and thinning at a position from its centre of mass, in world axes."""
+        """Outward normal, distance [m] and thinning [1/m] by `Distance.at`, d from the centre of mass, world axes."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 
     @ti.func
     def distance_to(self, x):
-        """Distance of x [m] from it [m]."""
+        """Distance of x [m] from the hull [m], negative inside."""
         _normal, away, _thinning = self.distance.at(self.rotation().transpose() @ self.offset_to(x))
         return away
 
@@ -153,8 +152,8 @@ class Contact(Model):
 
 @in_kernels
 class WaveContact:
-    """The hull among the particles: `collide_step` in every step. Particles that meet it are found cell by cell of the
-    grid that they are sorted into."""
+    """Contact of a hull with the particles: call `collide_step` in every step. Particles that touch it are found cell
+    by cell of the grid into which they are sorted."""
 
     def __init__(
         self, config: Contact, shape: HullShape, centre: np.ndarray, basin: Basin, fluid: ParticleFluid, gravity: float
@@ -176,14 +175,14 @@ class WaveContact:
         self.given, self.work = np.zeros(3), 0.0  # to the water by collisions [N s], [J]
 
     def begin(self, body: RigidBody) -> None:
-        """Put the hull at its first pose, by a push that moves nothing: it is compiled now, not at the first collision
-        of a run."""
+        """Put the hull at its first pose by a push that moves nothing, so that the kernel is compiled before the
+        run."""
         write_pose(self.table[0], body)
         self.push_particles(self.table)
 
     def collide_step(self, load: Load, after: Callable[[Load], RigidBody], dt: float) -> tuple[Load, RigidBody]:
-        """The load with the collisions of a step of dt [s] under `wave`, and the body after it; `after`: the body after
-        a load. The particles move off the hull."""
+        """The load with the collisions of a step of dt [s] added to `wave`, and the body after it; `after` gives the
+        body after a load. The particles move off the hull."""
         trial, table = after(load), self.table
         write_pose(table[0], trial)
         self.find_touching(table)
@@ -214,7 +213,7 @@ class WaveContact:
 
     @ti.kernel
     def find_touching(self, table: Array2):
-        """List the particles near the hull, and sum over those that touch it."""
+        """List the particles near the hull, and write the sums over those that touch it to `table`."""
         self.hull.take_pose(table)
         if ti.static(self.serial):
             ti.loop_config(serialize=True)
@@ -246,7 +245,7 @@ class WaveContact:
 
     @ti.func
     def home_cell(self, cell, k: Template):
-        """The cell along an axis whose image a cell beyond a periodic side is."""
+        """Cell inside the grid along an axis of which a cell beyond a periodic side is the image."""
         if ti.static(self.hull.periods[k] > 0.0):
             n = ti.static(self.grid.cells[k] - 2)
             cell = (cell - 1) - n * int(ti.floor((cell - 1) / n)) + 1
@@ -254,7 +253,7 @@ class WaveContact:
 
     @ti.func
     def find_in_layer(self, layer, table: Template):
-        """List and sum as `find_touching`, in a layer of cells across z."""
+        """List and sum particles as `find_touching`, in one layer of cells across z."""
         total, count = ti.Vector.zero(ti.f64, FOUND_COLUMNS.size), 0
         first_x, across = self.cell_range(0)
         first_y, down = self.cell_range(1)
@@ -273,7 +272,7 @@ class WaveContact:
 
     @ti.func
     def list_particle(self, total: Template, i, to):
-        """List particle i if it is near, and add it if it touches; returns 1 if it is near."""
+        """List particle i at index `to` if it is near, and add it if it touches; returns 1 if it is near."""
         p, u, near = self.particles.position, self.particles.velocity, 0
         d = self.hull.offset_to(tm.vec3(p.x[i], p.y[i], p.z[i]))
         if self.hull.is_near(d, self.spacing):
@@ -287,7 +286,7 @@ class WaveContact:
 
     @ti.func
     def add_touching(self, total: Template, normal, d, v):
-        """Add a particle that meets the hull with a relative velocity v."""
+        """Add a touching particle with the velocity v relative to the hull to the sums of the collision equations."""
         total[FOUND_COLUMNS.touching] += 1.0
         speed = v.dot(normal)
         if speed < 0.0:
@@ -303,7 +302,8 @@ class WaveContact:
 
     @ti.kernel
     def push_particles(self, table: Array2):
-        """Collide with the hull as it will move, and move off it; sums impulse, moment and work on the water."""
+        """Collide listed particles with the hull as it will move, and move them off it; sums impulse, moment and
+        work."""
         self.hull.take_pose(table)
         ti.loop_config(serialize=True)
         for _ in range(1):

@@ -385,8 +385,7 @@ class Solid(Protocol):
         volume: float,
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) True for `positions` (n, 3) [m] of particles that the body displaces, and (n, 3) positions of the
-        others, moved around it. Each has a `volume`, all fill `boxes`, and points `beyond` (m, 3) continue their
-        lattice."""
+        others, moved around it. Each has a `volume`, all fill `boxes`, and `beyond` (m, 3) continues their lattice."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Sample points of the body: (n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D
@@ -444,7 +443,7 @@ class Basin:
 
     @cached_property
     def walls(self) -> Walls:
-        """Kinds of wall side by side, also where the scene names one kind for all."""
+        """The wall on each side, also where the scene names one kind for all."""
         walls = self.config.walls
         return walls if isinstance(walls, Walls) else Walls(x=walls, z=walls)
 
@@ -455,8 +454,8 @@ class Basin:
 
     @property
     def upper(self) -> tuple[float, float, float]:
-        """Highest corner [m]: y is 0 under a lid or where y is periodic, else the depth, though water may rise above
-        it."""
+        """Highest corner [m]: y is 0 under a lid or where y is periodic, else the depth, though water may rise
+        higher."""
         top = 0.0 if self.closed else self.config.depth
         return (self.config.length / 2, top, (self.config.width or 0.0) / 2)
 

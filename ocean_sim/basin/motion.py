@@ -119,7 +119,7 @@ def overturn_warnings(axis: str, angle: float) -> list[str]:
 
 
 def axis_faults(axis: str, basin: waves.Tank) -> Problems:
-    """The reason why the tank cannot move along or about an axis."""
+    """Fault of a motion along or about an axis that this basin does not allow; empty for any other."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [
             (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")

@@ -227,7 +227,7 @@ class Cloth:
         return self.heights.elevations(points)
 
     def mesh(self) -> Mesh:
-        """The sheet as two triangles a cell."""
+        """The sheet as a mesh of two triangles a cell."""
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
@@ -290,7 +290,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Smoothed volume fraction at the surface of flat water on a lattice of particles; mean over all places of the
+        """Smoothed share of water at the surface of flat water on a lattice of particles; mean over positions in the
         lattice."""
         low, high = 0.05, 0.95
         for _ in range(40):

@@ -127,7 +127,7 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class MarchingCubes:
-    """The field on the grid, its surface and the heights of its columns, each computed when it is read."""
+    """Surface of the smoothed share of water on a grid: triangles and column heights, each computed when read."""
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
@@ -379,8 +379,8 @@ class DensityMap:
 
     @ti.kernel
     def mark_rows(self, rows: Template):
-        """Mark the rows of nodes within a radius and a node of any particle, so that the next nodes around every wet
-        one are marked, too; a row beyond a side is as near as the row next to it."""
+        """Mark the rows of nodes within a radius and one node spacing of any particle, so that the nodes around every
+        wet one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
@@ -410,7 +410,7 @@ class DensityMap:
 
     @ti.kernel
     def fill_rows(self, rows: Template, value: Template, level: float):
-        """Write the share less `level` at all nodes of the rows kept that lie within the box."""
+        """Write the share of water less `level` to all nodes of the stored rows that lie within the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.fill_group(g // TASK_ITERATIONS, rows, value, level)

@@ -62,13 +62,13 @@ def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray
 
 
 def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
-    """Height [m] at which a wave of this period breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
+    """Height [m] at which a wave of a period [s] breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return BREAKING_STEEPNESS * 2.0 * pi / k * float(np.tanh(k * depth))
 
 
 def piston_transfer(kh: Values) -> np.ndarray:
-    """Wave height over full stroke of a piston wavemaker, far away (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
+    """Wave height over full stroke of a piston wavemaker, far from it (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 

@@ -94,8 +94,8 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
 
 
 def stand_in_row(heights: np.ndarray) -> int | None:
-    """First row of heights (n,) [m] that is no sea's: far from all others and reached in a jump, or all nines; or
-    None."""
+    """First row of heights (n,) [m] with a value no sea has: far off after a jump, or all nines; None if there is
+    none."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())
@@ -214,8 +214,7 @@ def zero_crossing_waves(
 def welch_density(
     interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s] of a record (Welch); the lowest above 0 is one over a segment's
-    length."""
+    """Frequencies [Hz] and spectral density [m2 s] of a record; the lowest above 0 is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
@@ -252,8 +251,8 @@ def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
 def record_spectra(
     time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
-    segments of that record which needs the longest."""
+    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times, all with the
+    segment length of the record that needs the longest."""
     even = {name: even_samples(time, height) for name, height in heights.items()}
     records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL_RANGE]

@@ -28,7 +28,7 @@ class Clock:
         self.time, self.since, self.step = self.time + dt, self.since + dt, dt
 
     def is_due(self) -> bool:
-        """True if the clock has to be restarted, as single precision wears out."""
+        """True if the clock has to be restarted to keep its single precision."""
         return self.since > CLOCK_RESTART_TIME
 
     def restart(self) -> None:
@@ -104,8 +104,8 @@ class Wind(ABC):
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Note that the patch of open sea under it now lies around x, z (2,) [m] in the world. A wind that has a place
-        hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
+        """Store that the patch of open sea under the wind is now around x, z (2,) [m] in the world. A wind that has a
+        place hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
         """Advance to the next step, of dt [s]."""

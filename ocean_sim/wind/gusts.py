@@ -97,12 +97,12 @@ class Volume(Scheduled):
 
     @property
     def passing_time(self) -> float:
-        """Time for which a point on its path lies inside [s]; infinite where it does not drift."""
+        """Time [s] for which a point on the volume's path lies inside it; infinite where it does not drift."""
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
     def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
-        """Factor on its strength over a step of dt [s] that begins at a time [s], and the angle [rad] by which its
+        """Factor on its strength over a step of dt [s] from a time [s] on, and the angle [rad] by which its
         acceleration and wind are turned."""
         if self.course is None:
             return self.blowing(time, dt), 0.0
@@ -130,15 +130,15 @@ class Volume(Scheduled):
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
     def outline(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 2, 3) ends of the lines that show the volume, turned by `turn` [rad], and (m, 3) points spread over its
-        first shape, seen from the centre of the volume [m]."""
+        """Ends (n, 2, 3) of the lines that draw the volume, turned by `turn` [rad], and points (m, 3) spread over its
+        first shape, both relative to the centre of the volume [m]."""
         first = self.include[0].core
         lines = [turned(shape.core.edges() - first.centre, turn) for shape in self.include]
         return np.concatenate(lines), turned(first.spread() - first.centre, turn)
 
     def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
-        """The thinnest slab across an axis of the first shape that holds the volume, turned by `turn` [rad]: its
-        normal, and its middle, seen from the centre of the volume, and half its thickness along the normal [m]."""
+        """Thinnest slab across an axis of the first shape that contains the volume, turned by `turn` [rad]: its normal,
+        and along that its middle, relative to the centre of the volume, and half its thickness [m]."""
         cores = [shape.core for shape in self.include]
         slabs = []
         for axis in np.eye(3):
@@ -223,7 +223,7 @@ class Config(Placed, WindConfig):
 
 
 def joined(drawings: list[Drawing]) -> Drawing:
-    """Join drawings into one."""
+    """Join drawings of volumes into one."""
     alike = len({drawing.unit for drawing in drawings}) == 1
     return Drawing(
         lines=np.concatenate([drawing.lines for drawing in drawings]),
@@ -276,7 +276,7 @@ class Gusts(Wind):
         self._restart()
 
     def drawing(self) -> Drawing:
-        """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
+        """Outlines of the volumes now, with arrows along the acceleration, or along the wind where there is none."""
         drawings = []
         strongest = max(v.strongest for v in self.volumes)
         for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
@@ -384,7 +384,8 @@ class Gusts(Wind):
 
     @ti.func
     def holds(self, g, x):
-        """True if x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
+        """True if x, relative to the centre of volume g [m], lies in one of its included and in none of its excluded
+        shapes."""
         included, excluded = False, False
         for s in range(self.shapes):
             k = VOLUME.size + SHAPE.size * s
@@ -416,7 +417,7 @@ class Aimed(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Set the clock of all gusts."""
+        """Set the clock of the `Gusts` that these volumes belong to."""
         self.gusts.set_clock(since, step)
 
     @ti.func

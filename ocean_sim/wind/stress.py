@@ -182,8 +182,8 @@ def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[f
 
 
 def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
-    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w, right
-    to a half (Plant 1982, J. Geophys. Res. 87)."""
+    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w,
+    accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
     omega = (gravity * k) ** 0.5
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 

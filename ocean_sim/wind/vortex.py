@@ -136,7 +136,7 @@ class Vortex(Wind):
         self._restart()
 
     def drawing(self) -> Drawing:
-        """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
+        """Lines around the core, down to the depth of its layer, and arrows where its acceleration is greatest."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
         top = self.passage.centre + self.patch.origin + config.core_radius * around

@@ -15,8 +15,7 @@ MAX_NODES = 2**26  # the vertices between them are numbered in 28 bits
 
 @dataclass(frozen=True)
 class Nodes:
-    """Regular grid of nodes: one in the middle of each of the equal cells that fill a box, and one row beyond each
-    side.
+    """Regular grid of nodes, one in the middle of each of the equal cells of a box, and one row beyond each side.
 
     So a side of the box lies half-way between two rows, and a surface that closes there lies on it.
     """

@@ -44,8 +44,8 @@ def stress(u10: float, law: DragLaw = LAW) -> float:
 
 
 def speed_under(tau: float) -> float:
-    """U10 [m/s] at which Wu's law gives this stress [Pa], the inverse of `stress`, which his least drag coefficient
-    bounds from above."""
+    """U10 [m/s] at which Wu's law gives this stress [Pa]: the inverse of `stress`, sought up to the speed that the
+    law's least drag coefficient gives."""
     from scipy.optimize import brentq
 
     strongest = (tau / (AIR_DENSITY * drag_coefficient(0.0))) ** 0.5

@@ -150,6 +150,6 @@ def turned_back(v, cosine, sine):
 
 @ti.func
 def within(x, half, radius):
-    """True if x, seen from the centre of a core and in its axes [m], lies in the shape."""
+    """True if x, relative to the centre of a core and in its axes [m], lies in the shape."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

@@ -1,5 +1,5 @@
-"""The surface of the water, for pictures and ships: every module of this folder is a kind that a scene may name,
-`shared` holds their common parts."""
+"""The drawn and felt surface of the water: every module of this folder is a kind that a scene may name, `shared` holds
+their common parts."""
 
 from dataclasses import dataclass
 from functools import lru_cache

@@ -30,17 +30,17 @@ BOX_ROUNDING = 1e-9  # [m] by which a box may reach over a side or into another 
 
 
 def with_what_is_open(written: Any) -> Any:
-    """Write an absorbing side as a mapping, so that a dump shows its defaults."""
+    """Turn the word `absorbing` for a side into a mapping, so that a dump shows its defaults."""
     return {"kind": "absorbing"} if written == "absorbing" else written
 
 
 def with_each_side(written: Any) -> Any:
-    """Write absorbing sides one by one."""
+    """Turn the word `absorbing` for all walls into one entry each for x and z."""
     return {"x": written, "z": written} if written == "absorbing" else written
 
 
 def word_or_mapping(written: Any) -> str:
-    """Tag of the form in which a side is written."""
+    """Tag of the type of a side: `Absorbing` if it is written as a mapping, `Wall` if as a word."""
     return "Absorbing" if isinstance(written, dict | Absorbing) else "Wall"
 
 
@@ -112,11 +112,11 @@ class RoughBed(Model):
 
     @property
     def z0(self) -> float:
-        """Height at which the logarithmic law comes to rest [m]; 0 where a friction factor stands in its place."""
+        """Height z0 [m] at which the logarithmic law has no speed; 0 if a friction factor is given instead."""
         return (self.roughness or 0.0) / GRAINS_PER_Z0
 
     def problems(self, row: float) -> list[str]:
-        """Faults of the bed under water whose lowest row of particles is so high [m]."""
+        """Faults of the bed's roughness under a lowest row of particles of height `row` [m]."""
         if self.z0 < MIN_ROW_SHARE * row:
             return []
         return [
@@ -125,7 +125,7 @@ class RoughBed(Model):
         ]
 
     def warnings(self, row: float) -> list[str]:
-        """Warn of a doubtful roughness under a lowest row of particles so high [m]."""
+        """Warn of a doubtful roughness under a lowest row of particles of height `row` [m]."""
         if (self.roughness or 0.0) <= 0.5 * row:
             return []
         return [
@@ -134,7 +134,7 @@ class RoughBed(Model):
         ]
 
     def statements(self, row: float) -> list[str]:
-        """Describe the friction on a lowest row of particles so high [m]."""
+        """Describe the friction on a lowest row of particles of height `row` [m]."""
         height = 0.5 * row
         factor = f"friction factor of {2.0 * self.drag(height):.4g} (tau = rho f |u| u / 2)"
         if self.roughness is None:
@@ -145,7 +145,7 @@ class RoughBed(Model):
         ]
 
     def drag(self, height: float) -> float:
-        """tau / (rho |u| u) for u at a height above the bed [m]."""
+        """Drag coefficient tau / (rho |u| u) for a speed u that is taken at a height above the bed [m]."""
         return (
             0.5 * self.friction_factor
             if self.friction_factor is not None
@@ -189,7 +189,7 @@ class Obstacle(Box):
 
     @cached_property
     def gate(self) -> Gate | None:
-        """Motion of the obstacle until it has left; None: it is fixed."""
+        """Motion of the obstacle until it leaves the basin; None if it is fixed."""
         if self.velocity is None and self.until is None:
             return self.motion
         return Gate(velocity=self.velocity or (0.0, 0.0, 0.0), end=self.until)
@@ -227,7 +227,7 @@ class Config(Model):
     """A wall that makes waves."""
 
     def build(self, sea: OpenSea | None = None) -> "Basin":
-        """`sea`: that which it is a patch of."""
+        """Basin of these settings; `sea`: the open sea that the basin is a patch of, or None."""
         return Basin(self, sea=sea)
 
     def problems(self, basin: "Basin", duration: float) -> list[tuple[tuple[str | int, ...], str]]:
@@ -263,7 +263,7 @@ class Config(Model):
 
 
 def odd_gravity(gravity: Vector3) -> list[str]:
-    """Warnings of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
+    """Warn of gravity [m/s2] that looks like one of another convention: z up, or another unit."""
     size, (x, y, z) = float(np.linalg.norm(gravity)), gravity
     found = []
     if abs(y) < max(abs(x), abs(z)):
@@ -275,7 +275,7 @@ def odd_gravity(gravity: Vector3) -> list[str]:
 
 
 def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults of the places of boxes, written under a key, in this basin; `overlap`: sentence on boxes that do."""
+    """Faults of boxes, under a config key, that reach out of the basin or overlap; `overlap`: sentence for those."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     fitting = [k for k, box in enumerate(boxes) if len(box.min) == basin.dimension]
     low = np.array([boxes[k].min for k in fitting]).reshape(-1, basin.dimension)
@@ -294,7 +294,7 @@ def box_faults(key: str, boxes: Sequence[Box], basin: "Basin", overlap: str) -> 
 
 
 def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> list[str]:
-    """The axes along which a box from `low` to `up` [m] reaches out of the basin; an open one has no upper end."""
+    """Axes along which a box from `low` to `up` [m] reaches out of the basin; upwards only a closed one ends."""
     return [
         axis
         for axis, a, b, least, most in zip("xyz", low, up, basin.lower, basin.upper)
@@ -305,7 +305,7 @@ def axes_beyond(low: Sequence[float], up: Sequence[float], basin: "Basin") -> li
 def path_faults(
     obstacles: tuple[Obstacle, ...], basin: "Basin", duration: float
 ) -> list[tuple[tuple[str | int, ...], str]]:
-    """Faults of the paths of obstacles in a run of `duration` [s]."""
+    """Faults of the paths of moving obstacles in a run of `duration` [s]: key path and sentence of each."""
     found: list[tuple[tuple[str | int, ...], str]] = []
     unread: set[int] = set()
     for k, box in enumerate(obstacles):
@@ -340,7 +340,7 @@ def path_faults(
 
 
 def crossing_time(box: Obstacle, other: Obstacle, duration: float) -> float | None:
-    """First time [s] at which two obstacles overlap while both are there, as they move straight on between moments."""
+    """First time [s] at which two obstacles in the basin overlap, in straight motion between sampled times; or None."""
     gates = [(sign, gate) for sign, gate in ((1.0, box.gate), (-1.0, other.gate)) if gate is not None]
     times = min((gate.moments(duration) for _, gate in gates), key=lambda moments: float(moments[-1]))
     ways = [[sign * moved.way for time in times.tolist() if (moved := gate.at(time))] for sign, gate in gates]
@@ -356,17 +356,17 @@ def crossing_time(box: Obstacle, other: Obstacle, duration: float) -> float | No
 
 
 def box_corners(box: Box) -> Corners:
-    """Lowest and highest corner of a box in space [m]; of one in 2-D without ends along z."""
+    """Lowest and highest corner of a box in 3-D [m]; a box given in 2-D extends without limit along z."""
     flat = 3 - len(box.min)
     return (*box.min, *flat * (-OPEN,)), (*box.max, *flat * (OPEN,))
 
 
 class Solid(Protocol):
-    """A body that floats in the basin when a run begins, as the water is built around it."""
+    """Interface of a body that floats in the basin at the start, as the initial water is built around it."""
 
     @property
     def is_sampled(self) -> bool:
-        """True if the water's laws sum over samples of it."""
+        """True if pair sums over the water include sample points of the body."""
 
     @property
     def origin(self) -> np.ndarray:
@@ -384,17 +384,17 @@ class Solid(Protocol):
         spacing: float,
         volume: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) true for particles at (n, 3), of a `volume` each and filling boxes, that make room, and (n, 3) positions
-        of the others; with (m, 3) points that continue their lattice where it is felt [m]."""
+        """(n,) True for `positions` (n, 3) [m] of particles that the body displaces, and (n, 3) positions of the
+        others, moved around it. Each has a `volume`, all fill `boxes`, and `beyond` (m, 3) continues their lattice."""
 
     def samples(self, spacing: float, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D areas [m2], and (n, 3)
-        outward normals of the nearest face."""
+        """Sample points of the body: (n, 3) positions from the centre of mass, body axes [m], (n,) volumes [m3], in 2-D
+        areas [m2], and (n, 3) outward normals of the nearest face."""
 
 
 @dataclass(frozen=True)
 class Side:
-    """A flat side that mirrors the water."""
+    """A flat side of the basin (wall, bed or lid) at which the water is mirrored."""
 
     axis: int
     upper: bool
@@ -406,24 +406,24 @@ class Side:
 
     @property
     def name(self) -> str:
-        """`x_min` and so on."""
+        """Name of a wall, such as `x_min`; of the bed `y_min`, of a lid `y_max`."""
         return f"{'xyz'[self.axis]}_{'max' if self.upper else 'min'}"
 
 
 def shifts(x: np.ndarray, origin: np.ndarray, period: Sequence[float]) -> np.ndarray:
-    """(n, 3) whole lengths of periodic sides [m] from points (n, 3) to their images nearest to an origin x, z [m]; 0
-    along other axes."""
+    """Shifts (n, 3) [m] by whole periods from points (n, 3) to their periodic images nearest to an origin x, z [m]; 0
+    along axes without a period."""
     return whole_sides(np.insert(origin, 1, 0.0) - x, np.array([period[0], 0.0, period[2]]))
 
 
 def whole_sides(away: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    """(..., n) the whole lengths of periodic sides (n,) [m] nearest to ways (..., n) [m]; 0 where they have none."""
+    """Multiples (..., n) of periods `sides` (n,) [m] nearest to distances `away` (..., n) [m]; 0 without a period."""
     return sides * np.round(away / np.where(sides > 0.0, sides, np.inf))
 
 
 @dataclass(frozen=True)
 class Basin:
-    """The box of water, in plain numbers."""
+    """Geometry of a basin, from its config: corners, sides, obstacles, and wavemaker."""
 
     config: Config
     afloat: Mapping[str, Solid] = field(default_factory=dict)  # what floats in it, by name
@@ -443,7 +443,7 @@ class Basin:
 
     @cached_property
     def walls(self) -> Walls:
-        """The kind of every wall."""
+        """The wall on each side, also where the scene names one kind for all."""
         walls = self.config.walls
         return walls if isinstance(walls, Walls) else Walls(x=walls, z=walls)
 
@@ -454,14 +454,14 @@ class Basin:
 
     @property
     def upper(self) -> tuple[float, float, float]:
-        """Highest corner [m]: under a lid, or where y is periodic, the still surface; else as far above it as the bed
-        lies below, and nothing ends there."""
+        """Highest corner [m]: y is 0 under a lid or where y is periodic, else the depth, though water may rise
+        higher."""
         top = 0.0 if self.closed else self.config.depth
         return (self.config.length / 2, top, (self.config.width or 0.0) / 2)
 
     @property
     def closed(self) -> bool:
-        """True if the basin has no room for a free surface."""
+        """True if the basin has no free surface: it has a lid or is periodic along y."""
         return self.config.lid is not None or self.walls.y == "periodic"
 
     @property
@@ -471,7 +471,7 @@ class Basin:
 
     @cached_property
     def periods(self) -> tuple[float, float, float]:
-        """Length of each periodic axis [m]; 0 where an axis is not."""
+        """Period of the basin along each axis [m]; 0 along an axis that is not periodic."""
         repeats = (
             self.walls.at("x_min") == "periodic",
             self.walls.y == "periodic",
@@ -481,7 +481,7 @@ class Basin:
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
-        """The sides that hold water, each a mirror."""
+        """Walls, bed and lid at which the water is mirrored; open and periodic sides are left out."""
         found = []
         for axis in (0, 2) if self.dimension == 3 else (0,):
             for upper, name in ((False, f"{'xyz'[axis]}_min"), (True, f"{'xyz'[axis]}_max")):
@@ -505,7 +505,7 @@ class Basin:
 
     @cached_property
     def obstacles(self) -> list[Corners]:
-        """Lowest and highest corner of each obstacle at time 0 [m]; a slice has no ends along z."""
+        """Lowest and highest corner of each obstacle at time 0 [m]; in 2-D without limit along z."""
         return [box_corners(box) for box in self.config.obstacles if len(box.min) == self.dimension]
 
     @cached_property
@@ -514,11 +514,11 @@ class Basin:
         return [box_corners(box) for box in self.config.obstacles if box.gate is None]
 
     def obstacles_at(self, time: float) -> list[Corners]:
-        """Corners of all obstacles that are there at a time [s]."""
+        """Corners of all obstacles present at a time [s]."""
         return self.fixed + self.gates_at(time)
 
     def gates_at(self, time: float) -> list[Corners]:
-        """Corners of the moving obstacles that are there at a time [s]."""
+        """Corners of the moving obstacles present at a time [s]."""
         found = []
         for k, gate in self.gates:
             moved = gate.at(time)
@@ -534,13 +534,13 @@ class Basin:
 
     @cached_property
     def piston(self) -> Piston | None:
-        """The wavemaker at work."""
+        """Motion of the wavemaker; None if the basin has none."""
         maker = self.config.wavemaker
         return maker.build(self.depth, -self.gravity[1]) if maker is not None else None
 
     @cached_property
     def tank_wave(self) -> waves.Components | None:
-        """Wave as long as those of a moving tank, of arbitrary height; None where the tank stands still."""
+        """Wave 1 m high with the mean frequency of the tank's motion; None if the tank does not move."""
         motion = self.config.motion
         if motion is None or (omega := motion.mean_frequency) == 0.0:
             return None

@@ -56,7 +56,7 @@ class Frame:
 
 
 def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """(3,) turned by `angle` [rad] about its direction, by the right hand (Rodrigues)."""
+    """Vector (3,) turned by `angle` (3,) [rad] about the direction of `angle`, by the right hand (Rodrigues)."""
     size = float(np.linalg.norm(angle))
     if size == 0.0:
         return np.asarray(vector, dtype=float)
@@ -65,7 +65,7 @@ def turned(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def ramp_law(law: Law, ramp: float) -> Law:
-    """The law, growing from nothing over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5: its acceleration does not jump."""
+    """Law of motion that grows to `law` over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5, without a jump in acceleration."""
 
     def grown(t: float) -> tuple[float, float, float]:
         x, v, a = law(t)
@@ -81,7 +81,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
 
 
 def spline_law(times: np.ndarray, moved: np.ndarray) -> Law:
-    """The law of rows of times [s] and displacements: a cubic spline, at rest before and after them."""
+    """Law of motion through times [s] and displacements: a cubic spline, at rest before and after them."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(times, moved)
@@ -119,7 +119,7 @@ def overturn_warnings(axis: str, angle: float) -> list[str]:
 
 
 def axis_faults(axis: str, basin: waves.Tank) -> Problems:
-    """The reason why the tank cannot move along or about an axis."""
+    """Fault of a motion along or about an axis that this basin does not allow; empty for any other."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [
             (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")
@@ -145,7 +145,7 @@ class Harmonic(Tank):
 
     @property
     def mean_frequency(self) -> float:
-        """[rad/s]"""
+        """Angular frequency of the motion [rad/s]."""
         return 2.0 * pi / self.period
 
     def problems(self, basin: waves.Tank) -> Problems:
@@ -176,7 +176,7 @@ class Recorded(Tank):
 
     @cached_property
     def table(self) -> csv_file.Table:
-        """The file, read; raises Unreadable."""
+        """Table read from the file; raises Unreadable."""
         return csv_file.Table(self.file)
 
     def rows(self) -> tuple[Axis, np.ndarray, np.ndarray]:
@@ -193,7 +193,7 @@ class Recorded(Tank):
 
     @property
     def mean_frequency(self) -> float:
-        """[rad/s] Standard deviation of the velocity over that of the displacement; 0 where it does not move."""
+        """Mean angular frequency [rad/s]: standard deviation of velocity over that of displacement; 0 at rest."""
         (_, times, _), law = self.rows(), self.build().law
         found = np.array([law(t) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES)])
         moved, speed = found.std(axis=0)[:2]
@@ -207,8 +207,8 @@ class Recorded(Tank):
         return super().problems(basin) + axis_faults(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Rows that a run does not reach, a roll by half a turn, or a speed that jumps where they begin or end: water
-        feels acceleration."""
+        """Warn of rows that a run does not reach, a roll that is very large or looks like radians, and a speed that
+        jumps where rows begin or end, as water feels only acceleration."""
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
@@ -232,8 +232,7 @@ class Recorded(Tank):
 
 
 def with_its_kind(written: Any) -> Any:
-    """Keys of a motion with their kind, which they imply where none is named; raises ValueError where they imply
-    two."""
+    """Add to the keys of a motion the kind that they imply if none is named; raises ValueError if they imply two."""
     if not isinstance(written, dict):
         return written
     foreign = [key for key in written if key in Harmonic.model_fields and key not in Recorded.model_fields]
@@ -290,7 +289,7 @@ class Wavemaker(waves.WaveTrain):
         return found
 
     def build(self, depth: float, gravity: float) -> "Piston":
-        """`gravity` [m/s2] downwards."""
+        """Piston in water of a depth [m] under a downward gravity [m/s2]."""
         inward = 1.0 if self.wall.endswith("min") else -1.0
         sea = self.train(np.array([1.0, 0.0]), depth, gravity)
         ramp = self.scale[1] if self.ramp is None else self.ramp
@@ -299,8 +298,8 @@ class Wavemaker(waves.WaveTrain):
 
 @dataclass(frozen=True)
 class Piston:
-    """The wall at work. Far away its waves are a cos(k s - omega t + phase), s being the distance from its position
-    of rest: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
+    """Motion of a piston wavemaker. Far away its waves are a cos(k s - omega t + phase), s being the distance from its
+    rest position: for that it moves by S/2 sin(omega t - phase) into the basin, S the stroke (Biesel & Suquet 1951)."""
 
     sea: waves.Components
     inward: float  # direction of the basin along the wall's axis: 1 or -1
@@ -308,7 +307,7 @@ class Piston:
 
     @cached_property
     def amplitude(self) -> np.ndarray:
-        """(n,) half the stroke for each wave [m]: its height over H/S."""
+        """Half the stroke (n,) for each wave [m]: the amplitude of the wave over H/S."""
         return self.sea.amplitude / waves.piston_transfer(self.sea.wavenumber * self.sea.depth)
 
     @property
@@ -319,7 +318,7 @@ class Piston:
 
     @property
     def reach(self) -> float:
-        """Farthest way to either side [m]."""
+        """Farthest displacement of the wall to either side [m]."""
         return float(self.amplitude.sum())
 
     def steady(self, time: float) -> tuple[float, float, float]:
@@ -336,7 +335,7 @@ class Piston:
 
 
 class Moved(NamedTuple):
-    """Way, velocity and acceleration of an obstacle at one time, (3,) each."""
+    """Displacement, velocity and acceleration of an obstacle at one time, (3,) each."""
 
     way: np.ndarray  # from where it was at first [m]
     velocity: np.ndarray  # [m/s]
@@ -375,7 +374,7 @@ class Gate(Model):
         return self.file is not None or any(self.velocity) or any(self.acceleration)
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) times [s] and (n, 3) ways [m] in its file; raises Unreadable."""
+        """Times (n,) [s] and displacements (n, 3) [m] in its file; raises Unreadable."""
         assert self.file is not None
         table = csv_file.Table(self.file)
         axes = [axis for axis in PATH_COLUMNS if axis in table] or list(PATH_COLUMNS)
@@ -384,7 +383,7 @@ class Gate(Model):
         return times, np.stack([along.get(axis, np.zeros(len(times))) for axis in PATH_COLUMNS], axis=1)
 
     def warnings(self, duration: float) -> list[str]:
-        """Rows of its file that a run of `duration` [s] does not reach."""
+        """Warn of rows of its file that a run of `duration` [s] does not reach."""
         if self.file is None:
             return []
         return csv_file.unreached_times_warning(
@@ -393,12 +392,12 @@ class Gate(Model):
 
     @cached_property
     def laws(self) -> list[Callable[[float], tuple[float, float, float]]]:
-        """Way, velocity and acceleration along each axis in the time after `start` [s], as its file has them."""
+        """Law of motion along each axis from its file: displacement, velocity and acceleration after `start` [s]."""
         times, ways = self.rows()
         return [spline_law(times, way) for way in ways.T]
 
     def at(self, time: float) -> Moved | None:
-        """Motion of the obstacle up to a time [s]; None once it has left."""
+        """Displacement, velocity and acceleration of the obstacle at a time [s]; None once it has left the basin."""
         if self.end is not None and time >= self.end:
             return None
         t = time - self.start
@@ -411,7 +410,7 @@ class Gate(Model):
         return Moved(v * t + 0.5 * a * t * t, v + a * t, a)
 
     def moments(self, until: float) -> np.ndarray:
-        """Times [s] at which it is there, close to each other, from the first to the last before `until` [s]."""
+        """Closely spaced times [s] before the time `until` [s] at which the obstacle is in the basin."""
         last = until if self.end is None else min(until, self.end)
         return np.linspace(0.0, last, PATH_MOMENTS, endpoint=False)
 

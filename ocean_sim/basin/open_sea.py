@@ -49,7 +49,7 @@ class Absorbing(Model):
     """The motion that the zone leaves alone; null: rest."""
 
     def problems(self, basin: waves.Tank, size: float) -> Problems:
-        """Faults of it in a basin that is so long [m] along its axis."""
+        """Yield faults of this side in a basin of a `size` [m] along its axis."""
         if self.length is not None and self.length > size:
             yield ("length",), f"a zone of {self.length:g} m is longer than the basin, {size:g} m"
         if self.target is None:
@@ -114,7 +114,7 @@ class OpenSea(Protocol):
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
     """Width over length of a patch with these periods [m], as a ratio of whole numbers up to MOST_PARTS, 1 in 2-D; None
-    where there is none."""
+    if no such ratio fits."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

@@ -9,27 +9,27 @@ from ocean_sim.basin import Basin
 
 
 def in_space(vector: Sequence[float]) -> np.ndarray:
-    """(3,) vector of a point or a direction; z is 0 where a slice gives none."""
+    """Point or direction in 3-D (3,); z is 0 where a slice gives none."""
     return np.array((*vector, 0.0)[:3])
 
 
 def count(low: float, high: float, spacing: float) -> int:
-    """Number of equal cells from `low` to `high`, at most `spacing` wide, at least two."""
+    """Number of equal cells from `low` to `high` [m], each at most `spacing` [m] wide; at least two."""
     return max(2, ceil((high - low) / spacing - 1.0e-6))
 
 
 def middles(low: float, high: float, spacing: float) -> np.ndarray:
-    """Middles of the cells that `count` counts."""
+    """Middles of the equal cells from `low` to `high` [m], each at most `spacing` [m] wide."""
     return middles_of(low, high, count(low, high, spacing))
 
 
 def middles_of(low: float, high: float, n: int) -> np.ndarray:
-    """(n,) middles of so many equal cells from `low` to `high`."""
+    """Middles (n,) of n equal cells from `low` to `high`."""
     return low + (np.arange(n) + 0.5) * (high - low) / n
 
 
 def grid(basin: Basin, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """x and z [m] of points half a cell away from every wall."""
+    """Positions x and z [m] of a horizontal grid of points, the outermost half a cell away from the walls."""
     x = middles(basin.lower[0], basin.upper[0], spacing)
     z = middles(basin.lower[2], basin.upper[2], spacing) if basin.dimension == 3 else np.zeros(1)
     return x, z
@@ -42,5 +42,5 @@ def grid_size(basin: Basin, spacing: float) -> int:
 
 
 def pairs(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(m, 2) every x with every z."""
+    """Points (m, 2) of a grid: every x with every z."""
     return np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)

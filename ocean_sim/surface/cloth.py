@@ -91,7 +91,7 @@ class Config(SurfaceConfig):
         ]
 
     def nodes(self, basin: Basin) -> tuple[int, int]:
-        """Nodes along x and z; 1 along z in 2-D."""
+        """Numbers of nodes along x and z; 1 along z in 2-D."""
         assert self.spacing is not None, "completed() says how far apart nodes are"
         return column_counts(basin, self.spacing)
 
@@ -106,7 +106,7 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class Cloth:
-    """The heights of the nodes, and the springs between them; node (i, k) has the number i nz + k."""
+    """A sheet of nodes, which have a height, and the springs between them; node (i, k) has the number i nz + k."""
 
     def __init__(self, config: Config, basin: Basin, fluid: Fluid) -> None:
         water = with_particles(fluid)
@@ -141,7 +141,7 @@ class Cloth:
             self.update(0.0)
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Take in that the particles have moved on by dt [s]; the sheet moves at its own rate."""
+        """Count a step of dt [s] of the particles, and update the sheet when an update is due."""
         self.age += dt
         if self.age + 0.5 * dt > self.config.every:
             self.update(self.age)
@@ -149,7 +149,7 @@ class Cloth:
 
     @ti.kernel
     def update(self, dt: float):
-        """Carry on, move to the water, pull; dt 0 lays the sheet down at rest."""
+        """Advance the sheet by dt [s]: carry nodes on, move them to the water, apply springs. dt 0: lay it at rest."""
         for n in self.height:
             way = dt * self.speed[n] * tm.exp(-ti.static(self.config.damping) * dt)
             most = ti.static(MAX_CARRY * self.thickness)
@@ -173,8 +173,8 @@ class Cloth:
 
     @ti.func
     def moved_to_water(self, n, y):
-        """The height [m] of node n, from y on, moved towards the surface of the water: Newton's steps, never longer
-        than at a flat surface, so they do not overshoot."""
+        """Height [m] of node n after it is moved from y [m] towards the surface of the water: Newton's steps, never
+        longer than at a flat surface, so they do not overshoot."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
             move = self.newton_move(tm.vec3(p.x, y, p.y))
@@ -208,7 +208,7 @@ class Cloth:
 
     @ti.func
     def neighbour_node(self, i, k):
-        """The number of a node, through periodic sides; -1 beyond the others."""
+        """Number of node (i, k), wrapped at periodic sides; -1 beyond other sides."""
         nx, nz = ti.static(self.heights.cells)
         if ti.static(self.heights.periodic[0]):
             i = (i + 2 * nx) % nx
@@ -219,15 +219,15 @@ class Cloth:
 
     @ti.func
     def elevation(self, x, z):
-        """Bilinear between nodes [m]."""
+        """Height of the sheet [m] at x, z [m], bilinear between nodes."""
         return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        """Heights (m,) [m] of the sheet at points x, z (m, 2) [m]."""
         return self.heights.elevations(points)
 
     def mesh(self) -> Mesh:
-        """The sheet as two triangles a cell."""
+        """The sheet as a mesh of two triangles a cell."""
         return self.heights.mesh()
 
     def measures(self) -> list[float]:
@@ -239,7 +239,7 @@ class Cloth:
 
 @in_kernels
 class Contact:
-    """The share of water within `thickness` [m] of a point, and its slope upwards [1/m]."""
+    """Pair sum: share of water within `thickness` [m] of a point, and its upward gradient [1/m]."""
 
     sums = 2
 
@@ -290,7 +290,7 @@ class Contact:
 
     @cached_property
     def at_surface(self) -> float:
-        """Smoothed volume fraction at the surface of flat water on a lattice of particles; mean over all places of the
+        """Smoothed share of water at the surface of flat water on a lattice of particles; mean over positions in the
         lattice."""
         low, high = 0.05, 0.95
         for _ in range(40):

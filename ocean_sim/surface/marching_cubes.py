@@ -93,7 +93,7 @@ class Config(SurfaceConfig):
         return found
 
     def nodes(self, basin: Basin) -> Nodes:
-        """The grid: the whole basin, up to `height`."""
+        """Grid of nodes over the whole basin, up to `height`."""
         assert self.spacing is not None and self.height is not None, "completed() says how fine and how high it is"
         low, up = [*basin.lower], [*basin.upper]
         for side in basin.sides:
@@ -127,7 +127,7 @@ class Config(SurfaceConfig):
 
 @in_kernels
 class MarchingCubes:
-    """The field on the grid, its surface and the heights of its columns, each computed when it is read."""
+    """Surface of the smoothed share of water on a grid: triangles and column heights, each computed when read."""
 
     left_out = ("followed", "read_by_kernel")  # of checkpoints: what this simulation's kernels are compiled for
 
@@ -155,15 +155,15 @@ class MarchingCubes:
         )
 
     def follow(self, particles: "Particles", dt: float) -> None:
-        """Take in that the particles have moved on by dt [s]. Heights are computed at once if a kernel reads them, and
-        in the first step, in which one may be compiled."""
+        """Note that the particles have moved by a step of dt [s]. Heights are computed at once if a kernel reads them,
+        and in the first step, in which one may be compiled."""
         self.moment += 1
         if self.read_by_kernel or not self.followed:
             self.update_heights()
         self.followed = True
 
     def update_field(self) -> None:
-        """Make the field current."""
+        """Recompute the field if particles have moved since it was computed."""
         if self.sampled != self.moment:
             self.outside = self.map.sort_particles()
             self.map.mark_rows(self.isosurface.rows)
@@ -172,18 +172,18 @@ class MarchingCubes:
             self.sampled = self.moment
 
     def update_heights(self) -> None:
-        """Make the heights current."""
+        """Recompute the heights if particles have moved since they were computed."""
         if self.levelled != self.moment:
             self.update_field()
             self.find_heights()
             self.levelled = self.moment
 
     def mesh(self) -> Mesh:
-        """The water's whole skin, closed along walls and bed."""
+        """Closed surface of the water, with its parts along walls and bed."""
         return self.cut_surface(0)[0]
 
     def free_surface(self) -> Mesh:
-        """The side that faces the air: the skin without its parts along walls and bed, open there."""
+        """Surface of the water that faces the air, open at walls and bed."""
         return self.cut_surface(self.goes_on)[0]
 
     def measures(self) -> list[float]:
@@ -191,7 +191,7 @@ class MarchingCubes:
         return [mesh.area, mesh.volume(self.bed), counts.ambiguous_share, float(self.outside)]
 
     def cut_surface(self, goes_on: int) -> tuple[Mesh, Counts]:
-        """The surface, going on through the sides whose bits are set; raises Diverged if it is too large."""
+        """Mesh, open at sides whose bits are set in `goes_on`, and its counts; raises Diverged if too large."""
         self.update_field()
         self.isosurface.pad_field(goes_on)
         counts = self.isosurface.count_surface()
@@ -231,18 +231,18 @@ class MarchingCubes:
 
     @ti.func
     def elevation(self, x, z):
-        """Highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
+        """Height of the highest water of the column [m], bilinear between columns of nodes; the bed where it is dry."""
         ti.static(self.read_by_a_kernel())
         return self.heights.height_at(x, z)
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m, 2) points x, z [m] -> (m,) heights [m]."""
+        """Heights (m,) [m] of the highest water at points x, z (m, 2) [m]."""
         self.update_heights()
         return self.heights.elevations(points)
 
 
 def flat_share(radius: float, spacing: float) -> float:
-    """Mean share in the plane half a spacing above the top layer of a cubic lattice: where flat water ends.
+    """Mean share of water in the plane half a spacing above the top layer of a cubic lattice: where flat water ends.
 
     Averaged over the plane each layer at distance u radius counts 315/256 (1 - u^2)^4, the integral of poly6 over it.
     """
@@ -288,18 +288,18 @@ class DensityMap:
 
     @staticmethod
     def bins_of(nodes: Nodes, radius: float) -> tuple[int, int, int]:
-        """Bins on each axis."""
+        """Numbers of bins on each axis, each at least a radius wide."""
         nx, ny, nz = (max(1, int((up - low) / radius + 1.0e-9)) for low, up in zip(nodes.lower, nodes.upper))
         return nx, ny, nz
 
     @classmethod
     def bytes(cls, n: int, nodes: Nodes, radius: float, word: int) -> int:
-        """Memory of the fields for n particles; `word` is the size of a `float` [bytes]."""
+        """Memory of the fields for n particles [bytes]; `word` is the size of a `float` [bytes]."""
         return (3 * word + 4) * n + 8 * (int(np.prod(cls.bins_of(nodes, radius))) + 1) + word * 6 * AXIS_IMAGES
 
     @ti.func
     def bin_of(self, x):
-        """The bin of a point on each axis; a point beyond the box belongs to the bin at its side."""
+        """Indices of the bin of a point on each axis; a point beyond the box belongs to the bin at its side."""
         return ti.cast(tm.clamp((x - self.lower) * self.per_bin, 0.0, tm.vec3(self.bins) - 0.5), int)
 
     @ti.func
@@ -379,8 +379,8 @@ class DensityMap:
 
     @ti.kernel
     def mark_rows(self, rows: Template):
-        """Mark the rows of nodes within a radius and a node of any particle, so that the next nodes around every wet
-        one are marked, too; a row beyond a side is as near as the row next to it."""
+        """Mark the rows of nodes within a radius and one node spacing of any particle, so that the nodes around every
+        wet one are marked, too; a row beyond a side is as near as the row next to it."""
         for row in rows.near:
             inner = tm.clamp(tm.ivec2(row % rows.across, row // rows.across) - 1, 0, tm.ivec2(self.nodes.inner[1:]) - 1)
             y = self.lower.y + self.width.y * (inner.x + 0.5)
@@ -410,14 +410,14 @@ class DensityMap:
 
     @ti.kernel
     def fill_rows(self, rows: Template, value: Template, level: float):
-        """Write the share less `level` at all nodes of the rows kept that lie within the box."""
+        """Write the share of water less `level` to all nodes of the stored rows that lie within the box."""
         for g in range(ROW_GROUPS * TASK_ITERATIONS):
             if g % TASK_ITERATIONS == 0:
                 self.fill_group(g // TASK_ITERATIONS, rows, value, level)
 
     @ti.func
     def fill_group(self, group, rows: Template, value: Template, level):
-        """Fill every ROW_GROUPS-th row of nodes."""
+        """Fill every ROW_GROUPS-th stored row of nodes, from row `group` on."""
         nx, ny, nz = ti.static(self.nodes.inner)
         for turn in range((rows.count[None] - group + ROW_GROUPS - 1) // ROW_GROUPS):
             n = group + turn * ROW_GROUPS

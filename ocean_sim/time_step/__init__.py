@@ -7,7 +7,7 @@ from ocean_sim.fluid import Limits
 
 
 class TimeStep(Protocol):
-    """The length of the next step, and which limit set it."""
+    """Interface of a rule for the length of the next time step."""
 
     limited_by: str  # the limit that ruled the last answer: "acoustic", "viscous", "force", "longest" or "fixed"
 
@@ -17,9 +17,9 @@ class TimeStep(Protocol):
         ...
 
     def adjust(self, **values: float) -> None:
-        """Go on with other values of adjustable settings."""
+        """Change adjustable settings from the next step on."""
         ...
 
     def next(self, limits: Limits) -> float:
-        """Next time step [s] under these limits, of the water or of the whole simulation."""
+        """Next time step [s] under these limits of the water or of the whole simulation."""
         ...

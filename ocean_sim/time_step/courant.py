@@ -29,7 +29,7 @@ class Config(TimeStepConfig):
         return Courant(self)
 
     def shortest(self, limits: Limits) -> tuple[float, str]:
-        """The step that these limits allow [s], and the name of the one that rules."""
+        """Longest time step [s] that these limits allow, and the name of the limit that sets it."""
         shortest, ruling = self.longest, "longest"
         for step, name in (
             (self.force_number * limits.force, "force"),
@@ -42,7 +42,7 @@ class Config(TimeStepConfig):
 
 
 class Courant:
-    """Time step that is found anew for every step: a fraction of the shortest limit of the water and of the ships."""
+    """Time step computed anew for every step: a fraction of the shortest limit of the water and of the ships."""
 
     def __init__(self, config: Config) -> None:
         self.config = config

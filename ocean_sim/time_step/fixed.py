@@ -26,7 +26,7 @@ class Config(TimeStepConfig):
 
 
 class Fixed:
-    """`dt`, never limited by anything."""
+    """Constant time step `dt` of the config, never limited by anything."""
 
     limited_by = "fixed"
 

@@ -31,13 +31,13 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def theoretical_reflection() -> float:
-    """Reflection of the zone in linear theory."""
+    """Reflected over incident wave height of the zone in linear theory."""
     rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
     return float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Reflection in the records of the gauges, once the reflected waves are back."""
+    """Measure the reflection from the records of the gauges, once the reflected waves are back."""
     points = np.stack([GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     time, found = resample_evenly(*gauge_records(simulation, points, SAMPLE_INTERVAL), RECORD_START, SAMPLE_INTERVAL)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))

@@ -22,7 +22,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def square_problem(precision: str, coarse: bool) -> Problem:
-    """The square of water in single or double precision."""
+    """Set-up of the square of water in single or double precision."""
     scene = {
         "duration": 1.0,
         "basin": free_space(4.0, 2.0),
@@ -42,7 +42,7 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """The worst of a number of steps."""
+    """Measure the share of momentum and of angular momentum lost in the worst of a number of steps."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

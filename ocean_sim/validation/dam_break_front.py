@@ -92,7 +92,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def scaled_time(time: np.ndarray, g: float, width: float) -> np.ndarray:
-    """T = t sqrt(2 g / a), the time axis of the experiments; time [s], g [m/s2], width a [m]."""
+    """Scaled time T = t sqrt(2 g / a), the time axis of the experiments; time t [s], g [m/s2], width a [m]."""
     return time * np.sqrt(2.0 * g / width)
 
 
@@ -104,21 +104,21 @@ def front_position(position: np.ndarray, spacing: float) -> float:
 
 
 def measure_gated(simulation: Simulation) -> Finding:
-    """Front over time behind a gate that is pulled up."""
+    """Measure the front over time behind a gate that is pulled up."""
     time, z = front_record(simulation)
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     return Finding(numbers, [Curve("front, gate", time, z)], table_curves(EXPERIMENTS), PLOT_AXES)
 
 
 def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Scaled times (n,) and positions (n,) of the front [a]."""
+    """Run to the end: scaled times (n,) and positions of the front (n,), in widths of the column."""
     every = simulation.scene.duration / 60
     times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
     return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:
-    """Points of tables, by label."""
+    """Points of tables as curves to plot, by label."""
     curves = []
     for label, file in tables.items():
         known = table(file)
@@ -130,14 +130,15 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean front of a series Z(T) released after a delay, of a known one at its own times, and their distance [%]."""
+    """Mean front of a series Z(T) released after a delay, that of a known one at its own times, and their distance
+    [%]."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))
 
 
 def compare_front(time: np.ndarray, z: np.ndarray) -> Finding:
-    """Compare a front Z(T) with all tables, at their own times."""
+    """Compare a front Z at scaled times T with all tables, at their own times."""
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     numbers += [front_distance(table(file), time, z, LETHE_DELAY) for file in MARTIN_MOYCE.values()]
     for file in EXPERIMENTS.values():

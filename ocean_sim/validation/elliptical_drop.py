@@ -46,7 +46,7 @@ def disc_rows(spacing: float) -> list[dict]:
 
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A0 t, minor and major semi-axis [m] up to A0 t = `end`, by the classical Runge-Kutta rule."""
+    """Times A0 t, minor and major semi-axes [m] up to A0 t = `end`, by the classical Runge-Kutta rule."""
 
     def change(y: np.ndarray) -> np.ndarray:
         rate, minor = y
@@ -65,7 +65,7 @@ def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Give the drop its flow, then follow its shape."""
+    """Give the drop its initial flow, and measure its shape over time."""
     start = particle_state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
     set_state(
@@ -75,7 +75,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def compare_axes(drops: list[State]) -> Finding:
-    """Compare a drop at several moments with the exact ellipse."""
+    """Compare the semi-axes of a drop at several moments with the exact ellipse."""
     tau, minor, major = exact_ellipse(END_TIME)
     wide = np.array([2.0 * sqrt(float((drop.position[:, 0] ** 2).mean())) for drop in drops])
     high = np.array([2.0 * sqrt(float((drop.position[:, 1] ** 2).mean())) for drop in drops])

@@ -47,13 +47,13 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure_adami(simulation: Simulation) -> Finding:
-    """Pressure and speed at the end of the run."""
+    """Measure pressure and speed at the end of the run."""
     *_, last = sampled_states(simulation, simulation.scene.duration, simulation.scene.duration / 8)
     return compare_pressure(last, depth=0.9, g=1.0)
 
 
 def compare_pressure(water: State, depth: float, g: float) -> Finding:
-    """Pressure and speed of water that should be still, of a depth [m] under a gravity g [m/s2] downwards."""
+    """Compare pressure and speed of water with those at rest, for a depth [m] and a gravity g [m/s2] downwards."""
     scale = DENSITY * g * depth
     y, exact = water.position[:, 1], -DENSITY * g * water.position[:, 1]
     l2 = 100.0 * float(np.sqrt(np.mean((water.pressure - exact) ** 2))) / scale
@@ -72,7 +72,7 @@ def compare_pressure(water: State, depth: float, g: float) -> Finding:
 
 
 def measure_long(simulation: Simulation) -> Finding:
-    """Motion of still water within a minute."""
+    """Measure the motion of still water within a minute."""
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
 

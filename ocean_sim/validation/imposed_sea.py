@@ -41,7 +41,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Sea state and reflection in the records of the gauges, once the shortest waves have arrived."""
+    """Measure sea state and reflection from the records of the gauges, once the shortest waves have arrived."""
     away = np.stack([GAUGE_DISTANCE + GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     piston = simulation.basin.piston
     assert piston is not None

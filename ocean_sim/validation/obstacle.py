@@ -61,14 +61,14 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sensor_positions() -> np.ndarray:
-    """Positions (8, 3) [m] of P1 to P8 in the basin."""
+    """Positions (8, 3) [m] of the pressure sensors P1 to P8 in the basin."""
     front = [(FACE_DISTANCE, up, 0.0) for up in SENSOR_OFFSETS]
     top = [(FACE_DISTANCE + behind, BOX_SIDE, 0.0) for behind in SENSOR_OFFSETS]
     return np.array(front + top) - (LENGTH / 2, DEPTH, 0.0)
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Record all channels over time."""
+    """Record all channels over time, and compare them with the table."""
     fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
     times, values = record_run(

@@ -56,7 +56,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def floating_problem(name: str, speed: float) -> Problem:
-    """The box held in sway, or towed at a speed [m/s] along the waves, in two patches."""
+    """Set-up of the box held in sway, or towed at a speed [m/s] along the waves, in two patches."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
     small_patch, larger_patch = f"{FREE_LENGTHS[0]:g} of them free", f", {FREE_LENGTHS[1]:g} wavelengths free"
@@ -77,7 +77,7 @@ def floating_problem(name: str, speed: float) -> Problem:
 
 
 def heaving_problem() -> Problem:
-    """The box moved up and down in calm water: share of its waves that comes back to it through the rim."""
+    """Set-up of the box moved up and down in calm water: share of its waves that comes back through the rim."""
     back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
@@ -157,7 +157,7 @@ def box_keys(moves: Sequence[str]) -> dict[str, Any]:
 
 
 class ImposedMotion(NamedTuple):
-    """Motion along one axis of the world."""
+    """Imposed motion of the box along one axis of the world at one time."""
 
     place: float  # [m]
     speed: float  # [m/s]
@@ -165,7 +165,7 @@ class ImposedMotion(NamedTuple):
 
 
 def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> None:
-    """Move the box along an axis as given, against any force of the water, and tell the water."""
+    """Move the box along an axis as given, whatever the force of the water, and hand its new state to the water."""
     ship = ship_of(simulation)
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     position[axis], velocity[axis] = moved.place, moved.speed
@@ -185,7 +185,7 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
 
 
 def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
-    """Heave and pitch over time."""
+    """Curves of heave and pitch over time."""
     return [Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
 
 

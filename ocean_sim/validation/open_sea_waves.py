@@ -78,8 +78,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """A regular wave of a steepness in a sea of a kind, from a point at a speed [group speeds] for a number of periods;
-    tolerances of height [%] and phase [deg]."""
+    """Set-up of a regular wave of a steepness in a sea of a kind, from a point at a speed [group speeds] for a number
+    of periods; tolerances of height [%] and phase [deg]."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -107,7 +107,7 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Height, phase and current in the last periods."""
+    """Measure height, phase and current in the last periods."""
     time, fits = record_run(
         simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
     )
@@ -141,7 +141,7 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """A packet of waves in a calm sea, and a rim of a width [wavelengths]; tolerance [%]."""
+    """Set-up of a packet of waves in a calm sea, and a rim of a width [wavelengths]; tolerance [%]."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -150,7 +150,7 @@ def packet_problem(width: float, within: float) -> Problem:
 
 
 def measure_packet(simulation: Simulation) -> Finding:
-    """Height of the returned packet over that which the scheme would leave of it without a rim."""
+    """Measure the height of the returned packet over that which the scheme would leave of it without a rim."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side
@@ -192,13 +192,13 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
 
 
 def part_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parts (m,) ahead and back of complex heights (n, m) at times (n,) [s] over a period."""
+    """Parts (m,) that travel ahead and back, of complex heights (n, m) at times (n,) [s] over a period."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
 
 def random_problem() -> Problem:
-    """A JONSWAP sea."""
+    """Set-up of a random sea with a JONSWAP spectrum."""
     spectrum = {"significant_wave_height": HEIGHT, "peak_period": PERIOD, "cut_off": 2.0, "seed": SEED}
     promises = (
         Promise("JONSWAP: 4 sqrt m0 in the free part [m]", "%", f"{SOURCE_TEXT}; 6 %", {"delta_sph": 6.0}),
@@ -210,7 +210,7 @@ def random_problem() -> Problem:
 
 
 def measure_random(simulation: Simulation) -> Finding:
-    """Heights in the free part over the second half of the run."""
+    """Measure heights in the free part over the second half of the run."""
     sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH

@@ -37,8 +37,8 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """A flume with gauges one and `far` wavelengths from the piston, read from `begin` [s] on, and the tolerance [%] of
-    the height at the far one. The absorbing zone is a wavelength long."""
+    """Set-up of a flume with gauges one and `far` wavelengths from the piston, read from `begin` [s] on, and the
+    tolerance [%] of the height at the far one. The absorbing zone is a wavelength long."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)

@@ -29,15 +29,15 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def poiseuille_profile(y: np.ndarray, time: float) -> np.ndarray:
-    """Speed over the final speed in the middle, at heights y [L] and a time [L^2 / nu], driven by a body force."""
+    """Exact speed over the final speed in the middle, at heights y [L] and a time [L^2 / nu], under a body force."""
     odd = 2.0 * SERIES_TERMS - 1.0
     waves = np.sin(np.pi * np.outer(y, odd)) * np.exp(-((odd * np.pi) ** 2) * time) / odd**3
     return 4.0 * y * (1.0 - y) - 32.0 / np.pi**3 * waves.sum(axis=1)
 
 
 def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coarse: bool) -> Problem:
-    """A periodic stretch of the gap under a lid velocity [m/s] and a body force [m/s2]; the plot shows `column` of the
-    published table.
+    """Set-up of a periodic stretch of the gap, under a lid velocity [m/s] and a body force [m/s2]; the plot shows
+    `column` of the published table.
 
     Compression follows the largest of V^2, nu V / L and F L, as Morris, Fox & Zhu (1997) advise.
     """
@@ -68,7 +68,7 @@ def gap_problem(exact: Profile, column: str, lid: list[float], force: float, coa
 
 
 def measure_profiles(simulation: Simulation, exact: Profile, column: str, times: list[float]) -> Finding:
-    """Profiles at the published times."""
+    """Measure the profiles of speed at the published times."""
     numbers, measured, expected = [], [], []
     data = table("analytic_poiseuille_couette")
     for time in times:

@@ -56,24 +56,24 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def bed_stress(speed: float, height: float) -> float:
-    """Stress of the bed [Pa] by the logarithmic law, for a speed [m/s] at a height [m]."""
+    """Stress of the bed [Pa] by the logarithmic law, for a speed [m/s] at a height [m] above the bed."""
     return DENSITY * (KARMAN_CONSTANT * speed / log(GRAINS_PER_Z0 * height / ROUGHNESS)) ** 2
 
 
 def steady_profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
-    """Speed [m/s] of the steady flow at heights z [m], with the lowest row at half a spacing [m]."""
+    """Exact speed [m/s] of the steady flow at heights z [m], with the lowest row at half a spacing [m]."""
     z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
     lowest_speed = sqrt(STRESS / DENSITY) / KARMAN_CONSTANT * log(GRAINS_PER_Z0 * lowest / ROUGHNESS)
     return lowest_speed + SLOPE_GRAVITY / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))
 
 
 def mean_speed(spacing: float) -> float:
-    """Mean speed U [m/s] of the steady flow."""
+    """Exact mean speed U [m/s] of the steady flow."""
     return float(steady_profile(0.0, spacing)) + SLOPE_GRAVITY * DEPTH**2 / (3.0 * VISCOSITY)
 
 
 def measure_flow(simulation: Simulation, spacing: float) -> Finding:
-    """Start the flow too slow, then average over the last seconds of the run."""
+    """Start the flow too slow, then measure means over the last seconds of the run."""
     start = particle_state(simulation).position
     set_state(simulation, start, START_SHARE * np.outer(steady_profile(start[:, 1] + DEPTH, spacing), [1.0, 0.0, 0.0]))
     times, means, rows, seen = [], [], [], []

@@ -55,7 +55,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
-    """All periods of a scenario, one after the other."""
+    """Set-up of all periods of a scenario, one after the other, in closed-form waves."""
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
@@ -91,7 +91,7 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
 
 
 def is_resonant(period: float) -> bool:
-    """True if damping exceeds mass and stiffness together in heave of a period [s]."""
+    """True if, in heave at a period [s], damping exceeds mass and stiffness together."""
     table, omega = csv_file.Table(table_path("section_radiation")), 2.0 * pi / period
     added, damping = (
         float(np.interp(omega, table["omega_rad_s"], table[name])) for name in ("heave_added_kg", "heave_damping_kg_s")
@@ -100,7 +100,7 @@ def is_resonant(period: float) -> bool:
 
 
 def sway_springs() -> list[dict[str, Any]]:
-    """Keys of two lines that hold it in sway, tight by a metre, and long enough not to hold heave."""
+    """Keys of two mooring lines that hold the section in sway, tight by a metre, and too long to hold heave."""
     half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
     half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
     ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]
@@ -108,7 +108,7 @@ def sway_springs() -> list[dict[str, Any]]:
 
 
 def particle_problem(period: float) -> Problem:
-    """The section on particles in a patch of open sea, at one period [s]."""
+    """Set-up of the section on particles in a patch of open sea, at one period [s]."""
     k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     length = 2.0 * pi / k
     promises = tuple(
@@ -137,7 +137,7 @@ def particle_problem(period: float) -> Problem:
 
 
 def measure_particles(simulation: Simulation, period: float) -> Finding:
-    """Heave over the amplitude a, and roll over k a, in the last periods."""
+    """Measure heave over the wave amplitude a, and roll over k a, in the last periods."""
     rows = [(t, b.position[1], b.angles[2]) for t, b in follow_body(simulation, simulation.scene.duration)]
     t, heave, roll = np.array(rows).T
     late = t > t[-1] - JUDGED_WAVES * period

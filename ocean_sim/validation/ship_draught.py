@@ -55,7 +55,7 @@ def exact_draught(shape: str, density: float) -> float:
 
 
 def shape_problem(shape: str, density: float) -> Problem:
-    """A shape at a relative density."""
+    """Set-up of a shape at a relative density."""
     name = f"{shape} {density:g}"
     hull = {"shape": SHAPES[shape], "mass": density * submerged_volume(shape, HEIGHT) * WATER_DENSITY}
     promise = Promise(f"{name}: draught [m]", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, 1.0))
@@ -64,7 +64,7 @@ def shape_problem(shape: str, density: float) -> Problem:
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
-    """Draught at which weight and buoyancy balance, upright."""
+    """Measure the draught at which weight and buoyancy balance, upright."""
     ship = floating_ship(simulation)
     balance_heave(simulation, UPRIGHT)
     found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
@@ -72,7 +72,7 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 
 def trim_problem() -> Problem:
-    """The barge with 10 t moved 5 m aft."""
+    """Set-up of the barge with 10 t moved 5 m aft."""
     promise = Promise(
         "trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(COMPARED_SHIPS, 1.0)
     )

@@ -42,7 +42,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure_drift(simulation: Simulation, phases: int) -> Finding:
-    """Mean speed along the ship for each phase at the start."""
+    """Measure the mean speed along the ship for each phase of the waves at the start."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     rest = np.array([0.0, floating_ship(simulation).first_body.position[1], 0.0])
     train = waves.regular_wave(HEIGHT, PERIOD, waves.heading_vector(180.0, 3), simulation.basin.depth, GRAVITY)
@@ -61,7 +61,7 @@ def measure_drift(simulation: Simulation, phases: int) -> Finding:
 
 
 def measure_yaw(simulation: Simulation) -> Finding:
-    """Largest yaw in waves from abeam."""
+    """Measure the largest yaw in waves from abeam."""
     t, yaw = np.array([(t, body.angles[1]) for t, body in follow_body(simulation, BEAM_DURATION)]).T
     yaw = np.degrees(np.unwrap(yaw))
     return Finding([absolute_error(float(np.abs(yaw).max()))], [Curve("yaw", t, yaw)], [], ("t [s]", "yaw [deg]"))

@@ -31,7 +31,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) -> Problem:
-    """The drop with keys for constant added mass and damping, or for a memory; tolerance [m]."""
+    """Set-up of the drop, with keys for constant added mass and damping, or for a memory; tolerance [m]."""
     ship = {"hull": "sphere", "free": ["heave"], "cells_per_draught": 4 if coarse else 8} | keys
     promise = Promise(f"{name}: rms of heave [m]", "m", "OES Task 10, mean of six; their spread", {"dynamic": limit})
 

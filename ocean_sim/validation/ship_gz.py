@@ -28,7 +28,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def hull_problem(hull: str, cells: int, limit: float) -> Problem:
-    """A hull at a resolution."""
+    """Set-up of a hull at a resolution of `cells` to the draught; tolerance `limit` [%]."""
     name = f"{hull}, {cells} cells"
     scene = at_sea({"hull": hull, "cells_per_draught": cells}, HULL_SIZE[hull], 0.01)
     promise = Promise(f"{name}: largest error of GZ", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, limit))
@@ -49,7 +49,7 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 
 
 def thesis_problem() -> Problem:
-    """The barge under the thesis's columns, as printed."""
+    """Set-up of the barge under the thesis's columns, as printed."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     promises = tuple(
         Promise(
@@ -69,7 +69,7 @@ def thesis_problem() -> Problem:
 
 
 def righting_levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
-    """Righting levers (n,) [m] at heels (n,) [deg], the ship free to sink."""
+    """Righting levers GZ (n,) [m] at heels (n,) [deg]; the ship is free to sink at each."""
     ship = ship_of(simulation)
     weight = ship.body.mass * 9.81
     return np.array([-balance_heave(simulation, turn_quaternion(2, float(heel))).torque[2] / weight for heel in heels])

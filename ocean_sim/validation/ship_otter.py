@@ -36,7 +36,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sail_record(simulation: Simulation) -> np.ndarray:
-    """Rows (7, n) of time [s], x, z [m], speed [m/s], pitch, yaw [rad] and yaw rate [rad/s]."""
+    """Run to the end: rows (7, n) of time [s], x, z [m], speed [m/s], pitch, yaw [rad] and yaw rate [rad/s]."""
     seconds = simulation.scene.duration
     rows = [
         (t, b.position[0], b.position[2], np.hypot(b.velocity[0], b.velocity[2]), b.angles[0], b.angles[1], b.rates[1])
@@ -46,7 +46,7 @@ def sail_record(simulation: Simulation) -> np.ndarray:
 
 
 def measure_straight(simulation: Simulation) -> Finding:
-    """Speed, way to 95 % of it, and trim."""
+    """Measure the final speed, the way to 95 % of it, and the trim."""
     t, _, z, u, pitch, _, _ = sail_record(simulation)
     way = z[np.argmax(u >= 0.95 * u[-1])] - z[0]
     found = (u[-1], way, np.degrees(pitch[-1]))
@@ -55,7 +55,7 @@ def measure_straight(simulation: Simulation) -> Finding:
 
 
 def measure_turn(simulation: Simulation) -> Finding:
-    """Steady turn, and tactical measures from the order of the turn."""
+    """Measure the steady turn, and the tactical quantities from the order of the turn."""
     t, x, z, u, _, yaw, rate = sail_record(simulation)
     begin = np.argmax(t >= 20.0)
     turned = np.abs(np.degrees(np.unwrap(yaw)))

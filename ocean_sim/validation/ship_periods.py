@@ -39,7 +39,7 @@ def problems(coarse: bool) -> list[Problem]:
 def release_problem(
     name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
 ) -> Problem:
-    """The barge with added mass by rule, or given by keys; tolerances [%] by scheme."""
+    """Set-up of the barge with added mass by rule, or given by keys; tolerances [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 

@@ -46,7 +46,7 @@ def problems(coarse: bool) -> list[Problem]:
 def hull_problem(
     hull: str, sea: str, omegas: tuple[float, ...], schemes: tuple[str, ...], keys: dict[str, Any], cells: int
 ) -> Problem:
-    """A hull in waves of frequencies [rad/s] from ahead or abeam."""
+    """Set-up of a hull in waves of frequencies [rad/s] from ahead or abeam."""
     name, turn = f"{hull}, {sea} sea", "pitch" if sea == "head" else "roll"
     name += ", memory" if "radiation" in keys else ""
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
@@ -89,7 +89,7 @@ def hull_problem(
 
 
 def allowed_error(hull: str, omega: float, motion: str) -> float | None:
-    """Tolerance [%] of `dynamic`, or None."""
+    """Tolerance [%] of `dynamic` for a motion at a frequency [rad/s], or None."""
     length = 2.0 * np.pi * GRAVITY / omega**2
     if length > 6.0 * HULL_LENGTH[hull]:
         return LONG_TOLERANCE

@@ -20,7 +20,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Drift and largest roll."""
+    """Measure drift and largest roll."""
     ship = ship_of(simulation)
     start = ship.body.position
     rows = [(t, *(b.position - start), b.angles[2]) for t, b in follow_body(simulation, REST_DURATION)]

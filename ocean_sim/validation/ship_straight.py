@@ -33,7 +33,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Speed and way against the closed form."""
+    """Compare speed and way with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)

@@ -42,7 +42,7 @@ SOURCE_TEXT = "IMO MSC.137(76), 5.3"
 
 
 def coarse_preset(name: str) -> dict[str, Any]:
-    """Keys of a ship of configs/ship, at a coarser resolution."""
+    """Keys of a shipped ship (configs/ship), at a coarser resolution."""
     keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
     return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
 
@@ -61,7 +61,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def circle_problem(name: str, scene: dict[str, Any], prefix: str = "") -> Problem:
-    """The turning circle of a ship; `prefix` begins the names of its quantities."""
+    """Set-up of the turning circle of a ship; `prefix` begins the names of its quantities."""
     promises = tuple(bounded_promise(prefix + quantity, limits) for quantity, limits in CIRCLE_LIMITS.items())
     look = partial(measure_circle, length=SHIP_LENGTHS[name])
     return Problem(scene, promises, look, f"circle of the {name}", slot="ship", schemes=COMPARED_SHIPS)
@@ -115,7 +115,7 @@ def sail_rows(
 
 
 def measure_circle(simulation: Simulation, length: float) -> Finding:
-    """Turn to port of a ship of a length [m]."""
+    """Measure a turn to port of a ship of a length [m]."""
     rows = np.array(list(sail_rows(simulation, lambda time, yaw: radians(RUDDER_ANGLE), TURN_TIME)))
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
@@ -134,7 +134,7 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
 
 
 def measure_zigzag(simulation: Simulation, angle: float) -> Finding:
-    """Zig-zag by an angle [deg]: rudder to port, to starboard, to port."""
+    """Measure a zig-zag by an angle [deg]: rudder to port, to starboard, to port."""
     way, executed = [1.0], []
 
     def orders(time: float, yaw: float) -> float:

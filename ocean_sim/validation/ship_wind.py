@@ -40,7 +40,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Speed, way and drag at rest against the closed form."""
+    """Compare speed, way and drag at rest with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     first = float(current_load(simulation).parts[2, 0, 2])

@@ -64,17 +64,17 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sway_motion(amplitude: float, omega: float) -> dict[str, str | float]:
-    """Keys of a sway of the tank that has its full speed at once, and the water with it."""
+    """Keys of a sway of the tank, which starts at full speed with its water."""
     return {"kind": "harmonic", "axis": "x", "amplitude": amplitude, "period": 2.0 * pi / omega, "ramp": 0.0}
 
 
 def measure_mode(simulation: Simulation) -> Finding:
-    """First mode over time."""
+    """Measure the first mode over time."""
     return compare_mode(*record_run(simulation, PERIOD / 40, FIRST_MODE.amplitude_share))
 
 
 def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
-    """Fit a first mode that should be cos(w1 t) - cos(w t)."""
+    """Compare a first mode with cos(w1 t) - cos(w t), by a fit."""
     from scipy.optimize import curve_fit
 
     def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:
@@ -96,7 +96,7 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
 
 
 def measure_series(simulation: Simulation) -> Finding:
-    """Elevation near the left wall over time."""
+    """Measure the elevation near the left wall over time."""
     gauge = np.array([[simulation.basin.lower[0] + GAUGE_DISTANCE, 0.0]])
     times, elevation = gauge_records(simulation, gauge, SHALLOW_PERIOD / 100)
     return compare_series(times / SHALLOW_PERIOD, elevation[:, 0])
@@ -109,7 +109,7 @@ def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> floa
 
 
 def compare_series(times: np.ndarray, elevation: np.ndarray) -> Finding:
-    """Compare an elevation [m] over times [periods] with the measured one, within the measured times."""
+    """Compare an elevation [m] over times [periods of the sway] with the measured one, within the measured times."""
     data = table("sloshing_bouscasse2013_series5")
     order = np.argsort(data["t_s"], kind="stable")
     known_times, known = data["t_s"][order], data["eta_m"][order]

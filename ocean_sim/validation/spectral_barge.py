@@ -22,7 +22,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def barge_problem(sea: str, cells: int) -> Problem:
-    """The barge in a head or beam sea."""
+    """Set-up of the barge in a head or beam sea."""
     turn, heading = "pitch" if sea == "head" else "roll", SEA_HEADINGS[sea]
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     ship = {"kind": "dynamic", "hull": "barge20", "cells_per_draught": cells, "free": free}
@@ -53,5 +53,5 @@ def barge_problem(sea: str, cells: int) -> Problem:
 
 
 def frequency_responses(simulation: Simulation, heading: float) -> dict[float, tuple[float, float, float]]:
-    """Heave [m/m], pitch and roll [deg/m] at each frequency."""
+    """Heave [m/m], pitch and roll [deg/m] of the barge by frequency [rad/s] of the waves."""
     return {omega: wave_response(simulation, omega, HULL_LENGTH["barge20"], heading) for omega in WAVE_FREQUENCIES}

@@ -28,7 +28,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def conservation_problem() -> Problem:
-    """Energy and phase of free waves."""
+    """Set-up for the energy and phase of free waves."""
     energy = Promise("energy after 100 periods, change", "1", "none is lost", {"spectral_sea": 1e-6})
     phase = Promise("phase after 100 periods, error [rad]", "rad", "omega^2 = g k", {"spectral_sea": 1e-9})
 
@@ -51,7 +51,7 @@ def conservation_problem() -> Problem:
 
 
 def reflection_problem() -> Problem:
-    """Reflection of the rim."""
+    """Set-up for the reflection of waves by the rim."""
     promises = tuple(
         Promise(f"returned by the rim, {n} waves on the tile", "%", "none on a wide sea", {"spectral_sea": 2.0})
         for n in REFLECTED_WAVE_COUNTS
@@ -73,7 +73,8 @@ def reflection_problem() -> Problem:
 
 
 def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
-    """Complex amplitudes (n,) [m] in the free part around an oscillating pressure as long as a wave of wavenumber k."""
+    """Complex amplitudes (n,) [m] of waves from an oscillating pressure as long as a wave of wavenumber k, at cells of
+    the free part."""
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
     dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []
@@ -86,7 +87,7 @@ def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
 
 
 def random_sea_problem(order: int) -> Problem:
-    """A random sea of an order."""
+    """Set-up of a random sea at an order, 1 or 3."""
     name = f"a random sea, order {order}"
     height = Promise(f"{name}: 4 sqrt(m0) [m]", "%", "asked for", {"spectral_sea": 1.0})
     period = Promise(f"{name}: T_m02 [s]", "%", "of the spectrum asked for", {"spectral_sea": 1.0})

@@ -55,7 +55,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 class GaussianPressure(Displacing):
-    """A pressure of Gaussian shape, expressed as the displaced volume with the same weight."""
+    """A moving pressure of Gaussian shape, given to the tile as the displaced volume with the same weight."""
 
     def __init__(self) -> None:
         ticks = np.arange(-3.0, 3.01, 0.125)
@@ -70,7 +70,7 @@ class GaussianPressure(Displacing):
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Water for another ship, water for the passing one itself, and the position of the passing one along x [m]."""
+    """Water seen by another ship, water seen by the passing ship itself, and the position of the latter along x [m]."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:

@@ -25,7 +25,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def stokes_problem() -> Problem:
-    """Speed and energy of Stokes waves."""
+    """Set-up for the speed and energy of Stokes waves."""
     promises = [
         Promise(f"speed of a wave of steepness {s:g} [m/s]", "%", "Fenton 1985", {"spectral_sea": most})
         for s, most in SPEED_TOLERANCES.items()
@@ -56,7 +56,7 @@ def stokes_problem() -> Problem:
 
 
 def side_band_problem() -> Problem:
-    """Growth of the side-bands of a steep wave."""
+    """Set-up for the growth of the side-bands of a steep wave."""
     promise = Promise("growth of side-bands [1/s]", "%", "Dysthe 1979", {"spectral_sea": 10.0})
 
     def measure(simulation: Simulation) -> Finding:

@@ -47,7 +47,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def havelock_resistance(u: float) -> float:
-    """Wave resistance [N] at a speed [m/s]."""
+    """Wave resistance [N] of the pressure at a speed [m/s], by Havelock's integral."""
     t, k0 = np.linspace(0.0, np.pi / 2 - 1e-4, 200_001), GRAVITY / u**2
     k = k0 / np.cos(t) ** 2
     spread = (k * np.cos(t) * WIDTH_ALONG) ** 2 + (k * np.sin(t) * WIDTH_ACROSS) ** 2
@@ -56,7 +56,7 @@ def havelock_resistance(u: float) -> float:
 
 
 def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
-    """Mean resistance [N] of the steady state, and the elevation (cells, rows) [m] at its end."""
+    """Tow the pressure at a speed [m/s]: mean steady resistance [N], and elevation (cells, rows) [m] at the end."""
     tile = sea_of(simulation).tile
     layer, steps, found = Layer(tile), round(END_TIME / TIME_STEP), []
     for n in range(1, steps + 1):

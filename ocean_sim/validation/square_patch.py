@@ -38,7 +38,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Set the patch spinning, then measure its voids."""
+    """Set the patch spinning, then measure its voids and conserved quantities."""
     start = particle_state(simulation).position
     velocity = SPIN_RATE * np.stack([start[:, 1], -start[:, 0], 0.0 * start[:, 0]], axis=1)
     set_state(simulation, start, velocity, simulation.fluid.rest_density * SPIN_RATE**2 * initial_pressure(start))
@@ -54,7 +54,7 @@ def initial_pressure(position: np.ndarray) -> np.ndarray:
 
 
 def void_diameter(water: State) -> float:
-    """Diameter of the largest empty circle around the centre of the patch [spacings]."""
+    """Diameter, in spacings, of the largest empty circle around the centre of the patch."""
     from scipy.spatial import cKDTree
 
     middle = water.position.mean(axis=0)

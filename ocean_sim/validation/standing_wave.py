@@ -92,7 +92,7 @@ class StandingWave:
         return scale * np.stack([along, up, np.zeros_like(x)], axis=1)
 
     def decaying_signal(self, times: np.ndarray, rate: float) -> np.ndarray:
-        """Velocity over its first amplitude at times [s], for a decay rate [1/s]."""
+        """Velocity over its first amplitude at times [s], for a decay rate [1/s], in linear theory."""
         return np.cos(self.omega * times) * np.exp(-rate * times)
 
     def amplitude_ratio(self, rate: float) -> float:
@@ -100,7 +100,7 @@ class StandingWave:
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Numbers of a run, and its curve next to that of a decay rate [1/s]."""
+        """Finding of a run: its numbers, and its curve next to that of a decay rate [1/s]."""
         return Finding(
             numbers,
             [Curve("wave", times / self.period, share)],
@@ -146,7 +146,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow: bool = False) -> Problem:
-    """The wave at a Reynolds number sqrt(g H) H / nu, or without viscosity."""
+    """Set-up of the wave at a Reynolds number sqrt(g H) H / nu, or without viscosity."""
     name = f"Re {reynolds:g}" if reynolds else "nu 0"
     viscosity = DEEP_WAVE.viscosity(reynolds) if reynolds else 0.0
     scene = {
@@ -166,7 +166,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Period and decay rate of a signal that should be cos(w t) exp(-2 nu k^2 t)."""
+    """Compare period and decay rate of a signal with those of cos(w t) exp(-2 nu k^2 t)."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

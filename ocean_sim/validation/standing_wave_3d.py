@@ -39,7 +39,7 @@ def wave_problem(
     period: dict[str, float],
     decay: dict[str, float],
 ) -> Problem:
-    """A wave at a Reynolds number sqrt(g h) h / nu over a number of layers of particles, for a number of periods."""
+    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu, for numbers of layers of particles and of periods."""
     spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {
@@ -56,7 +56,7 @@ def wave_problem(
 
 
 def measure_wave(simulation: Simulation, wave: StandingWave, viscosity: float) -> Finding:
-    """Period and decay rate of the part of the velocity in the mode of the wave."""
+    """Measure period and decay rate of the part of the velocity in the mode of the wave."""
     times, share = wave.follow_mode(simulation)
     period, rate = wave.fit_damped_cosine(times, share)
     expected = wave.leading_rate(viscosity)

@@ -58,7 +58,7 @@ def wave_positions(position: np.ndarray) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Surface along the middle of the slab, after it has settled."""
+    """Measure the surface along the middle of the slab, after it has settled, against the wave put on the particles."""
     start = particle_state(simulation).position
     set_state(simulation, wave_positions(start), np.zeros_like(start))
     surface: Any = simulation.surface

@@ -52,7 +52,7 @@ def exact_flow(position: np.ndarray, time: float) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Disturb the lattice and set it in motion, then follow the decay."""
+    """Disturb the lattice and set it in motion, then measure the decay."""
     start = particle_state(simulation)
     low, period = np.array(simulation.basin.lower), np.array(simulation.basin.periods)
     at = start.position + random_shifts(simulation, start.position, SHIFT_SIZE * start.spacing)

@@ -31,7 +31,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Pose, energy and momentum at the end."""
+    """Measure the errors of orientation, energy and angular momentum at the end."""
     ship = ship_of(simulation)
     set_pose(simulation, position=np.array([0.0, AIR_HEIGHT, 0.0]), angular_momentum=ship.body.angular_momentum)
     energy = lambda b: 0.5 * float(b.angular_velocity @ b.angular_momentum)

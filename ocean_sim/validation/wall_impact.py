@@ -59,12 +59,12 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def scaled_time(time: np.ndarray, g: float, height: float) -> np.ndarray:
-    """t* = t sqrt(g / H), the time axis of both tables; time [s], g [m/s2], height H [m]."""
+    """Scaled time t* = t sqrt(g / H), the time axis of both tables; time t [s], g [m/s2], height H [m]."""
     return time * np.sqrt(g / height)
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Mean pressure on both sensors over time."""
+    """Measure the mean pressure on both sensors over time, and compare it with the tables."""
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
@@ -75,7 +75,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
-    """Arrival t* and impulse of a series p*(t*), after a moving mean; its times need not be even."""
+    """Arrival time t* and impulse of a pressure p*(t*), after a moving mean; its times need not be even."""
     even = np.arange(0.0, END_TIME, 0.01)
     order = np.argsort(time, kind="stable")
     width = round(MEAN_TIME / 0.01)

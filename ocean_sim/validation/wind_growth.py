@@ -49,7 +49,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_amplitude(water: State) -> float:
-    """Amplitude [m] of the wave of this wavenumber along +x, from the velocities of the water."""
+    """Amplitude [m] of the case's wave along +x, from the velocities of the water."""
     position, velocity = water.position, water.velocity
     c, s = waves.profiles(K, np.minimum(position[:, 1], 0.0), DEPTH)
     turn = np.exp(-1j * K * position[:, 0])
@@ -58,13 +58,13 @@ def wave_amplitude(water: State) -> float:
 
 
 def growth_rate(times: np.ndarray, sizes: np.ndarray) -> float:
-    """Growth rate of the energy [1/s], after the first period."""
+    """Growth rate of the wave's energy [1/s] after the first period."""
     later = times > PERIOD
     return 2.0 * float(np.polyfit(times[later], np.log(sizes[later]), 1)[0])
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Growth of the wave under the wind and under still air."""
+    """Measure the growth of the wave under the wind and under still air."""
     times, under_wind = record_run(simulation, PERIOD / 20, wave_amplitude)
     with without_wind(simulation) as without:
         _, under_still = record_run(without, PERIOD / 20, wave_amplitude)

@@ -39,7 +39,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def basin_problem(layers: int, slow: bool = False) -> Problem:
-    """The basin with a number of layers of particles over its depth."""
+    """Set-up of the basin with a number of layers of particles over its depth."""
     scene = {
         "duration": 5.0,
         "basin": {"length": LENGTH, "depth": DEPTH, "floor": "no_slip"},
@@ -68,7 +68,7 @@ def mean_slopes(simulation: Simulation, begin: float, until: float) -> tuple[flo
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Means over the last fifth of the run, and a short look at the same water without wind."""
+    """Measure means over the last fifth of the run, and briefly those of the same water without wind."""
     until = simulation.scene.duration
     on_bed, on_top, flow = mean_slopes(simulation, 0.8 * until, until)
     with without_wind(simulation) as without:

@@ -50,13 +50,13 @@ def slice_problem(spacing: float, precision: str) -> Problem:
 
 
 def gained_momentum(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] and gain of momentum along x (n,) [N s] since the start."""
+    """Run to the end: times (n,) [s] and gain of momentum along x (n,) [N s] since the start."""
     times, momentum = record_run(simulation, DURATION / 20, lambda water: water.momentum[0])
     return times, momentum - momentum[0]
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Momentum over time, under the wind and under still air."""
+    """Measure the momentum over time, under the wind and under still air."""
     times, momentum = gained_momentum(simulation)
     water: Any = simulation.fluid  # of a kind that has exposed areas
     reached = np.count_nonzero(water.exposure.area.to_numpy()[:, 1])

@@ -32,7 +32,7 @@ ANGLES_AT_ONCE = 2**15  # angles of waves at points that are computed together
 
 
 def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """k [rad/m] of the dispersion relation omega^2 = g k tanh(k h), for omega [rad/s] greater than zero.
+    """Wavenumber k [rad/m] by omega^2 = g k tanh(k h), for omega [rad/s] above zero and a depth h [m].
 
     Newton's method from the closed form of Guo (2002, Coastal Engineering 45), which is right to 0.75 %.
     """
@@ -45,36 +45,36 @@ def wavenumber(omega: Values, depth: float, gravity: float = GRAVITY) -> np.ndar
 
 
 def angular_frequency(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """omega [rad/s] of a wavenumber k [rad/m]."""
+    """Angular frequency [rad/s] of waves of wavenumber k [rad/m] on a depth [m]."""
     k = np.asarray(k, dtype=float)
     return np.sqrt(gravity * k * np.tanh(k * depth))
 
 
 def phase_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Speed of the crests [m/s]."""
+    """Speed [m/s] of the crests of waves of wavenumber k [rad/m] on a depth [m]."""
     return angular_frequency(k, depth, gravity) / k
 
 
 def group_speed(k: Values, depth: float, gravity: float = GRAVITY) -> np.ndarray:
-    """Speed of the energy [m/s]: c/2 (1 + 2kh / sinh 2kh)."""
+    """Speed [m/s] at which waves of wavenumber k [rad/m] carry energy: c/2 (1 + 2kh / sinh 2kh)."""
     q = 2.0 * np.minimum(np.asarray(k, dtype=float) * depth, 300.0)
     return 0.5 * phase_speed(k, depth, gravity) * (1.0 + q / np.sinh(q))
 
 
 def breaking_height(period: float, depth: float, gravity: float = GRAVITY) -> float:
-    """Height [m] at which a wave of this period breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
+    """Height [m] at which a wave of a period [s] breaks (Miche 1944): 0.142 wavelengths times tanh(kh)."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return BREAKING_STEEPNESS * 2.0 * pi / k * float(np.tanh(k * depth))
 
 
 def piston_transfer(kh: Values) -> np.ndarray:
-    """Wave height over full stroke of a piston wavemaker, far away (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
+    """Wave height over full stroke of a piston wavemaker, far from it (Biesel & Suquet 1951; Dean & Dalrymple 6.25)."""
     q = 2.0 * np.minimum(np.asarray(kh, dtype=float), 300.0)
     return 2.0 * (np.cosh(q) - 1.0) / (np.sinh(q) + q)
 
 
 def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gravity: float = GRAVITY) -> np.ndarray:
-    """S(f) [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
+    """Spectral density [m2 s] of Pierson & Moskowitz (1964); its variance is alpha g^2 / (5 (2 pi)^4 fp^4)."""
     f = np.asarray(frequency, dtype=float)
     scale = alpha * gravity**2 / (2.0 * pi) ** 4
     return scale * f**-5.0 * np.exp(-1.25 * (peak_frequency / f) ** 4)
@@ -83,8 +83,8 @@ def pierson_moskowitz(frequency: Values, peak_frequency: float, alpha: float, gr
 def jonswap(
     frequency: Values, peak_frequency: float, alpha: float, gamma: float = 3.3, gravity: float = GRAVITY
 ) -> np.ndarray:
-    """S(f) [m2 s] of Hasselmann et al. (1973): that of Pierson & Moskowitz with its peak raised by gamma, over a width
-    of 0.07 below the peak and 0.09 above it."""
+    """Spectral density [m2 s] of Hasselmann et al. (1973) at frequencies [Hz]: that of Pierson & Moskowitz with its
+    peak raised by gamma, over a width of 0.07 below the peak and 0.09 above it."""
     ratio = np.asarray(frequency, dtype=float) / peak_frequency
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
@@ -92,8 +92,8 @@ def jonswap(
 
 
 def ramp_share(time: float, ramp: float) -> float:
-    """Share of their height of waves that grow over a ramp [s] from time 0 on: s - sin(2 pi s) / (2 pi), s from 0 to 1
-    over the ramp.
+    """Share of their full height that waves have at a time [s] if they grow over a ramp [s] from time 0 on: s - sin(2
+    pi s) / (2 pi), with s from 0 to 1 over the ramp.
 
     Its rate is Hann's window, which has no part at the frequency of a wave with two or more whole periods in the ramp:
     a body that floats at rest at first then moves to and fro about one place, whatever the phase of the wave.
@@ -103,13 +103,13 @@ def ramp_share(time: float, ramp: float) -> float:
 
 
 def ramp_rate(time: float, ramp: float) -> float:
-    """Rate of the share that waves have over a ramp [1/s]."""
+    """Time derivative [1/s] of `ramp_share` at a time [s]."""
     s = time / ramp if ramp > 0.0 else 1.0
     return (1.0 - cos(2.0 * pi * s)) / ramp if 0.0 < s < 1.0 else 0.0
 
 
 def cut_short(duration: float, ramp: float) -> Iterator[str]:
-    """Warn of a run of this duration [s] whose waves grow over a longer ramp [s]."""
+    """Yield a warning if a run of this duration [s] ends before its waves have grown over their ramp [s]."""
     if duration < ramp:
         share = 100.0 * ramp_share(duration, ramp)
         yield (
@@ -120,7 +120,7 @@ def cut_short(duration: float, ramp: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Components:
-    """A sea as a sum of plane waves, each a cos(k . (x, z) - omega t + phase)."""
+    """A sea as a sum of plane waves, each amplitude cos(k . (x, z) - omega t + phase)."""
 
     amplitude: np.ndarray  # (n,) [m]
     wavevector: np.ndarray  # (n, 2) along x and z [rad/m]
@@ -131,17 +131,17 @@ class Components:
 
     @cached_property
     def wavenumber(self) -> np.ndarray:
-        """(n,) wavenumbers [rad/m]."""
+        """Wavenumbers (n,) of the waves [rad/m]."""
         return np.hypot(*self.wavevector.T)
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """(n,) frequencies [rad/s]."""
+        """Angular frequencies (n,) of the waves [rad/s]."""
         return angular_frequency(self.wavenumber, self.depth, self.gravity)
 
     @property
     def highest(self) -> int:
-        """Index of the highest wave."""
+        """Index of the wave of greatest amplitude."""
         return int(np.argmax(self.amplitude))
 
     @property
@@ -161,7 +161,7 @@ class Components:
 
     @property
     def significant_height(self) -> float:
-        """Four standard deviations of the elevation [m]."""
+        """Significant wave height [m]: four standard deviations of the elevation."""
         return 4.0 * float(np.sqrt(0.5 * (self.amplitude**2).sum()))
 
     @property
@@ -170,21 +170,21 @@ class Components:
         return bool(np.ptp(self.omega) > 0.0)
 
     def select(self, there: np.ndarray) -> "Components":
-        """Waves for which (n,) is true, and the longest in any case."""
+        """Sea of those waves for which `there` (n,) is true, and of the longest wave in any case."""
         kept = there | (np.arange(len(there)) == np.argmin(self.wavenumber))
         return replace(self, amplitude=self.amplitude[kept], wavevector=self.wavevector[kept], phase=self.phase[kept])
 
     def ramp_share(self, time: float) -> float:
-        """Share of their height that the waves have at a time [s]."""
+        """Share of their full height that the waves have at a time [s]."""
         return ramp_share(time, self.ramp)
 
     def ramp_rate(self, time: float) -> float:
-        """Rate of the share of their height at a time [1/s]."""
+        """Time derivative [1/s] of `ramp_share` at a time [s]."""
         return ramp_rate(time, self.ramp)
 
     def angles(self, points: np.ndarray, time: float) -> Iterator[tuple[slice, np.ndarray]]:
-        """Yield slices of n components, and their angles k . (x, z) - omega t + phase [rad], (n, m), at m points whose
-        first column is x and last is z."""
+        """Yield slices of n waves, and their phase angles k . (x, z) - omega t + phase [rad], (n, m), at a time [s] and
+        m points, whose first column is x [m] and whose last is z [m]."""
         x, z = points[:, 0], points[:, -1]
         n = max(1, ANGLES_AT_ONCE // max(1, len(points)))
         for some in (slice(first, first + n) for first in range(0, len(self.amplitude), n)):
@@ -230,27 +230,27 @@ def fit_periods(sea: Components, periods: Sequence[float]) -> Components:
 
 
 def profiles(k: Values, y: Values, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh, written so that nothing overflows in deep water."""
+    """Depth profiles cosh k(y+h) / cosh kh and sinh k(y+h) / cosh kh at heights y [m], without overflow."""
     rise, mirrored, bed = np.exp(k * y), np.exp(-2.0 * k * (y + depth)), np.exp(-2.0 * k * depth)
     return rise * (1.0 + mirrored) / (1.0 + bed), rise * (1.0 - mirrored) / (1.0 + bed)
 
 
 def weighted_sum(weight: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """(m,) sum of waves (n, m), each with its weight, in one order whatever the number of threads."""
+    """Sum (m,) over waves (n, m), each times its weight (n,), in one order whatever the number of threads."""
     return np.einsum("n,nm->m", weight, waves)
 
 
 def orbital_sum(
     wavevector: np.ndarray, k: np.ndarray, reach: np.ndarray, level: np.ndarray, upright: np.ndarray
 ) -> np.ndarray:
-    """(m, 3) sum of orbital motions over waves: `level` (n, m) along the wavevector (n, 2) and `upright` (n, m) along
-    y, both times k times the reach (n,)."""
+    """Orbital motion (m, 3) at m points, summed over n waves: `level` (n, m) along each wavevector (n, 2) and `upright`
+    (n, m) along y, both times wavenumber k (n,) times `reach` (n,)."""
     along = [weighted_sum(wavevector[:, axis] * reach, level) for axis in (0, 1)]
     return np.stack([along[0], weighted_sum(k * reach, upright), along[1]], axis=1)
 
 
 def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m,) height of the water [m] at points x, z (m, 2), or x, y, z (m, 3)."""
+    """Heights (m,) of the water [m] at points x, z (m, 2) or x, y, z (m, 3) [m] and a time [s]."""
     rows = lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
@@ -263,8 +263,8 @@ def elevation(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndar
 
 
 def lattice_rows(points: np.ndarray) -> int | None:
-    """Number of rows of equal x in points that are all pairs of some x and some z, z the faster; None where they are
-    not, or are too few to matter."""
+    """Number of rows of equal x if the points are a full grid of x and z, z varying fastest; None if they are not, or
+    are too few for the faster sum over a grid."""
     if len(points) < MIN_LATTICE_POINTS:
         return None
     x, z = points[:, 0], points[:, -1]
@@ -278,8 +278,8 @@ def lattice_rows(points: np.ndarray) -> int | None:
 def _on_lattice(
     sea: Components, parts: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """(len(x) len(z), k) sums over waves of k pairs of (n,) times cosine and sine of the angle a + b at all pairs of x
-    and z, by the addition theorem: cosines are taken for each row and column only."""
+    """Sums (len(x) len(z), k) over waves at all pairs of x and z, one for each of k `parts`: factors (n,) on cosine and
+    sine of the phase angle. By the addition theorem, cosines are taken for each row and column only."""
     a = np.outer(x, sea.wavevector[:, 0])
     b = np.outer(sea.wavevector[:, 1], z) + (sea.phase - sea.omega * time)[:, None]
     (cos_a, sin_a), (cos_b, sin_b) = (np.cos(a), np.sin(a)), (np.cos(b), np.sin(b))
@@ -292,12 +292,12 @@ def _on_lattice(
 
 
 def stretched_height(sea: Components, points: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """(m,) heights y' [m] in the unstretched column of points (m, 3) under elevations (m,) (Wheeler)."""
+    """Heights y' (m,) [m] in the unstretched column of points (m, 3) under elevations (m,) [m] (Wheeler)."""
     return np.minimum(sea.depth * (points[:, 1] - eta) / np.maximum(sea.depth + eta, 1e-9 * sea.depth), 0.0)
 
 
 def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) velocity [m/s] by unstretched linear theory at points (m, 3): free of divergence and rotation."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m] by unstretched linear theory, a potential flow."""
     rows = None if points[:, 1].any() else lattice_rows(points)
     if rows is not None:
         columns = len(points) // rows
@@ -316,7 +316,7 @@ def linear_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> n
 
 
 def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) displacement [m] of water that rests at points (m, 3), by linear theory: free of divergence."""
+    """Displacement (m, 3) [m] of water that rests at points (m, 3) [m], by linear theory: free of divergence."""
     moved = np.zeros((len(points), 3))
     for some, angle in sea.angles(points, time):
         k, omega = sea.wavenumber[some], sea.omega[some]
@@ -328,7 +328,7 @@ def displacement(sea: Components, points: np.ndarray, time: float = 0.0) -> np.n
 
 
 def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m,) pressure of the waves over rho g [m] by linear theory at points (m, 3), without the hydrostatic part."""
+    """Wave pressure over rho g (m,) [m] by linear theory at points (m, 3) [m], without the hydrostatic part."""
     head = np.zeros(len(points))
     for some, angle in sea.angles(points, time):
         c, _ = profiles(sea.wavenumber[some, None], points[:, 1], sea.depth)
@@ -337,18 +337,18 @@ def pressure_head(sea: Components, points: np.ndarray, time: float = 0.0) -> np.
 
 
 def velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) velocity [m/s] of the stretched column at points (m, 3); above the water that of its surface."""
+    """Water velocity (m, 3) [m/s] at points (m, 3) [m] with Wheeler stretching; above the water that of its surface."""
     y = stretched_height(sea, points, elevation(sea, points, time))
     return linear_velocity(sea, np.stack([points[:, 0], y, points[:, 2]], axis=1), time)
 
 
 def surface_velocity(sea: Components, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """(m, 3) velocity [m/s] of the surface over points x, z (m, 2)."""
+    """Water velocity (m, 3) [m/s] at the surface over points x, z (m, 2) [m]."""
     return linear_velocity(sea, np.insert(points, 1, 0.0, axis=1), time)
 
 
 def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
-    """Unit vector of a heading along x and z: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
+    """Unit vector (2,) along x and z of a heading: 0 along +z, 90 along +x; by default +z, in 2-D +x."""
     heading = radians((90.0 if dimension == 2 else 0.0) if heading_deg is None else heading_deg)
     return np.array([sin(heading), 0.0 if dimension == 2 else cos(heading)])
 
@@ -356,7 +356,7 @@ def heading_vector(heading_deg: float | None, dimension: int) -> np.ndarray:
 def regular_wave(
     height: float, period: float, towards: np.ndarray, depth: float, gravity: float = GRAVITY
 ) -> Components:
-    """One plane wave with a crest at the origin at time 0; `towards` is a unit vector along x and z."""
+    """One plane wave of a height [m] and period [s], its crest at the origin at time 0, along a unit vector (x, z)."""
     k = float(wavenumber(2.0 * pi / period, depth, gravity))
     return Components(np.array([height / 2.0]), k * towards[None, :], np.zeros(1), depth, gravity)
 
@@ -389,11 +389,11 @@ class Spectrum(Model):
 
     @property
     def enhancement(self) -> float:
-        """Factor by which the peak is raised [1]."""
+        """Factor by which the peak of the spectrum is raised."""
         return 1.0 if self.kind == "pierson_moskowitz" else 3.3 if self.gamma is None else self.gamma
 
     def density(self, frequency: Values) -> np.ndarray:
-        """S(f) [m2 s] at f [Hz]; its variance over the band that the components cover is Hs^2 / 16."""
+        """Spectral density S(f) [m2 s] at frequencies [Hz]; its variance over the band of the waves is Hs^2 / 16."""
         peak = 1.0 / self.peak_period
         band = np.linspace(LOWEST_FREQUENCY, self.cut_off, SPECTRUM_POINTS) * peak
         raw = np.trapezoid(jonswap(band, peak, 1.0, self.enhancement), band)
@@ -402,7 +402,7 @@ class Spectrum(Model):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Plane waves along a unit vector in x and z, one in each of `count` equal slices of the band, with its
+        """Plane waves along a unit vector in x and z, one in each of `count` equal slices of the band, with the slice's
         variance; frequencies are scattered inside the slices, so that the sea does not repeat itself."""
         peak = 1.0 / self.peak_period
         edges = np.linspace(LOWEST_FREQUENCY, self.cut_off, count + 1) * peak
@@ -427,8 +427,7 @@ class SpreadSpectrum(Spectrum):
     def components(
         self, towards: np.ndarray, depth: float, gravity: float = GRAVITY, count: int = SPECTRUM_WAVES
     ) -> Components:
-        """Plane waves of the spectrum, each with its own direction; the mean direction of their energy is the
-        heading."""
+        """Plane waves of the spectrum, each in its own direction; the mean direction of their energy is `towards`."""
         sea = super().components(towards, depth, gravity, count)
         if self.spreading is None:
             return sea
@@ -463,7 +462,7 @@ class WaveTrain(Model):
 
     @property
     def scale(self) -> tuple[float, float]:
-        """Height [m] and period [s] that stand for the waves; significant and peak ones for a spectrum."""
+        """Height [m] and period [s] of the regular wave, or significant height and peak period of the spectrum."""
         if self.spectrum is not None:
             return self.spectrum.significant_wave_height, self.spectrum.peak_period
         assert self.height is not None and self.period is not None
@@ -471,11 +470,11 @@ class WaveTrain(Model):
 
     @property
     def height_key(self) -> tuple[str, ...]:
-        """Path of the key of the height."""
+        """Path of the config key that gives the height of the waves."""
         return ("height",) if self.spectrum is None else ("spectrum", "significant_wave_height")
 
     def train(self, towards: np.ndarray, depth: float, gravity: float, count: int = SPECTRUM_WAVES) -> Components:
-        """Plane waves of this sea that travel along a unit vector in x and z, `count` of a spectrum."""
+        """Plane waves of this train that travel along a unit vector in x and z; a spectrum becomes `count` waves."""
         if self.spectrum is not None:
             return self.spectrum.components(towards, depth, gravity, count)
         return regular_wave(*self.scale, towards, depth, gravity)
@@ -500,11 +499,11 @@ class HeadedTrain(WaveTrain):
 
     @property
     def heading_key(self) -> tuple[str, ...]:
-        """Path of the key of the heading."""
+        """Path of the config key that gives the heading of the waves."""
         return ("heading_deg",) if self.spectrum is None else ("spectrum", "heading_deg")
 
     def sea(self, basin: "Tank", count: int = SPECTRUM_WAVES) -> Components:
-        """Waves of this train on a basin, `count` of a spectrum."""
+        """Plane waves of this train in a basin; a spectrum becomes `count` waves."""
         return self.train(heading_vector(self.heading, basin.dimension), basin.depth, downward_gravity(basin), count)
 
 
@@ -515,7 +514,7 @@ class OpenTrain(HeadedTrain):
     """Random waves, instead of `height` and `period`."""
 
     def direction_faults(self, basin: "Tank") -> Iterator[tuple[tuple[str, ...], str]]:
-        """Faults of the directions in this basin: path of the key, and a sentence."""
+        """Yield faults of the directions of the waves in this basin: path of the key, and a sentence."""
         yield from ((self.heading_key, sentence) for sentence in heading_faults(self.heading, basin))
         if basin.dimension == 2 and self.spectrum is not None and self.spectrum.spreading is not None:
             yield ("spectrum", "spreading"), "in 2-D waves have one direction; leave spreading out"
@@ -528,7 +527,7 @@ class GrowingTrain(OpenTrain):
     """Time over which the waves grow from calm water; null: two periods of the highest; 0: they are there at once."""
 
     def with_ramp(self, sea: Components) -> Components:
-        """Let waves grow from time 0 on."""
+        """Copy of a sea whose waves grow from calm water from time 0 on, over this train's ramp."""
         return replace(sea, ramp=RAMP_PERIODS * sea.period if self.ramp is None else self.ramp)
 
 
@@ -549,16 +548,16 @@ class Tank(Protocol):
 
     @property
     def closed(self) -> bool:
-        """True if there is no room for a free surface."""
+        """True if the basin has no free surface."""
 
 
 def downward_gravity(basin: Tank) -> float:
-    """Gravity [m/s2] of a basin in which it points straight down."""
+    """Downward gravity [m/s2] of a basin in which gravity points straight down."""
     return -basin.gravity[1]
 
 
 def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) -> Iterator[str]:
-    """Reasons for which this basin cannot have waves, or not waves of this height [m] and period [s]."""
+    """Yield the reason why this basin cannot have waves, or not waves of this height [m] and period [s]."""
     if basin.gravity[0] or basin.gravity[2] or not basin.gravity[1] < 0.0:
         yield f"waves need gravity straight down, here it is {list(basin.gravity)} m/s2"
     elif basin.closed:
@@ -571,6 +570,6 @@ def basin_faults(basin: Tank, height: float = 0.0, period: float | None = None) 
 
 
 def heading_faults(heading_deg: float | None, basin: Tank) -> Iterator[str]:
-    """Reasons for which waves cannot have this heading in this basin."""
+    """Yield the reason why waves cannot have this heading in this basin."""
     if basin.dimension == 2 and heading_deg is not None and abs(cos(radians(heading_deg))) > 1e-9:
         yield f"in 2-D waves go along +x (heading 90 degrees) or -x (270), got {heading_deg:g}"

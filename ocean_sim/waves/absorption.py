@@ -33,13 +33,13 @@ MAX_DEPTH = 6.0  # [1/k] depth below which no wave is felt
 
 
 def damping_rate(k: float, depth: float, gravity: float, length: float) -> float:
-    """Rate [1/s] at the side for which a zone of this length [m] reflects waves of a wavenumber [rad/m] least."""
+    """Damping rate [1/s] at the wall for which a zone of a length [m] reflects waves of wavenumber k [rad/m] least."""
     return max(LEAST_REFLECTION_RATE * k, SHORT_ZONE_RATE / length) * float(group_speed(k, depth, gravity))
 
 
 def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: float, rate: float) -> np.ndarray:
-    """(n,) reflected height over that of waves of (n,) omega [rad/s] that meet a zone head on; its length [m], and its
-    rate [1/s] at the wall."""
+    """Reflected over incident height (n,) of waves of frequencies omega (n,) [rad/s], head on to a damping zone of a
+    length [m] whose rate at the wall is `rate` [1/s]."""
     omega = np.asarray(omega, dtype=float)[:, None]  # by layer in the second place, the first being water without zone
     h = np.minimum(depth, MAX_DEPTH / wavenumber(omega, depth, gravity))[:, :, None, None]
     s = (np.arange(ZONE_LAYERS) + 0.5) / ZONE_LAYERS
@@ -69,8 +69,7 @@ def wave_reflection(omega: np.ndarray, depth: float, gravity: float, length: flo
 
 
 def sea_reflection(sea: Components, length: float, rate: float) -> tuple[float, float]:
-    """Reflected height over that of the coming waves: of the highest wave of a sea, and of the whole sea by the root of
-    its energy."""
+    """Reflected over incident height of the highest wave of a sea, and of the whole sea by the root of its energy."""
     omega, energy = sea.omega, sea.amplitude**2
     grid = np.geomspace(omega.min(), omega.max(), BAND_FREQUENCIES) if sea.random else omega[:1]
     back = np.interp(omega, grid, wave_reflection(grid, sea.depth, sea.gravity, length, rate))

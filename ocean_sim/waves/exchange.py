@@ -1,5 +1,5 @@
-"""Seas for other programs: files as they keep them, `spectral-wave-data` (.swd) of plane waves and elevations of
-OpenFAST (.Elev), and a field of waves that they ask.
+"""Seas exchanged with other programs: files of plane waves (`spectral-wave-data`, .swd) and of elevations (OpenFAST,
+.Elev), and a wave field that other programs query.
 
 A .swd file of shape 6 (SpectralWaveData, format 100) holds linear waves A cos(omega t - k x + delta) by amplitude,
 wavenumber, direction and phase, in single precision; its x-axis is heading 0 here, its y-axis heading 90.
@@ -7,8 +7,8 @@ wavenumber, direction and phase, in single precision; its x-axis is heading 0 he
 OpenFAST reads a surface elevation (`WaveMod` 5, `WvKinFile`) as two columns, time [s] and elevation [m] at a place,
 under lines that do not begin with a number; its rows are evenly spaced.
 
-The verbs of a field are those of the wave fields of robot simulators: height and normal at points, the velocity of the
-water, and a square of n x n heights that fits to itself on all sides, to be laid on any plane.
+The methods of `WaveField` are those of the wave fields of robot simulators: height and normal at points, the velocity
+of the water, and a square of n x n heights that fits to itself on all sides, to be laid on any plane.
 """
 
 import struct
@@ -37,7 +37,7 @@ MIN_SQUARE_SIDE = 1e-6  # side of a square [m]
 
 
 def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
-    """A sea as the content of a .swd file; `note` is whatever text describes it. It has grown to its full height."""
+    """Content of a .swd file that holds a sea at its full height; `note`: text that describes the sea."""
     text = note.encode("ascii", "replace") or b"-"
     heading = np.arctan2(sea.wavevector[:, 0], sea.wavevector[:, 1])
     rows = np.stack([sea.amplitude, sea.wavenumber, heading, -sea.phase], axis=1).astype("<f4")
@@ -54,7 +54,7 @@ def to_swd(sea: waves.Components, note: str = "", date: str = "") -> bytes:
 
 
 def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components:
-    """The sea in a .swd file of plane waves; raises Unreadable."""
+    """Sea read from a .swd file of plane waves; raises Unreadable."""
     data = input_file.read_bytes(path)
     if not data.startswith(SWD_BEGIN):
         raise SWD_RULE.broken(path, "it begins otherwise")
@@ -80,13 +80,13 @@ def of_swd(path: str | Path, gravity: float = waves.GRAVITY) -> waves.Components
 
 
 def to_openfast(time: np.ndarray, elevation: np.ndarray, note: str = "") -> str:
-    """A series of elevations (n,) [m] at (n,) even times [s] as the text of an .Elev file."""
+    """Text of an .Elev file that holds elevations (n,) [m] at evenly spaced times (n,) [s]."""
     head = f"! Surface elevation by ocean-sim{': ' if note else ''}{note}\nTime WaveElev\n(s) (m)\n"
     return head + "".join(f"{t:.6f} {eta:.9e}\n" for t, eta in zip(time.tolist(), elevation.tolist()))
 
 
 def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) times [s] and (n,) elevations [m] of an .Elev file; raises Unreadable."""
+    """Times (n,) [s] and elevations (n,) [m] read from an .Elev file; raises Unreadable."""
     lines = [line.split()[:2] for line in input_file.read_text(path).splitlines() if line.strip()]
     rows = lines[next((k for k, row in enumerate(lines) if isfinite(csv_file.parse_number(row[0]))), len(lines)) :]
     table = np.array([[csv_file.parse_number(word) for word in [*row, ""][:2]] for row in rows]).reshape(-1, 2)
@@ -104,17 +104,17 @@ def of_openfast(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 class WaveField:
-    """Plane waves; x and z horizontal, y up, the still water at y = 0 [m]."""
+    """Field of plane waves for other programs; x and z are horizontal, y is up, the still water is at y = 0 [m]."""
 
     def __init__(self, sea: waves.Components) -> None:
         self.sea = sea
 
     def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(n,) heights of the water [m] at points x, z (n, 2) [m]."""
+        """Heights (n,) of the water [m] at points x, z (n, 2) [m] and a time [s]."""
         return waves.elevation(self.sea, row_array("points", points, "x, z"), number("time", time, "s"))
 
     def normal(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(n, 3) upward unit normals of the surface at points x, z (n, 2) [m]."""
+        """Upward unit normals (n, 3) of the surface at points x, z (n, 2) [m] and a time [s]."""
         at, time = row_array("points", points, "x, z"), number("time", time, "s")
         slope = np.zeros((len(at), 2))
         for some, angle in self.sea.angles(at, time):
@@ -125,16 +125,16 @@ class WaveField:
         return found / np.linalg.norm(found, axis=1, keepdims=True)
 
     def velocity(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(n, 3) velocities of the water [m/s] at points x, y, z (n, 3) [m], of columns stretched from bed to surface
-        (Wheeler 1970); above the water that of its surface."""
+        """Velocities (n, 3) of the water [m/s] at points x, y, z (n, 3) [m] and a time [s], in columns stretched from
+        bed to surface (Wheeler 1970); above the water that of its surface."""
         return waves.velocity(self.sea, row_array("points", points, "x, y, z"), number("time", time, "s"))
 
     def periodic(self, side: float) -> "WaveField":
-        """The waves with wavelengths that fit into a square of this side [m], so that it fits to itself."""
+        """Field with wavelengths that fit into a square of this side [m], so that the square repeats itself."""
         return WaveField(waves.fit_periods(self.sea, 2 * [number("side", side, "m", MIN_SQUARE_SIDE)]))
 
     def field(self, cells: int, side: float, time: float) -> np.ndarray:
-        """(cells, cells) heights [m] over x and z of a square that repeats itself, its first corner at the origin."""
+        """Heights (cells, cells) [m] over x and z of a square that repeats itself, its first corner at the origin."""
         at = np.arange(whole_number("cells", cells)) * (number("side", side, "m", MIN_SQUARE_SIDE) / cells)
         x, z = np.meshgrid(at, at, indexing="ij")
         heights = self.periodic(side).elevation(np.stack([x.ravel(), z.ravel()], axis=1), time)

@@ -22,7 +22,7 @@ MIN_WAVE_POINTS = 4.0  # [points of the grid] waves that count: shorter ones are
 
 @dataclass(frozen=True)
 class Orbit:
-    """The path of a particle over whole periods, less its mean drift."""
+    """Size and drift of a particle's orbit over whole wave periods."""
 
     along_m: float
     """Half its length along the waves."""
@@ -38,8 +38,8 @@ class Orbit:
 
 
 def fit_orbit(time: np.ndarray, path: np.ndarray, period: float, towards: tuple[float, float] = (1.0, 0.0)) -> Orbit:
-    """The orbit of a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
-    and z: the first harmonic next to a mean and a drift. Raises ValueError where it is shorter than two periods."""
+    """Orbit fitted to a path (n, 3) [m] at times (n,) [s], under waves of a period [s] that go along a unit vector in x
+    and z: the first harmonic beside a mean and a drift. Raises ValueError for a path shorter than two periods."""
     if time[-1] - time[0] < 2.0 * period:
         raise ValueError(f"a path of {time[-1] - time[0]:g} s is shorter than two periods of {period:g} s")
     angle = 2.0 * np.pi * (time - time[0]) / period
@@ -67,11 +67,9 @@ def circulation(
 def surface_fall(
     elevation: np.ndarray, spacing_x: float, spacing_z: float, depth: float = inf, shortest: float = 0.0
 ) -> np.ndarray:
-    """(nx, nz) downward acceleration of a surface over gravity by linear theory: each wave in it times k tanh(k depth).
-
-    On deep water it is also how far the water is drawn together. Waves stand level at the sides of the grid of points
-    spacing_x and spacing_z [m] apart; those shorter than `shortest` [m] are left out.
-    """
+    """Downward acceleration over gravity (nx, nz) of a surface elevation (nx, nz) [m] by linear theory: each wave in it
+    times k tanh(k depth); on deep water also the convergence of the displacement. The surface is level across the sides
+    of its grid, whose points are spacing_x and spacing_z [m] apart; waves shorter than `shortest` [m] are left out."""
     from scipy.fft import dctn, idctn
 
     nx, nz = elevation.shape
@@ -83,13 +81,13 @@ def surface_fall(
 
 
 def breaking_cover(falling: np.ndarray) -> float:
-    """Part of a surface that falls by more than BREAKING times gravity: where its crests break."""
+    """Share of a surface that falls faster than BREAKING_ACCELERATION times gravity: where its crests break."""
     return float(np.mean(falling > BREAKING_ACCELERATION))
 
 
 @dataclass(frozen=True)
 class Motion:
-    """The orbits of tagged particles."""
+    """Orbits of tagged particles and their decay with depth."""
 
     level_m: np.ndarray
     """(n,) mean height of each path over the still surface."""
@@ -144,7 +142,7 @@ def tracer_motion(path: Path, begin: float, period: float) -> tuple[list[int], M
 
 
 class Frame(Protocol):
-    """The water at one time."""
+    """Surface and particles of one output frame."""
 
     time: float
     """[s]."""
@@ -222,13 +220,13 @@ class SurfaceRecord:
     """Wavelength of the shortest waves that `cover` counts [m]: four points of the frames apart."""
 
     def means(self) -> dict[str, float | None]:
-        """Means over time, by name."""
+        """Means of circulation and cover over time, by name."""
         turn = None if self.circulation is None else float(self.circulation.mean())
         return {"circulation_m2_s": turn, "white_cap_cover": float(self.cover.mean())}
 
 
 def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> SurfaceRecord | None:
-    """Circulation and cover of the frames from a time [s] on; None where there are none."""
+    """Circulation and white-cap cover of the frames from a time [s] on; None if there are no such frames."""
     times, cover, turning = [], [], []
     for frame in frames:
         if frame.time >= begin:
@@ -244,7 +242,7 @@ def surface_record(grid: Grid, frames: Iterable[Frame], begin: float) -> Surface
 
 
 def frame_circulation(grid: Grid, frame: Frame) -> float:
-    """Circulation of the particles of a frame [m2/s]; not a number in 2-D, or where none are on the circle."""
+    """Circulation [m2/s] of the particles of a frame; NaN in 2-D, or if none are on the circle."""
     if grid.is_slice or frame.position is None or frame.velocity is None:
         return np.nan
     try:

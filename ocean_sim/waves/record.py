@@ -53,7 +53,7 @@ class Unmeasurable(ValueError):
 
 @dataclass(frozen=True)
 class Sea:
-    """Numbers of a record; None where there is no wave to measure."""
+    """Sea state of a record; a number is None where there is no wave to measure."""
 
     hs_m: float | None  # mean height of the highest third of the waves
     hm0_m: float  # four times the standard deviation
@@ -65,7 +65,7 @@ class Sea:
     hmax_m: float | None  # height of the highest wave
 
     def numbers(self) -> dict[str, float | None]:
-        """All of them by name."""
+        """All numbers of the sea state by name."""
         return asdict(self)
 
 
@@ -94,7 +94,8 @@ def gauge_elevations(path: Path, begin: float) -> tuple[np.ndarray, dict[str, np
 
 
 def stand_in_row(heights: np.ndarray) -> int | None:
-    """The first row whose height (n,) [m] no sea has: far from all others and reached at once, or nothing but nines."""
+    """First row of heights (n,) [m] with a value no sea has: far off after a jump, or all nines; None if there is
+    none."""
     off = np.abs(heights - np.median(heights))
     nines = np.array([re.fullmatch("999+", f"{abs(h):g}".replace(".", "")) is not None for h in heights])
     far = (off > MAX_ELEVATION) & bool((np.abs(np.diff(heights)) > MAX_ELEVATION).any())
@@ -103,8 +104,8 @@ def stand_in_row(heights: np.ndarray) -> int | None:
 
 
 def even_samples(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarray]:
-    """Interval [s] and heights [m] at equal intervals over a record, on straight lines where it has others; raises
-    Unmeasurable."""
+    """Sampling interval [s] of a record, and its heights [m] at equal intervals, interpolated where it is sampled
+    unevenly; raises Unmeasurable."""
     if not np.isfinite([time, height]).all():
         raise Unmeasurable("has values that are not numbers")
     if len(time) < MIN_SAMPLES:
@@ -120,7 +121,7 @@ def even_samples(time: np.ndarray, height: np.ndarray) -> tuple[float, np.ndarra
 
 
 def missing_samples(time: np.ndarray) -> str | None:
-    """A sentence on the times (n,) [s] of a record that lacks samples between others, or None."""
+    """Sentence on samples that are missing between the times (n,) [s] of a record; None if none are."""
     steps = np.diff(time) / np.median(np.diff(time))
     gaps = np.flatnonzero(steps > GAP_INTERVALS)
     if not len(gaps):
@@ -146,13 +147,13 @@ class Treatment:
     noise makes no waves."""
 
     def deviation(self, values: np.ndarray) -> np.ndarray:
-        """(n,) a record less its level [m]."""
+        """Record (n,) [m] less its mean, or less the straight line through it if `detrended`."""
         from scipy.signal import detrend
 
         return detrend(values, type="linear" if self.detrended else "constant")
 
     def notes(self) -> dict[str, str]:
-        """Notes for the tables; none of a record as it was."""
+        """Notes on this treatment for tables, by name; empty for an untreated record."""
         found = {"detrended": "less the straight line through each record"} if self.detrended else {}
         return found | ({"hysteresis": f"{self.hysteresis:g} m"} if self.hysteresis else {})
 
@@ -178,8 +179,8 @@ def slow_part(interval: float, values: np.ndarray, treatment: Treatment) -> str 
 
 
 def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] of the zero up-crossings since the first sample, and the last sample before each: of those on the way
-    from below -`hysteresis` to above it [m] the last."""
+    """Times [s] of the zero up-crossings since the first sample, and the index of the last sample before each. Of
+    several on the way from below -`hysteresis` to above it [m] only the last counts."""
     before = np.flatnonzero((deviation[:-1] < 0.0) & (deviation[1:] >= 0.0))
     beyond = np.flatnonzero((deviation < -hysteresis) | (deviation >= hysteresis))
     risen = beyond[1:][(deviation[beyond[:-1]] < 0.0) & (deviation[beyond[1:]] >= 0.0)]
@@ -189,7 +190,7 @@ def up_crossings(interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 
 
 def parabola_top(values: np.ndarray) -> float:
-    """Top of the parabola through the greatest sample and its neighbours."""
+    """Height of the top of the parabola through the greatest sample and its neighbours."""
     k = int(values.argmax())
     if not 0 < k < len(values) - 1:
         return float(values[k])
@@ -201,7 +202,7 @@ def parabola_top(values: np.ndarray) -> float:
 def zero_crossing_waves(
     interval: float, deviation: np.ndarray, hysteresis: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heights [m] from trough to crest, and periods [s], of the waves between zero up-crossings."""
+    """Heights from trough to crest [m] and periods [s] of the waves of a record, between zero up-crossings."""
     times, before = up_crossings(interval, deviation, hysteresis)
     heights = [
         parabola_top(deviation[begin : end + 2]) + parabola_top(-deviation[begin : end + 2])
@@ -213,7 +214,7 @@ def zero_crossing_waves(
 def welch_density(
     interval: float, deviation: np.ndarray, segments: int = MAX_SEGMENTS
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and spectral density [m2 s]; the first frequency above zero is one over a segment's length."""
+    """Frequencies [Hz] and spectral density [m2 s] of a record; the lowest above 0 is one over a segment's length."""
     from scipy.signal import welch as estimate
 
     length = max(MIN_SAMPLES // 2, 2 * len(deviation) // (segments + 1))
@@ -250,8 +251,8 @@ def peak_frequency(interval: float, deviation: np.ndarray) -> float | None:
 def record_spectra(
     time: np.ndarray, heights: Mapping[str, np.ndarray], treatment: Treatment = AS_IT_WAS
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times: all by the
-    segments of that record which needs the longest."""
+    """Frequencies [Hz], and the spectral density [m2 s] of each of several records at the same times, all with the
+    segment length of the record that needs the longest."""
     even = {name: even_samples(time, height) for name, height in heights.items()}
     records = {name: (interval, treatment.deviation(values)) for name, (interval, values) in even.items()}
     moving = [record for record in records.values() if np.ptp(record[1]) > STILL_RANGE]
@@ -262,7 +263,7 @@ def record_spectra(
 
 
 def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tuple[float, float, float]:
-    """m0, m1 and m2 [m2, m2/s, m2/s2] of the part of the spectrum up to a frequency [Hz]."""
+    """Moments m0, m1 and m2 [m2, m2/s, m2/s2] of the spectrum of a record up to a frequency [Hz]."""
     n = len(deviation)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(window * deviation)) ** 2
@@ -275,19 +276,17 @@ def spectral_moments(interval: float, deviation: np.ndarray, up_to: float) -> tu
 
 
 def sampling_error(deviation: np.ndarray) -> float:
-    """Standard error of four standard deviations over their value, in a record (n,) of a Gaussian sea: half of that of
-    m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol 2010, Random Data,
-    4th ed., section 8.2); the square of a periodogram is 2 S^2 on average."""
+    """Relative standard error of the significant height (four standard deviations) of a record (n,) of a Gaussian sea:
+    half of that of m0, which is the root of the integral of S^2 over m0^2 and the record's length (Bendat & Piersol
+    2010, Random Data, 4th ed., section 8.2); the square of a periodogram is 2 S^2 on average."""
     power = np.abs(np.fft.rfft(deviation)) ** 2
     return 0.5 * float((0.5 * (power**2).sum()) ** 0.5 / power.sum())
 
 
 def measure_record(time: np.ndarray, height: np.ndarray, treatment: Treatment = AS_IT_WAS) -> Sea:
-    """The waves of a record: times (n,) [s] and heights (n,) [m]; raises Unmeasurable where it is no record.
-
-    A constant record is one of still water: nothing is high, and there are no waves. One without a whole wave between
-    two zero up-crossings has a deviation, and nothing else.
-    """
+    """Sea state of a record of heights (n,) [m] at times (n,) [s]; raises Unmeasurable if it is faulty or too short. A
+    constant record has heights of 0 and no waves. One without a whole wave between two zero up-crossings has only
+    hm0_m."""
     interval, values = even_samples(time, height)
     deviation = treatment.deviation(values)
     if np.ptp(deviation) <= STILL_RANGE:

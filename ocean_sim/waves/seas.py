@@ -34,7 +34,7 @@ class Steepening(Model):
     et al. 2018, J. Fluid Mech. 841)."""
 
     def onset_in(self, period: float) -> float:
-        """Time of the onset [s], for this period of the highest waves [s]."""
+        """Time [s] over which the nonlinear terms set in, if the highest waves have this period [s]."""
         return ONSET_PERIODS * period if self.onset is None else self.onset
 
 
@@ -58,13 +58,13 @@ class Seas(waves.OpenTrain):
 
     @property
     def trains(self) -> list[tuple[tuple[str | int, ...], waves.OpenTrain]]:
-        """Each sea, and where it is written."""
+        """Key path and wave train of the sea's own waves, if any, and of each further spectrum."""
         own = [((), self)] if self.height is not None or self.spectrum is not None else []
         return [*own, *((("spectra", n), sea) for n, sea in enumerate(self.spectra))]
 
     @property
     def highest(self) -> tuple[float, float] | None:
-        """Height [m] and period [s] of the highest sea; None in calm water."""
+        """Height [m] and period [s] of the highest wave train; None in calm water."""
         sizes = [train.scale for _, train in self.trains]
         table = self.table()
         if table is not None and len(table["amplitude_m"]):
@@ -73,7 +73,7 @@ class Seas(waves.OpenTrain):
         return max(sizes) if sizes else None
 
     def table(self) -> dict[str, np.ndarray] | None:
-        """The columns of `components`; raises Unreadable."""
+        """Columns of the file `components` by name; None without a file. Raises Unreadable."""
         if self.components is None:
             return None
         if Path(self.components).suffix == ".swd":
@@ -88,7 +88,7 @@ class Seas(waves.OpenTrain):
         return found
 
     def sea_of(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
-        """All plane waves together, `count` of each spectrum."""
+        """All plane waves of the sea in a basin; each spectrum becomes `count` waves."""
         depth, g = basin.depth, waves.downward_gravity(basin)
         found = [train.sea(basin, count) for _, train in self.trains]
         table = self.table()
@@ -105,7 +105,7 @@ class Seas(waves.OpenTrain):
         return table.like_radians() if isinstance(table, csv_file.Table) else []
 
     def sea_faults(self, basin: waves.Tank) -> Problems:
-        """Faults of the sea in this basin."""
+        """Faults of the sea in this basin: key path and sentence of each."""
         found: Problems = [(("kind",), sentence) for sentence in waves.basin_faults(basin)]
         try:
             self.table()

@@ -16,7 +16,7 @@ CLOCK_RESTART_TIME = 1.0  # [s] how long the clock runs: up to here single preci
 
 
 class Clock:
-    """Time of a wind at the end of its step; one that needs no clock leaves it at 0."""
+    """Clock of a wind: time at the end of its step; it stays at 0 for a wind that needs none."""
 
     def __init__(self) -> None:
         self.time = 0.0  # [s] since the beginning
@@ -28,11 +28,11 @@ class Clock:
         self.time, self.since, self.step = self.time + dt, self.since + dt, dt
 
     def is_due(self) -> bool:
-        """True if it has to be restarted."""
+        """True if the clock has to be restarted to keep its single precision."""
         return self.since > CLOCK_RESTART_TIME
 
     def restart(self) -> None:
-        """Count from now on."""
+        """Restart `since` at 0; `time` goes on."""
         self.since = 0.0
 
 
@@ -51,7 +51,7 @@ class DeviceRow:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Lines and arrows of a wind."""
+    """Lines and arrows that show a wind in pictures."""
 
     lines: np.ndarray  # (n, 2, 3) ends of the lines that show where it blows [m]
     tails: np.ndarray  # (m, 3) where arrows begin [m]
@@ -64,7 +64,7 @@ NO_DRAWING = Drawing(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 class WindKeys(Protocol):
-    """Answers of `parts.WindConfig` that its wind itself reads."""
+    """Properties of a wind's config that the wind itself reads."""
 
     @property
     def needs_area(self) -> bool: ...
@@ -76,11 +76,9 @@ class WindKeys(Protocol):
 
 @in_kernels
 class Wind(ABC):
-    """Moving air. A kind adds `force`, and of the other methods those that it needs.
-
-    A kernel calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as Python
-    hands them over, and then `force` for each of them.
-    """
+    """Base class of moving air. A kind implements `force`, and overrides those other methods that it needs. A kernel
+    calls `set_clock(since, step)` before its loop over particles or voxels, with `since` and `step` as Python hands
+    them over, and then `force` for each of them."""
 
     blows: bool = True  # False: `force` is always zero, and kernels leave it out
     needs_area: bool  # True if `force` reads `area`: the fluid then finds the exposed area of its particles
@@ -106,23 +104,23 @@ class Wind(ABC):
         return self if target in self.config.acts_on else StillAir()
 
     def follow(self, middle: np.ndarray) -> None:  # noqa: B027
-        """Note that the patch of open sea under it now lies around x, z (2,) [m] in the world. A wind that has a place
-        hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
+        """Store that the patch of open sea under the wind is now around x, z (2,) [m] in the world. A wind that has a
+        place hands this to its `shared.place.Patch`; one that is the same everywhere does nothing."""
 
     def advance(self, dt: float) -> None:  # noqa: B027
-        """Move on to the step of dt [s] that comes next."""
+        """Advance to the next step, of dt [s]."""
 
     def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says, from the next step on; nothing is compiled for it."""
+        """Scale the strength given in the scene by a factor, from the next step on; nothing is compiled again."""
         self.gain = factor
 
     def drawing(self) -> Drawing:
-        """Lines and arrows that show it as it is now."""
+        """Lines and arrows that show the wind at present."""
         return NO_DRAWING
 
     @ti.func  # noqa: B027
     def set_clock(self, since, step):
-        """Find what blows in this step, from the two numbers of the clock [s]."""
+        """Compute the state of the wind in this step, from the clock's `since` and `step` [s]."""
 
     @abstractmethod
     def force(self, key, position, velocity, area, bend, mass):

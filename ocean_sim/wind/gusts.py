@@ -85,25 +85,25 @@ class Volume(Scheduled):
 
     @property
     def ahead(self) -> Vector3:
-        """Unit vector where the wind goes to."""
+        """Unit vector of the direction in which the wind blows."""
         heading = self.heading_deg
         angle = atan2(self.acceleration[0], self.acceleration[2]) if heading is None else radians(heading)
         return sin(angle), 0.0, cos(angle)
 
     @property
     def velocity(self) -> np.ndarray:
-        """`drift` as a vector [m/s]."""
+        """Velocity of the volume's drift (3,) [m/s]."""
         return np.multiply(self.drift, self.ahead) if isinstance(self.drift, (int, float)) else np.array(self.drift)
 
     @property
     def passing_time(self) -> float:
-        """Time for which a point on its path lies inside [s]; infinite where it does not drift."""
+        """Time [s] for which a point on the volume's path lies inside it; infinite where it does not drift."""
         speed = float(np.linalg.norm(self.velocity))
         return self.include[0].core.chord(self.velocity / speed) / speed if speed else inf
 
     def blows(self, time: float, dt: float = 0.0) -> tuple[float, float]:
-        """Factor on its strength in a step of dt [s] from a time [s] on, and the angle [rad] by which what it blows is
-        turned."""
+        """Factor on its strength over a step of dt [s] from a time [s] on, and the angle [rad] by which its
+        acceleration and wind are turned."""
         if self.course is None:
             return self.blowing(time, dt), 0.0
         speed, heading = self.course.at(time + 0.5 * dt)
@@ -113,16 +113,16 @@ class Volume(Scheduled):
 
     @property
     def strongest(self) -> float:
-        """Greatest value of an arrow in the volume [m/s2], or [m/s] where nothing but wind_speed is given."""
+        """Size of the acceleration [m/s2], or wind_speed [m/s] if there is none: the greatest value of its arrows."""
         return hypot(*self.acceleration) or self.wind_speed
 
     @property
     def shapes(self) -> list[tuple[Shape, float]]:
-        """Its shapes, with 1 for those included and -1 for those cut out."""
+        """Shapes of the volume, with 1 for those included and -1 for those cut out."""
         return [(shape, 1.0) for shape in self.include] + [(shape, -1.0) for shape in self.exclude]
 
     def redrawn(self, seed: int, number: int, passage: int) -> tuple[float, float]:
-        """Turn [rad] and strength of volume `number` in a later passage, from the seed."""
+        """Turn [rad] and strength factor of volume `number` in a later passage, drawn from the seed."""
         side, force, _ = numpy_uniform3(seed, PASSAGE_STREAM + number, 0, passage)[0]
         given = self.include[0].core.yaw
         low, high = (radians(a) for a in self.redraw_yaw_deg) if self.redraw_yaw_deg else (given, given)
@@ -130,15 +130,15 @@ class Volume(Scheduled):
         return (low + high + side * (high - low)) / 2 - given, (weak + strong + force * (strong - weak)) / 2
 
     def outline(self, turn: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 2, 3) ends of the lines that show the volume, turned by `turn` [rad], and (m, 3) points spread over its
-        first shape, seen from the centre of the volume [m]."""
+        """Ends (n, 2, 3) of the lines that draw the volume, turned by `turn` [rad], and points (m, 3) spread over its
+        first shape, both relative to the centre of the volume [m]."""
         first = self.include[0].core
         lines = [turned(shape.core.edges() - first.centre, turn) for shape in self.include]
         return np.concatenate(lines), turned(first.spread() - first.centre, turn)
 
     def slab(self, turn: float) -> tuple[np.ndarray, float, float]:
-        """The thinnest slab across an axis of the first shape that holds the volume, turned by `turn` [rad]: its
-        normal, and its middle, seen from the centre of the volume, and half its thickness along the normal [m]."""
+        """Thinnest slab across an axis of the first shape that contains the volume, turned by `turn` [rad]: its normal,
+        and along that its middle, relative to the centre of the volume, and half its thickness [m]."""
         cores = [shape.core for shape in self.include]
         slabs = []
         for axis in np.eye(3):
@@ -150,7 +150,7 @@ class Volume(Scheduled):
         return min(slabs, key=lambda slab: slab[2])
 
     def passages(self, basin: Basin, seed: int, number: int) -> Passages:
-        """The path of volume `number` across the basin."""
+        """Repeated passages of volume `number` across the basin."""
         first, speed = self.include[0].core, float(np.linalg.norm(self.velocity))
         rear = first.reach(self.velocity / speed) if speed else 0.0
         return Passages(first.centre, self.velocity, rear, basin, lambda passage: self.redrawn(seed, number, passage))
@@ -223,7 +223,7 @@ class Config(Placed, WindConfig):
 
 
 def joined(drawings: list[Drawing]) -> Drawing:
-    """Join drawings into one."""
+    """Join drawings of volumes into one."""
     alike = len({drawing.unit for drawing in drawings}) == 1
     return Drawing(
         lines=np.concatenate([drawing.lines for drawing in drawings]),
@@ -235,13 +235,13 @@ def joined(drawings: list[Drawing]) -> Drawing:
 
 
 def row_size(volumes: list[Volume]) -> int:
-    """Columns of a volume's row, with room for the shapes of the volume that has most of them."""
+    """Number of columns of a volume's row, with room for the shapes of the volume that has most of them."""
     return VOLUME.size + SHAPE.size * max(len(volume.shapes) for volume in volumes)
 
 
 @in_kernels
 class Gusts(Wind):
-    """Volumes on their way, and the load of their air."""
+    """Wind of drifting volumes of air."""
 
     config: Config
 
@@ -264,19 +264,19 @@ class Gusts(Wind):
         self._restart()
 
     def on(self, target: Target) -> Wind:
-        """Wind of all volumes, of those that act on the target, or still air where none does."""
+        """Wind that a target feels: all volumes, those that act on the target, or still air if none does."""
         numbers = self.config.aimed(target)
         return self if len(numbers) == self.n else Aimed(self, numbers) if numbers else StillAir()
 
     def strengthen(self, factor: float) -> None:
-        """Blow so many times as strongly as the scene says: acceleration, noise and wind_speed."""
+        """Scale acceleration, noise and wind_speed of the scene by a factor."""
         super().strengthen(factor)
         for g in range(self.n):
             self._set_strength(g)
         self._restart()
 
     def drawing(self) -> Drawing:
-        """The volumes where they are now, an arrow along each acceleration, or along the wind where there is none."""
+        """Outlines of the volumes now, with arrows along the acceleration, or along the wind where there is none."""
         drawings = []
         strongest = max(v.strongest for v in self.volumes)
         for p, volume, (part, turn) in zip(self.passages, self.volumes, self.blown):
@@ -292,7 +292,7 @@ class Gusts(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Algorithm 1 for every volume, its strength in the middle of a step of dt [s], and the noise of the step."""
+        """Move all volumes by a step of dt [s] (Algorithm 1); set their strength in its middle, and its noise."""
         begun, changed = self.clock.time, False
         self.clock.advance(dt)
         for g, (passage, volume) in enumerate(zip(self.passages, self.volumes)):
@@ -311,7 +311,7 @@ class Gusts(Wind):
             self.noise.advance()
 
     def _lay_out(self, g: int) -> None:
-        """Note where the shapes of volume g lie around its centre in this passage."""
+        """Write to the row of volume g the places of its shapes around its centre in this passage."""
         volume, turn = self.volumes[g], self.passages[g].turn
         centre = volume.include[0].core.centre
         normal, middle, self.half[g] = volume.slab(turn)
@@ -324,7 +324,7 @@ class Gusts(Wind):
         self.rows[g, VOLUME.size : VOLUME.size + len(numbers)] = numbers
 
     def _set_strength(self, g: int) -> None:
-        """Note the strength of volume g now."""
+        """Write to the row of volume g its present strength."""
         p, volume, (part, turn) = self.passages[g], self.volumes[g], self.blown[g]
         part *= self.gain
         acceleration = part * p.strength * turned(volume.acceleration, p.turn + turn)
@@ -344,7 +344,7 @@ class Gusts(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Find where the volumes are, and the draws of the step."""
+        """Compute the centres of the volumes and the noise draws of this step."""
         ti.loop_config(serialize=True)
         for g in range(self.n):
             centre = self.vector(g, VOLUME.start) + since * self.vector(g, VOLUME.velocity)
@@ -356,7 +356,7 @@ class Gusts(Wind):
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """(2.26), summed over the volumes that hold the position [N]."""
+        """Force [N] on a particle or voxel: (2.26), summed over the volumes that contain its position."""
         total, x = tm.vec3(0.0), self.patch.seen(position)
         for g in range(self.n):
             total += self.push(g, key, x, velocity, area, mass)
@@ -364,7 +364,7 @@ class Gusts(Wind):
 
     @ti.func
     def push(self, g, key, position, velocity, area, mass):
-        """The load of volume g [N]; most particles are seen to lie outside its slab at once."""
+        """Load of volume g [N] on a particle or voxel; most are found at once to lie outside its slab."""
         total, off = tm.vec3(0.0), position.dot(self.vector(g, VOLUME.normal)) - self.row[g, VOLUME.slab]
         if ti.abs(off) <= self.row[g, VOLUME.half_thickness]:
             if self.holds(g, position - self.vector(g, VOLUME.centre)):
@@ -379,12 +379,13 @@ class Gusts(Wind):
 
     @ti.func
     def load(self, g, wind, area):
-        """Drag and lift of volume g on an exposed area [m2], the wind relative to it [N]."""
+        """Drag and lift of volume g [N] on an exposed area [m2], for the wind relative to it [m/s]."""
         return drag(wind, area) + lift(wind, area, self.row[g, VOLUME.lift])
 
     @ti.func
     def holds(self, g, x):
-        """True if x, seen from the centre of volume g [m], lies in an included shape of it and in no excluded one."""
+        """True if x, relative to the centre of volume g [m], lies in one of its included and in none of its excluded
+        shapes."""
         included, excluded = False, False
         for s in range(self.shapes):
             k = VOLUME.size + SHAPE.size * s
@@ -397,13 +398,13 @@ class Gusts(Wind):
 
     @ti.func
     def vector(self, g, column):
-        """Three columns of the row of volume g."""
+        """Vector in three columns of the row of volume g, from `column` on."""
         return tm.vec3(self.row[g, column], self.row[g, column + 1], self.row[g, column + 2])
 
 
 @in_kernels
 class Aimed(Wind):
-    """Some of the volumes, as felt by a target that not all of them act on."""
+    """Some of the volumes of a `Gusts`, as felt by a target that not all of them act on."""
 
     def __init__(self, gusts: Gusts, numbers: list[int]) -> None:
         super().__init__(gusts.config, gusts.clock)
@@ -416,12 +417,12 @@ class Aimed(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Set the clock of all gusts."""
+        """Set the clock of the `Gusts` that these volumes belong to."""
         self.gusts.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """(2.26), summed over these volumes [N]."""
+        """Force [N] on a particle or voxel: (2.26), summed over these volumes."""
         total, x = tm.vec3(0.0), self.gusts.patch.seen(position)
         for k in range(self.n):
             total += self.gusts.push(self.number[k], key, x, velocity, area, mass)

@@ -78,7 +78,7 @@ class Config(Scheduled, WindConfig):
 
     @property
     def stylised(self) -> bool:
-        """A physical stress, no force field."""
+        """False: the wind is a physical stress, no force field."""
         return False
 
     def blows(self, time: float, dimension: int) -> tuple[float, float]:
@@ -94,12 +94,12 @@ class Config(Scheduled, WindConfig):
 
     @property
     def law(self) -> DragLaw:
-        """The drag law at work."""
+        """Drag law in use, the default one if the scene names none."""
         return self.drag_law or LAW
 
     @property
     def strongest(self) -> float:
-        """The greatest U10 [m/s] that it ever has."""
+        """Greatest U10 [m/s] that the wind ever has."""
         return self.speed if self.course is None else float(self.course.speed.max())
 
     def on_water(self, u10: float) -> float:
@@ -108,7 +108,7 @@ class Config(Scheduled, WindConfig):
 
     @property
     def gain_of_pressure(self) -> float:
-        """The factor on the pressure on waves that is at work."""
+        """Factor on the pressure on waves: `pressure_gain`, or `gain` if that is not given."""
         return self.gain if self.pressure_gain is None else self.pressure_gain
 
     def sheltered(self, u10: float) -> float:
@@ -162,7 +162,7 @@ class Config(Scheduled, WindConfig):
 
 
 def out_of_range(u10: float, law: DragLaw) -> list[str]:
-    """Warn of a wind that a drag law was not made for, with the coefficients of the other laws."""
+    """Warn of a wind speed outside the range of a drag law, with the coefficients of the other laws."""
     low, high = RANGES[law]
     if u10 == 0.0 or low <= u10 <= high:
         return []
@@ -182,15 +182,15 @@ def fetch_limited(u10: float, fetch: float, gravity: float = GRAVITY) -> tuple[f
 
 
 def plant(u10: float, k: float, gravity: float = GRAVITY) -> float:
-    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w, right
-    to a half (Plant 1982, J. Geophys. Res. 87)."""
+    """Rate [1/s] at which a real wind feeds energy into deep-water waves of wavenumber k [1/m]: 0.04 (u*/c)^2 w,
+    accurate to 50 % (Plant 1982, J. Geophys. Res. 87)."""
     omega = (gravity * k) ** 0.5
     return 0.04 * stress(u10) / AIR_DENSITY * (k / omega) ** 2 * omega
 
 
 def growth_rate(wind: Config, u10: float, k: float, depth: float, pull: float) -> float:
     """Rate [1/s] at which the wind of a scene feeds energy into waves of wavenumber k [1/m]: by its pressure on them
-    where it has one, or else what Plant found, times its gain."""
+    where it has one, or else by Plant's law times its gain."""
     if wind.sheltering:
         return wind.sheltered(u10) * k * float(waves.angular_frequency(k, depth, pull)) / (WATER_DENSITY * pull)
     return wind.gain * plant(u10, k, pull)
@@ -244,7 +244,7 @@ def unresolved(wind: Config, u10: float, preflight: Preflight) -> list[str]:
 
 
 def borne(stress: float, preflight: Preflight) -> list[str]:
-    """Warn where particles that have lost their rows would bear a stress [Pa] rather than flow."""
+    """Warn if particles no longer in lattice rows would bear a stress [Pa] as a solid does, rather than flow."""
     fluid, tank = preflight.fluid, preflight.tank
     pressure, share = fluid.rest_density * hypot(*tank.gravity) * tank.depth, fluid.bears_shear
     if not 0.0 < stress < FLOW_SHEAR_RATIO * share * pressure:
@@ -258,12 +258,12 @@ def borne(stress: float, preflight: Preflight) -> list[str]:
 
 @in_kernels
 class Stress(Wind):
-    """The wind as it blows now."""
+    """Wind as a stress on the water, and as drag on ships."""
 
     config: Config
 
     def __init__(self, config: Config, basin: Basin, afloat: bool = False) -> None:
-        """`afloat`: as a ship feels it."""
+        """`afloat`: True for the wind that ships feel."""
         super().__init__(config)
         self.basin, self.dimension, self.afloat, self.time = basin, basin.dimension, afloat, 0.0
         self.sheltering = config.sheltering > 0.0
@@ -277,7 +277,7 @@ class Stress(Wind):
         return self.ship if target == "ship" and self.ship is not None else super().on(target)
 
     def advance(self, dt: float) -> None:
-        """Move on to the wind in the middle of a step of dt [s]."""
+        """Advance by a step of dt [s], with the wind in the middle of it."""
         if not self.steady:
             self._set_strength(dt)
         self.time += dt
@@ -285,14 +285,14 @@ class Stress(Wind):
             self.ship.advance(dt)
 
     def strengthen(self, factor: float) -> None:
-        """Blow with so many times the U10 of the scene."""
+        """Scale the U10 of the scene by a factor."""
         super().strengthen(factor)
         self._set_strength(0.0)
         if self.ship is not None:
             self.ship.strengthen(factor)
 
     def _set_strength(self, dt: float) -> None:
-        """Write the wind of a step of dt [s] from now on."""
+        """Write to the device the wind of the step of dt [s] that begins now."""
         u10, heading = self.config.blows(self.time + 0.5 * dt, self.dimension)
         u10 *= self.gain
         part = self.config.blowing(self.time, dt)
@@ -315,12 +315,12 @@ class Stress(Wind):
 
     @property
     def stress(self) -> float:
-        """Stress on the water now [Pa]."""
+        """Present stress on the water [Pa]."""
         return hypot(self.row.values[ROW.stress_x], self.row.values[ROW.stress_z])
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Stress on the plan area, and pressure on the slope [N]; on a hull the drag (2.22)."""
+        """Force [N]: stress on the plan area, and pressure on the slope of the surface; on a hull the drag (2.22)."""
         row = ti.static(self.row.field)
         total = tm.vec3(0.0)
         if ti.static(self.afloat):

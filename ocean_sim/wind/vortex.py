@@ -59,7 +59,7 @@ class Config(Timed, Placed, WindConfig):
 
     @property
     def stylised(self) -> bool:
-        """A force field, no physical stress."""
+        """True: the vortex is a force field, no physical stress."""
         return True
 
     @property
@@ -102,7 +102,7 @@ class Config(Timed, Placed, WindConfig):
 
 @in_kernels
 class Vortex(Wind):
-    """The column on its way."""
+    """Wind of a drifting vortex."""
 
     config: Config
 
@@ -120,7 +120,7 @@ class Vortex(Wind):
         self.patch.follow(middle)
 
     def advance(self, dt: float) -> None:
-        """Algorithm 1."""
+        """Move the axis by a step of dt [s] (Algorithm 1), and set strength and noise of the step."""
         before, part, begun = self.passage.number, self.part, self.clock.time
         self.passage.advance(dt)
         self.clock.advance(dt)
@@ -136,7 +136,7 @@ class Vortex(Wind):
         self._restart()
 
     def drawing(self) -> Drawing:
-        """The core, as deep as the water feels it, and arrows around it where the push is greatest."""
+        """Lines around the core, down to the depth of its layer, and arrows where its acceleration is greatest."""
         config, angle = self.config, np.linspace(0.0, 2.0 * pi, 33)
         around = np.stack([np.cos(angle), np.zeros(33), np.sin(angle)], axis=1)
         top = self.passage.centre + self.patch.origin + config.core_radius * around
@@ -159,14 +159,14 @@ class Vortex(Wind):
 
     @ti.func
     def set_clock(self, since, step):
-        """Note the clock, and the draws of the step."""
+        """Store the clock, and compute the noise draws of this step."""
         self.row.field[ROW.since] = since
         if ti.static(self.noisy):
             self.noise.set_clock(since, step)
 
     @ti.func
     def force(self, key, position, velocity, area, bend, mass):
-        """Mass times acceleration around, towards and along the axis, and noise [N]."""
+        """Force [N]: mass times acceleration around, towards and along the axis, and noise."""
         row = ti.static(self.row.field)
         drift = ti.static(self.config.drift)
         x, z = row[ROW.axis_x] + row[ROW.since] * drift[0], row[ROW.axis_z] + row[ROW.since] * drift[1]

@@ -9,7 +9,7 @@ from ocean_sim.surface import Mesh, sheet
 
 
 def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
-    """Columns along x and z that stand about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
+    """Numbers of columns along x and z about `spacing` [m] apart, the outermost on the sides; 1 along z in 2-D."""
     extents = np.subtract(basin.upper, basin.lower)
     cells = [max(1, round(float(extents[axis]) / spacing)) for axis in (0, 2)]
     return cells[0] + 1, cells[1] + 1 if basin.dimension == 3 else 1
@@ -17,7 +17,7 @@ def column_counts(basin: Basin, spacing: float) -> tuple[int, int]:
 
 @in_kernels
 class Heights:
-    """One height [m] a column; column (i, k) has the number i nz + k. A point beyond the sides has the height there."""
+    """Heights [m] of columns; column (i, k) is number i nz + k. A point beyond the sides has the height at the side."""
 
     def __init__(
         self,
@@ -46,13 +46,13 @@ class Heights:
 
     @ti.func
     def column_place(self, n):
-        """x and z [m] of a column."""
+        """Position x, z [m] of column n."""
         i, k = n // self.count[1], n % self.count[1]
         return self.low + self.width * (tm.vec2(i, k) + self.inset)
 
     @ti.func
     def height_at(self, x, z):
-        """Height [m] at a point."""
+        """Height [m] at a point x, z [m], bilinear between columns."""
         at = (tm.vec2(x, z) - self.low) / self.width - self.inset
         for axis in ti.static(range(2)):
             if ti.static(self.periodic[axis]):
@@ -72,13 +72,13 @@ class Heights:
             heights[n] = self.height_at(points[n, 0], points[n, 1])
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m,) heights [m] at (m, 2) points x, z [m]."""
+        """Heights (m,) [m] at points x, z (m, 2) [m]."""
         precision = to_numpy_type(self.height.dtype)
         heights = np.empty(len(points), dtype=precision)
         self.fill_heights(np.ascontiguousarray(points, dtype=precision), heights)
         return heights.astype(float)
 
     def mesh(self) -> Mesh:
-        """A sheet from side to side, two triangles between four columns; only without inset."""
+        """Mesh from side to side, two triangles between four columns; only for an inset of 0."""
         x, z = (np.linspace(low, up, n) for low, up, n in zip(self.lower, self.upper, self.count, strict=True))
         return sheet(x, z, self.copy.values().astype(float).reshape(self.count))

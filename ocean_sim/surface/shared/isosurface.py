@@ -35,7 +35,7 @@ Cut = tuple[tuple[int, int, int], ...]  # triangles by indices in a loop
 
 
 def face_corners(axis: int, side: int) -> list[int]:
-    """Corners of a face, counter-clockwise seen from outside the cube."""
+    """Corners of the lower (side 0) or upper face of a cube across an axis, counter-clockwise from outside."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     corners = [side << axis | a << u | b << v for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
     return corners if side else corners[::-1]
@@ -49,7 +49,7 @@ def edge_between(p: int, q: int) -> int:
 
 
 def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
-    """(from edge, to edge) of each run of wet corners on a face, the way round that leaves the water inside."""
+    """Lines (from edge, to edge) that cut off the runs of wet corners of a face, with the water always on one hand."""
     wet = [bool(case >> c & 1) for c in corners]
     found = []
     for k in range(4):
@@ -64,12 +64,12 @@ def face_lines(case: int, corners: list[int]) -> list[tuple[int, int]]:
 
 
 def is_ambiguous(case: int) -> bool:
-    """True if some face has two wet corners across a diagonal and two dry ones."""
+    """True if some face of a case has two wet corners across a diagonal and two dry ones."""
     return any(len(face_lines(case, corners)) == 2 for corners in FACES)
 
 
 def case_loops(case: int) -> list[Loop]:
-    """The closed lines in which the surface meets the faces of the cube."""
+    """Closed loops of cut edges, along which the surface of a case crosses the faces of the cube."""
     after = {enters: leaves for corners in FACES for enters, leaves in face_lines(case, corners)}
     found = []
     while after:
@@ -83,7 +83,7 @@ def case_loops(case: int) -> list[Loop]:
 
 
 def polygon_cuts(first: int, last: int) -> Iterator[Cut]:
-    """Every way to cut the polygon first, first + 1, ... last into triangles."""
+    """Yield every way to cut the polygon first, first + 1, ... last into triangles."""
     if last - first < 2:
         yield ()
     for k in range(first + 1, last):
@@ -146,7 +146,7 @@ class Counts(NamedTuple):
 
 @in_kernels
 class Isosurface:
-    """A field on the nodes that are kept, and the surface on which it is zero."""
+    """A field at the stored nodes, and the surface on which it is zero."""
 
     def __init__(
         self,
@@ -155,7 +155,7 @@ class Isosurface:
         most_nodes: int = MAX_NODES,
         dry: float = -1.0,
     ) -> None:
-        """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not kept."""
+        """`periodic`: the axes along which the field repeats; `dry`: the field at nodes that are not stored."""
         self.nodes, self.shape, self.periodic, self.rows = nodes, nodes.shape, periodic, Rows(nodes, most_nodes)
         self.lower, self.upper, self.width = tm.vec3(nodes.lower), tm.vec3(nodes.upper), tm.vec3(nodes.width)
         kept = (self.rows.most + 1) * self.rows.length
@@ -171,7 +171,7 @@ class Isosurface:
 
     @staticmethod
     def bytes(nodes: Nodes, most_nodes: int, word: int) -> int:
-        """Memory of the fields; `word` is the size of a `float` [bytes]."""
+        """Memory of the fields [bytes]; `word` is the size of a `float` [bytes]."""
         kept = (Rows.fitting_rows(nodes, most_nodes) + 1) * nodes.shape[0]
         return (word + 4) * kept + Rows.bytes(nodes, most_nodes) + 4 * (4 * ROW_SLABS + 256 * (2 + 3 * MAX_TRIANGLES))
 
@@ -198,13 +198,13 @@ class Isosurface:
                 self.value[n] = -tm.max(ti.abs(mean), LEAST_DRY) if closed else mean
 
     def count_surface(self) -> Counts:
-        """Number all vertices and triangles of the field as it is now."""
+        """Number all vertices and triangles of the present field, and count them."""
         totals = np.zeros(4, dtype=np.int32)
         self.number_slabs(totals)
         return Counts(*totals.tolist())
 
     def mesh(self, counts: Counts) -> Mesh:
-        """The triangles that have just been counted."""
+        """Mesh of the triangles that `count_surface` has just counted."""
         vertices, normals = (np.empty((counts.vertices, 3), dtype=self.precision) for _ in range(2))
         triangles = np.empty((counts.triangles, 3), dtype=np.int32)
         if counts.triangles:
@@ -213,18 +213,18 @@ class Isosurface:
 
     @ti.func
     def node_at(self, i, j, k):
-        """Number of a node; all that are not kept share theirs."""
+        """Number of node (i, j, k) in the stored field; all nodes of rows that are not stored share one row."""
         return i + self.rows.first[j + self.shape[1] * k]
 
     @ti.func
     def node_indices(self, n):
-        """The inverse of `at` for nodes that are kept."""
+        """Indices i, j, k of stored node n: the inverse of `node_at`."""
         j, k = self.rows.row_indices(n // self.rows.length)
         return tm.ivec3(n % self.rows.length, j, k)
 
     @ti.func
     def edge_rows(self, j, k):
-        """First nodes of the four rows along x between which cubes lie; beyond the last row there is that row."""
+        """First nodes of the four rows along x that bound the cubes at row (j, k), which stops at the last row."""
         up, on = tm.min(j + 1, self.shape[1] - 1), tm.min(k + 1, self.shape[2] - 1)
         return tm.ivec4(self.node_at(0, j, k), self.node_at(0, up, k), self.node_at(0, j, on), self.node_at(0, up, on))
 
@@ -238,7 +238,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """First row of a slab, of those kept."""
+        """First stored row of a slab."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
@@ -320,7 +320,7 @@ class Isosurface:
 
     @ti.func
     def gradient(self, node):
-        """(3.2) to (3.4) by central differences, with the factor 1/2 that they leave out; one-sided at the rim."""
+        """Gradient at a node: (3.2) to (3.4) by central differences, with their missing 1/2; one-sided at the rim."""
         gradient = tm.vec3(0.0)
         for axis in ti.static(range(3)):
             step = tm.ivec3([int(axis == k) for k in range(3)])

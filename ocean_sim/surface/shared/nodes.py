@@ -15,7 +15,7 @@ MAX_NODES = 2**26  # the vertices between them are numbered in 28 bits
 
 @dataclass(frozen=True)
 class Nodes:
-    """Cells of equal size fill a box; a node lies in the middle of each, and one more row of nodes beyond every side.
+    """Regular grid of nodes, one in the middle of each of the equal cells of a box, and one row beyond each side.
 
     So a side of the box lies half-way between two rows, and a surface that closes there lies on it.
     """
@@ -26,13 +26,13 @@ class Nodes:
 
     @cached_property
     def inner(self) -> tuple[int, int, int]:
-        """Nodes within the box on each axis."""
+        """Numbers of nodes within the box on each axis."""
         extents = np.subtract(self.upper, self.lower)
         return tuple(max(1, int(np.ceil(extent / self.cell - 1.0e-6))) for extent in extents)  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int, int]:
-        """Nodes on each axis, those beyond the sides counted."""
+        """Numbers of nodes on each axis, with those beyond the sides."""
         nx, ny, nz = self.inner
         return nx + 2, ny + 2, nz + 2
 
@@ -51,17 +51,17 @@ class Nodes:
         return self.lower[k] + (np.arange(self.shape[k]) - 0.5) * self.width[k]
 
     def positions(self) -> np.ndarray:
-        """(nz, ny, nx, 3) [m]: as the field is stored, x running fastest."""
+        """Positions (nz, ny, nx, 3) of all nodes [m], in the order in which the field is stored: x runs fastest."""
         z, y, x = np.meshgrid(self.axis(2), self.axis(1), self.axis(0), indexing="ij")
         return np.stack([x, y, z], axis=-1)
 
 
 @in_kernels
 class Rows:
-    """Rows of nodes that are kept. All others are one dry row, which is read and never written."""
+    """Rows of nodes along x whose field is stored. All others share one dry row, which is read and never written."""
 
     def __init__(self, nodes: Nodes, most_nodes: int) -> None:
-        """Keep all rows, or at first none if that would be more than `most_nodes`."""
+        """Store all rows, or at first none if that would be more than `most_nodes`."""
         self.length, self.across, along = nodes.shape
         self.all, self.most_nodes = self.across * along, most_nodes
         self.most = self.fitting_rows(nodes, most_nodes)
@@ -74,17 +74,17 @@ class Rows:
 
     @staticmethod
     def fitting_rows(nodes: Nodes, most_nodes: int) -> int:
-        """Number of rows that can be kept."""
+        """Number of rows that can be stored within `most_nodes` nodes."""
         nx, ny, nz = nodes.shape
         return min(ny * nz, max(1, most_nodes // nx))
 
     @classmethod
     def bytes(cls, nodes: Nodes, most_nodes: int) -> int:
-        """Memory of the fields."""
+        """Memory of the fields [bytes]."""
         return 4 * (2 * nodes.shape[1] * nodes.shape[2] + cls.fitting_rows(nodes, most_nodes) + 1)
 
     def keep_rows(self) -> None:
-        """Keep the rows marked `near` from now on; raises Diverged if they are too many."""
+        """Store the rows marked `near` from now on; raises Diverged if they are too many."""
         if (wanted := self.renew_rows()) > self.most:
             raise Diverged(
                 f"{wanted * self.length} nodes of the surface lie near water, more than surface.most_nodes "
@@ -107,10 +107,10 @@ class Rows:
 
     @ti.func
     def row_indices(self, n):
-        """j and k of the n-th row kept."""
+        """Indices j and k in the grid of the n-th stored row."""
         return self.row[n] % self.across, self.row[n] // self.across
 
     def spread_values(self, values: np.ndarray) -> np.ndarray:
-        """(nz, ny, nx) values at all nodes of the grid, from those at the nodes kept."""
+        """Values (nz, ny, nx) at all nodes of the grid, from those at the stored nodes."""
         found = values.reshape(-1, self.length)[self.first.to_numpy() // self.length]
         return found.reshape(-1, self.across, self.length)

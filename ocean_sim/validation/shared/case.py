@@ -30,7 +30,7 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """One row of the table; a number that could not be measured misses its tolerance."""
+        """One row of the table of results; a number that could not be measured misses its tolerance."""
         tolerance = self.tolerance.get(scheme)
         numbers = {"value": value, "reference": reference, "error": error}
         return {
@@ -45,7 +45,7 @@ class Promise:
         }
 
     def coarsened(self, case: str) -> "Promise":
-        """The promise at coarse resolution, the fine one unless the table of coarse tolerances has its quantity."""
+        """Promise at coarse resolution: the fine one, unless the table of coarse tolerances has its quantity."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self
@@ -54,7 +54,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Curve:
-    """A line of a plot, or its points."""
+    """Line of a plot, or its points."""
 
     label: str
     x: np.ndarray
@@ -89,17 +89,17 @@ class Problem:
     """Schemes that run by default. Every kind of fluid can run what `delta_sph` runs; else no other scheme can."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
-        """The scene under a scheme, without observers."""
+        """Scene of the set-up under a scheme, without observers."""
         part = self.scene[self.slot] | {"kind": scheme}
         return load_without_observers(self.scene | {self.slot: part}, overrides)
 
     def schemes_for(self, asked: list[str]) -> list[str]:
-        """The fitting ones of the schemes asked for, or the set-up's own if none are asked for."""
+        """Those of the schemes asked for that fit the set-up, or the set-up's own if none are asked for."""
         fitting = kinds("fluid") if "delta_sph" in self.schemes else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """The rows of the table and the finding behind them; the rows of a run that diverged say so."""
+        """Run the set-up under a scheme: rows of the table, and the finding; rows say so if the run diverged."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
@@ -123,25 +123,25 @@ def load_without_observers(scene: dict[str, Any], overrides: Mapping[str, Any] |
 
 
 def other_simulation(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
-    """The simulation of another scene without observers, on the same processor."""
+    """Simulation of another scene without observers, on the same processor."""
     return Simulation(load_without_observers(scene | {"runtime": simulation.scene.resolved()["runtime"]}))
 
 
 def percent_error(value: float, reference: float) -> Number:
-    """Value, reference and error [%]."""
+    """Value, reference and percentage error of the value."""
     return value, reference, 100.0 * (value / reference - 1.0)
 
 
 def absolute_error(value: float, reference: float = 0.0) -> Number:
-    """Value, reference and their difference."""
+    """Value, reference and difference between them."""
     return value, reference, value - reference
 
 
 def reported(value: float) -> Number:
-    """A value without reference."""
+    """Value without reference or error, which is only reported."""
     return value, None, None
 
 
 def free_space(length: float, depth: float) -> dict[str, Any]:
-    """A basin [m] without gravity, walls or floor."""
+    """Keys of a basin of a length and depth [m] without gravity, walls or floor."""
     return {"length": length, "depth": depth, "gravity": [0.0, 0.0, 0.0], "walls": "none", "floor": "none"}

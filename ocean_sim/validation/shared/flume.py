@@ -27,7 +27,7 @@ def flume_scene(length: float, depth: float, spacing: float, duration: float, pi
 
 
 def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s], about `every` [s] apart, and elevations (n, m) [m] at points (m, 2) x, z [m]."""
+    """Run to the end: times (n,) [s], about `every` [s] apart, and elevations (n, m) [m] at points (m, 2) x, z [m]."""
     return record_run(simulation, every, lambda _: simulation.fluid.elevations(points))
 
 

@@ -73,7 +73,7 @@ def floating_ship(simulation: Simulation) -> "FloatingShip":
 
 
 def set_pose(simulation: Simulation, **changes: Any) -> None:
-    """Replace parts of the state of the ship's body; its momentum is 0 unless given."""
+    """Replace parts of the state of the ship's body; velocity and angular momentum become 0 unless given."""
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
@@ -86,7 +86,7 @@ def current_load(simulation: Simulation) -> "Load":
 
 
 def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
-    """Put the ship at an orientation, at the height where weight and buoyancy balance; the load there."""
+    """Turn the ship to an orientation and move it to where weight and buoyancy balance; returns its load there."""
     shape = floating_ship(simulation).shape
     assert shape is not None
     span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))
@@ -106,7 +106,7 @@ def turn_quaternion(axis: int, degrees: float) -> np.ndarray:
 
 
 def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
-    """Run, and yield time [s] and body after every step."""
+    """Run until a time [s], and yield the time [s] and the body after every step."""
     while simulation.time < until:
         simulation.step()
         yield simulation.time, ship_of(simulation).body
@@ -126,7 +126,7 @@ def record_in_waves(simulation: Simulation, rest: float, height: float, period: 
 
 
 def zero_crossing_period(times: np.ndarray, values: np.ndarray) -> float:
-    """Twice the mean time between crossings of zero [s]."""
+    """Period [s] of a signal: twice the mean time between its crossings of zero."""
     k = np.flatnonzero(values[1:] * values[:-1] < 0.0)
     crossings = times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1])
     return 2.0 * float(np.diff(crossings).mean())

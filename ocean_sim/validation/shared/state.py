@@ -74,14 +74,14 @@ def set_state(
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Random vectors (n, 3) for particles at positions (n, 3), within a cube of half-width `size`; flat in 2-D."""
+    """Random vectors (n, 3), one for each position (n, 3), within a cube of half-width `size`; flat in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random
 
 
 def sampled_states(simulation: Simulation, until: float, every: float) -> Iterator[State]:
-    """The state now and about every `every` seconds; raises Diverged once it is no longer finite."""
+    """Yield the state now and about every `every` [s] until a time [s]; raises Diverged once it is not finite."""
     yield particle_state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):
         simulation.run(until=float(moment))

@@ -12,12 +12,12 @@ from ocean_sim.files import csv_file
 
 
 def table_path(name: str) -> Path:
-    """The file of a table."""
+    """Path of a table in `data/`."""
     return Path(__file__).parents[1] / "data" / f"{name}.csv"
 
 
 def table(name: str) -> dict[str, np.ndarray]:
-    """The columns of data/<name>.csv."""
+    """Columns of data/<name>.csv by name."""
     return csv_file.Table(table_path(name))
 
 
@@ -32,6 +32,6 @@ def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
 
 @cache
 def too_long_for_gate() -> dict[tuple[str, str], float]:
-    """Processor time [s], kernels in the cache, of the set-ups too long for a gate, by case and set-up."""
+    """Processor time [s], kernels in the cache, of set-ups that take too long for a gate, by case and set-up."""
     rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

@@ -22,13 +22,13 @@ def drag_coefficient(u10):
 
 
 def garratt(u10: float) -> float:
-    """C_d of Garratt (1977, Mon. Weather Rev. 105)."""
+    """Drag coefficient of Garratt (1977, Mon. Weather Rev. 105) at 10 m wind speed u10 [m/s]."""
     return (0.75 + 0.067 * u10) * 1e-3
 
 
 def zijlema(u10: float) -> float:
-    """C_d of Zijlema, van Vledder & Holthuijsen (2012, Coastal Engineering 65), which falls again in a hurricane;
-    beyond 50 m/s, where it would end below zero, it is what it is there."""
+    """Drag coefficient of Zijlema, van Vledder & Holthuijsen (2012, Coastal Engineering 65) at 10 m wind speed u10
+    [m/s]: it falls again in a hurricane, and is constant beyond 50 m/s, before it would become negative."""
     u = min(u10, 50.0) / 31.5
     return (0.55 + 2.97 * u - 1.49 * u * u) * 1e-3
 
@@ -39,13 +39,13 @@ RANGES = {"wu": (0.0, 20.0), "garratt": (4.0, 21.0), "zijlema": (0.0, 50.0)}
 
 
 def stress(u10: float, law: DragLaw = LAW) -> float:
-    """Stress of the wind on the sea surface [Pa] (2.20)."""
+    """Stress [Pa] on the sea surface of a wind of 10 m wind speed u10 [m/s] (2.20)."""
     return AIR_DENSITY * DRAG_LAWS[law](u10) * u10**2
 
 
 def speed_under(tau: float) -> float:
-    """U10 [m/s] to which Wu's law gives this stress [Pa], the inverse of `stress`: no C_d is below his least one, so no
-    wind is stronger than with that."""
+    """U10 [m/s] at which Wu's law gives this stress [Pa]: the inverse of `stress`, sought up to the speed that the
+    law's least drag coefficient gives."""
     from scipy.optimize import brentq
 
     strongest = (tau / (AIR_DENSITY * drag_coefficient(0.0))) ** 0.5
@@ -53,7 +53,7 @@ def speed_under(tau: float) -> float:
 
 
 def stated_speed(u10: float | None, tau: float | None) -> float:
-    """U10 [m/s] of a wind that a scene states by U10, by its stress [Pa], or by neither."""
+    """U10 [m/s] of a wind that a scene states by U10, by its stress [Pa], or by neither (then 10)."""
     if tau is not None:
         return speed_under(tau)
     return U10 if u10 is None else u10
@@ -71,7 +71,7 @@ def drag(wind, area):
 
 @ti.func
 def lift(wind, area, coefficient):
-    """Lift [N]: across the wind and upwards, wind x (horizontal vector across it), (2.23) with a plus sign."""
+    """Lift [N] on `area` [m2], across the wind relative to it [m/s] and upwards: (2.23) with a plus sign."""
     across = tm.vec3(wind.z, 0.0, -wind.x)
     horizontal = ti.max(across.norm(), 1e-12)  # in a vertical wind there is no lift
     return 0.5 * AIR_DENSITY * coefficient * area * wind.norm() * wind.cross(across) / horizontal

@@ -30,17 +30,17 @@ NoiseSize = Annotated[tuple[NotNegative, NotNegative, NotNegative], Field(strict
 
 @in_kernels
 class Noise:
-    """The draws of the step. Each lasts `every` [s], and a step takes it for as long as it lasts in it, so the noise
-    stirs alike whatever the step; 0: a new draw each step, as printed."""
+    """Random draws for the noise of a wind. Each lasts `every` [s] and counts in a step for as long as the two overlap,
+    so the noise stirs alike at any step; 0: a new draw each step, as printed."""
 
     def __init__(self, seed: int, every: float, row: DeviceRow) -> None:
-        """`row`: begins with the columns of DRAWS."""
+        """`row`: device row that begins with the columns of DRAWS."""
         self.seed, self.every, self.row, self.steps = seed, every, row, 0
         row.set(DRAWS.each, 1.0)
         row.set(DRAWS.strength, 1.0)
 
     def restart(self, time: float) -> None:
-        """Note that the clock is restarted at a time [s]."""
+        """Store which draw is under way at a time [s], at which the clock is restarted."""
         if self.every:
             draws = time / self.every
             self.row.set(DRAWS.number, int(draws) % DRAW_NUMBERS)
@@ -54,8 +54,8 @@ class Noise:
 
     @ti.func
     def set_clock(self, since, step):
-        """Find which draws a step of `step` [s] takes that ends `since` [s] after the clock was restarted, and for
-        which part of it each lasts."""
+        """Find which draws overlap the step of `step` [s] that ends `since` [s] after the clock was restarted, and for
+        what part of it each lasts."""
         if ti.static(self.every > 0.0):
             row = ti.static(self.row.field)
             span, left, each, strength = step / self.every, 0.0, 1.0, 1.0
@@ -70,7 +70,7 @@ class Noise:
 
     @ti.func
     def of(self, stream, key):
-        """The draws of this step for a particle, each as long as it lasts in it: between -1 and 1 on each axis."""
+        """Noise of this step for a particle, -1 to 1 on each axis: its draws, each weighted by its part of the step."""
         row = ti.static(self.row.field)
         draw, left = (int(row[DRAWS.number]) + int(row[DRAWS.first])) % DRAW_NUMBERS, row[DRAWS.left]
         mean = (1.0 - left) * uniform3(self.seed, stream, key, draw)

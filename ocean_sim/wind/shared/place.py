@@ -29,7 +29,7 @@ class Placed(Model):
     null: tile."""
 
     def misframed(self, preflight: Preflight) -> Problems:
-        """A problem where a frame is given and there is no patch."""
+        """Problem of a frame that is given over a basin that is no patch of open sea."""
         if self.frame is None or preflight.tank.sea is not None:
             return []
         return [(("frame",), "a wind has a frame only over a patch of open sea; leave it out, or name a sea")]
@@ -37,7 +37,7 @@ class Placed(Model):
 
 @in_kernels
 class Patch:
-    """The patch under a wind. Over any other basin a place is the same for the wind and the world."""
+    """Patch of open sea under a wind. Over any other basin, positions are alike in the axes of wind and world."""
 
     def __init__(self, config: Placed, basin: Basin) -> None:
         periods = (basin.periods[0], basin.periods[2]) if basin.sea is not None else (0.0, 0.0)
@@ -46,19 +46,19 @@ class Patch:
         self.row = DeviceRow(2)
 
     def follow(self, middle: np.ndarray) -> None:
-        """Note that its middle is at x, z (2,) in the world [m] from now on."""
+        """Set the middle of the patch, x, z (2,) in the world [m], from now on."""
         for axis, at in enumerate(middle.tolist()):
             self.row.set(axis, at)
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) origin of the wind in the world [m]."""
+        """Origin (3,) of the wind's axes in the world [m]."""
         x, z = (0.0, 0.0) if self.stands else self.row.values
         return np.array([x, 0.0, z])
 
     @ti.func
     def seen(self, position):
-        """Place of a position [m] in the axes of the wind [m]."""
+        """Position in the axes of the wind [m], from one on the patch or in the world [m]."""
         found = position
         for axis, k, period in ti.static(self.axes):
             middle = self.row.field[axis]
@@ -70,12 +70,12 @@ class Patch:
 
 
 def never(passage: int) -> tuple[float, float]:
-    """No redraw: the same direction and strength in every passage."""
+    """Turn 0 and strength 1 for every passage: nothing is drawn anew."""
     return 0.0, 1.0
 
 
 class Passages:
-    """Centre [m], turn [rad] and strength of something that drifts; `number` counts its passages from 0.
+    """Centre [m], turn [rad] and strength of a wind that drifts across the basin repeatedly; `number`: passages so far.
 
     It begins where it was put. When its rear has left the basin, direction and strength are drawn anew, and its front
     comes in at the upwind border, on the line through the point where its first path came nearest to the centre.
@@ -125,12 +125,12 @@ class Passages:
             self.lasts = self._duration()
 
     def _duration(self) -> float:
-        """Time until the rear leaves the basin [s]."""
+        """Time that this passage takes until the rear leaves the basin [s]."""
         rear = self.origin - self.reach * self.direction
         return max(0.0, self._to_border(rear, self.direction) / self.speed) if self.speed else inf
 
     def _to_border(self, x: np.ndarray, direction: np.ndarray) -> float:
-        """Distance from x along a unit vector to where it leaves the basin [m]; negative where it already has."""
+        """Distance [m] from x along a unit vector to the border of the basin; negative if x is already beyond it."""
         face = np.where(direction > 0.0, self.upper, self.lower)
         along = np.abs(direction) > 1e-9
         return float(((face - x)[along] / direction[along]).min())

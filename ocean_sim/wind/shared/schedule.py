@@ -17,7 +17,7 @@ Problems = Iterator[tuple[tuple[str | int, ...], str]]  # path below the config,
 
 
 class Timed(Model):
-    """Keys of whatever begins and ends."""
+    """Keys of a wind that begins, ends and grows over a ramp."""
 
     start: float = quantity("s", 0.0, ge=0.0)
     """Time at which it begins to blow."""
@@ -38,17 +38,17 @@ class Timed(Model):
 
     @property
     def end(self) -> float | None:
-        """Time at which it has ceased [s], or None."""
+        """Time at which the wind has stopped [s]; None if it never does."""
         return self.stop if self.duration is None else self.start + self.duration
 
     @cached_property
     def always(self) -> bool:
-        """True if it blows from the beginning and for ever, at once."""
+        """True if the wind blows at full strength from time 0 on and for ever."""
         return self.start == 0.0 and self.end is None and self.ramp == 0.0
 
     def blowing(self, time: float, dt: float = 0.0) -> float:
-        """Part of its strength in a step of dt [s] from a time [s] on, 0 to 1; it rises and falls as 3 s^2 - 2 s^3.
-        What blows for a part of the step only is weaker by that part, so the impulse is that of the time it blows."""
+        """Share of its strength, 0 to 1, in a step of dt [s] from a time [s] on; it rises and falls as 3 s^2 - 2 s^3. A
+        wind that blows for a part of the step is weaker by that part, so the impulse is that of the time it blows."""
         begin, end = max(time, self.start), min(time + dt, np.inf if self.end is None else self.end)
         if end < begin or (end == begin and dt > 0.0) or time == self.end:
             return 0.0
@@ -78,7 +78,7 @@ class File(Model):
 
 
 class Schedule(NamedTuple):
-    """Speed and heading over time: straight lines between rows, held before the first and after the last."""
+    """Speed and heading of a wind over time: linear between rows, constant before the first and after the last."""
 
     time: np.ndarray  # (n,) [s], rising
     speed: np.ndarray  # (n,) [m/s]
@@ -97,12 +97,12 @@ class Scheduled(Timed):
 
     @cached_property
     def table(self) -> csv_file.Table | None:
-        """The file of the schedule, read; None where the schedule is in no file. Raises Unreadable."""
+        """Table read from the file of the schedule; None if the schedule is in no file. Raises Unreadable."""
         return csv_file.Table(self.schedule.file) if isinstance(self.schedule, File) else None
 
     @cached_property
     def course(self) -> Schedule | None:
-        """The schedule, read; raises ValueError."""
+        """Speed and heading over time by the schedule; None without a schedule. Raises ValueError."""
         if self.schedule is None:
             return None
         if self.table is not None:
@@ -121,7 +121,7 @@ class Scheduled(Timed):
         return Schedule(time, speed, np.unwrap(heading, period=360.0))
 
     def end_warnings(self, duration: float) -> list[str]:
-        """Warn of a schedule whose rows do not reach over a run of this duration [s], or are in radians."""
+        """Warn of a schedule whose rows end before a run of this duration [s], or whose headings are in radians."""
         if self.course is None:
             return []
         last = float(self.course.time[-1])
@@ -133,7 +133,7 @@ class Scheduled(Timed):
         return found + (self.table.like_radians() if self.table is not None else [])
 
     def unscheduled(self) -> Problems:
-        """A problem where the schedule cannot be followed."""
+        """Yield a problem if the schedule cannot be read or its rows are out of order."""
         try:
             self.course  # noqa: B018
         except ValueError as error:

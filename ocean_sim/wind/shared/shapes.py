@@ -18,7 +18,7 @@ HalfSize = Annotated[tuple[Length, Length, Length], Field(strict=False)]
 
 @dataclass(frozen=True)
 class Core:
-    """A shape as all that lies within `radius` of a box."""
+    """Shape made of all points within `radius` of a box."""
 
     centre: np.ndarray  # [m]
     half: tuple[float, float, float]  # half size of the box [m]: zero in a sphere, one axis long in a capsule
@@ -26,26 +26,26 @@ class Core:
     yaw: float  # turn about the vertical [rad]
 
     def in_own_axes(self, direction: np.ndarray) -> np.ndarray:
-        """A direction in the axes of the shape."""
+        """Direction in the axes of the shape, from one in the axes of the world."""
         return turned(direction, -self.yaw)
 
     def edges(self) -> np.ndarray:
-        """(n, 2, 3) ends of lines that show it [m]: the edges of a box, else an outline in each of its planes."""
+        """Ends (n, 2, 3) of lines that draw the shape [m]: edges of a box, else an outline in each of its planes."""
         return turned(outline(self.half, self.radius), self.yaw) + self.centre
 
     def spread(self) -> np.ndarray:
-        """(n, 3) points at the height of its centre, spread over it [m]."""
+        """Points (n, 3) at the height of its centre, spread over the shape [m]."""
         size = np.array(self.half)[[0, 2]] + self.radius
         x, z = (np.linspace(-0.7, 0.7, n) * s if n > 1 else np.zeros(1) for n, s in zip(counts(*size), size))
         x, z = (a.ravel() for a in np.meshgrid(x, z))
         return turned(np.stack([x, np.zeros_like(x), z], axis=-1), self.yaw) + self.centre
 
     def reach(self, direction: np.ndarray) -> float:
-        """Distance from the centre to the farthest end along a unit vector [m]."""
+        """Distance [m] from the centre to the farthest point of the shape along a unit vector."""
         return float(np.abs(self.in_own_axes(direction)) @ self.half + self.radius)
 
     def chord(self, direction: np.ndarray) -> float:
-        """Length inside of the line through the centre along a unit vector [m]."""
+        """Length [m] within the shape of the line through its centre along a unit vector."""
         along = np.abs(self.in_own_axes(direction))
         inside, outside = 0.0, 2.0 * (float(np.linalg.norm(self.half)) + self.radius)
         for _ in range(50):
@@ -59,7 +59,7 @@ class Core:
 
 @lru_cache(maxsize=64)  # frames ask for it again and again
 def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
-    """(n, 2, 3) ends of the lines of a core in its own axes [m]."""
+    """Ends (n, 2, 3) of the lines that draw a core, in its own axes [m]."""
     if radius == 0.0:
         corners = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
         near = np.abs(corners[:, None] - corners[None]).sum(axis=2) == 2.0
@@ -76,7 +76,7 @@ def outline(half: tuple[float, float, float], radius: float) -> np.ndarray:
 
 
 def counts(x: float, z: float) -> tuple[int, int]:
-    """Numbers of points to spread along two half sizes [m]."""
+    """Numbers of points along x and z to spread over a shape of half sizes x and z [m]."""
     return (3, 3) if max(x, z) < 2.0 * min(x, z) else (5, 1) if x > z else (1, 5)
 
 
@@ -135,7 +135,7 @@ Shape = Annotated[Box | Sphere | Capsule, Field(discriminator="kind")]
 
 
 def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
-    """(..., 3) vectors turned by `angle` [rad] about the vertical, by the right hand."""
+    """Vectors (..., 3) turned by `angle` [rad] about the vertical, by the right hand."""
     given = np.asarray(vectors, dtype=float)
     x, y, z = given[..., 0], given[..., 1], given[..., 2]
     c, s = cos(angle), sin(angle)
@@ -144,12 +144,12 @@ def turned(vectors: ArrayLike, angle: float) -> np.ndarray:
 
 @ti.func
 def turned_back(v, cosine, sine):
-    """The vector turned back by an angle of this cosine and sine."""
+    """Vector turned back about the vertical by an angle with this cosine and sine."""
     return tm.vec3(cosine * v.x - sine * v.z, v.y, cosine * v.z + sine * v.x)
 
 
 @ti.func
 def within(x, half, radius):
-    """True if x, seen from the centre of a core and in its axes [m], lies in the shape."""
+    """True if x, relative to the centre of a core and in its axes [m], lies in the shape."""
     beyond = ti.max(ti.abs(x) - half, 0.0)
     return beyond.dot(beyond) <= radius * radius

@@ -127,9 +127,8 @@ class SeaSurface:
         return self.share * (x @ kept @ z.T)
 
     def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water at the nodes from the foam of a frame on its own grid, with edges that are bent
-        within a cell. `grain` (n, 2): where the water at each node was when its foam pattern began [m]; the edges move
-        with it."""
+        """Share (nx, nz) of white water at the nodes from the foam of a frame on its own grid, with edges bent by noise
+        within a cell. `grain` (n, 2): places [m] at which the noise is read for each node; they move with the water."""
         from scipy.ndimage import map_coordinates, maximum_filter
 
         cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)

@@ -82,7 +82,8 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Share (n,) of sunlight that facets with normally distributed slopes mirror into the eye, for colours at nodes."""
+    """Brightness (n,), in units of the sun's colour, of its reflection in facets with normally distributed slopes, for
+    colours at nodes."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))

@@ -145,7 +145,7 @@ class FrameLog:
 
 
 def film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Numbers of the frames of a film: the nearest to each time a multiple of `every` [s] after the first."""
+    """Numbers of the frames of a film: those nearest to the first time and to every `every` seconds after it."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
 

@@ -62,8 +62,7 @@ def ship_keys(file: Iterable[str], ending: str) -> list[str]:
 
 
 class Frame:
-    """Contents of one frame file: heights, foam, ships, wind, and particles and surface mesh where the run kept
-    them."""
+    """Contents of one frame file: heights, foam, ships, wind, and particles and surface mesh if the run kept them."""
 
     def __init__(self, path: Path) -> None:
         with open_frame(path) as file:
@@ -157,8 +156,7 @@ def known_film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """Frame with the highest waves in the second half of a run, and the speed [m/s] of the fast particles of all its
-    frames."""
+    """Frame with the highest waves in the second half of a run, and the speed [m/s] of the run's fast particles."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))
@@ -175,8 +173,7 @@ def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
 
 
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run keeps once beside its frames: basin, plane waves, hulls of ships, and the coordinates x and z
-    [m] of the heights."""
+    """Arrays that a run keeps once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,

@@ -22,8 +22,8 @@ SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
 def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
-    """Rows `key`, `value`, `unit`, `meaning`, `range` and `choices` for each number, word or switch of a scene, in the
-    order of its parts."""
+    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` for each number, word or switch of a scene, in its
+    order."""
     rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in GENERAL_KEYS]
     for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
         rows += model_rows(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
@@ -31,7 +31,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Such rows for the keys of a model and of its nested models; `place`: its path in the scene, `path`: in the
+    """Rows as in `key_table` for a model and its nested models; `place`: path in the scene, `path`: in the
     reference."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
@@ -55,8 +55,7 @@ def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
-    """Answer to a wave query: `time` [s] and `values`, one row a point, null where there is no water. Raises
-    Refused."""
+    """Answer to a wave query: `time` [s] and `values`, one row a point, null without water. Raises Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:

@@ -72,8 +72,7 @@ class Recorded:
         return setting
 
     def stream(self) -> bytes:
-        """Packet of kind `replay`, all frames of this run, deflated; particles are thinned until it fits
-        MAX_STREAM_BYTES."""
+        """Packet of kind `replay`: all frames of this run, deflated, with particles thinned to fit MAX_STREAM_BYTES."""
         setting, (i, j) = self.setting, self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
@@ -143,15 +142,13 @@ class Recorded:
 
     @staticmethod
     def ship_pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
-        """Position x, y, z [m] and quaternion w, x, y, z of a ship; `turn`: rotation matrix (3, 3) from body to world
-        axes."""
+        """Position x, y, z [m] and quaternion w, x, y, z of a ship; `turn`: matrix (3, 3) from body to world axes."""
         from scipy.spatial.transform import Rotation
 
         return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
     def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
-        """Plotted series of the run: rows with name, label, unit and group of each, and their values (moments, k) at
-        times [s]."""
+        """Plotted series of the run: rows of name, label, unit and group, and values (moments, k) at times [s]."""
         rows: list[dict[str, str]] = []
         columns: list[np.ndarray] = []
 
@@ -191,8 +188,7 @@ class Recorded:
         return rows, np.array(columns).T.reshape(len(times), -1)
 
     def platform_commands(self, times: np.ndarray) -> np.ndarray | None:
-        """Pose [m, rad] and leg lengths [m] (moments, 12) of the motion platform at times [s]; None if the run has no
-        platform."""
+        """Poses [m, rad] and leg lengths [m] (moments, 12) of the motion platform at times [s]; None without one."""
         log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
@@ -201,8 +197,7 @@ class Recorded:
 
 
 def thin_frames(files: list[Path], every: float) -> list[Path]:
-    """Frames of a replay: every n-th file, so that there are at most MAX_MOMENT_RATE a second and MAX_MOMENTS in
-    all."""
+    """Frames of a replay: every n-th file, at most MAX_MOMENT_RATE a second and MAX_MOMENTS in all."""
     step = max(1, round(1.0 / (MAX_MOMENT_RATE * max(every, 1e-9))), -(-len(files) // MAX_MOMENTS))
     return files[::step]
 

@@ -109,7 +109,7 @@ class Connections:
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of one more connection. At the limit, an old one without a whole request is closed for it, else this
+        """Protocol of one more connection; at the limit an old one without a whole request is closed for it, else this
         one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
@@ -139,8 +139,7 @@ class Closing(asyncio.Protocol):
 
 
 class Server:
-    """Web server that shows browsers the packets of a `Watch` and collects their commands; use it as a context
-    manager."""
+    """Web server that shows browsers a `Watch` and collects their commands; use it as a context manager."""
 
     def __init__(
         self,

@@ -1,5 +1,4 @@
-"""Session of a scene that pages control: it steps in the thread that built it, and executes the commands of the
-pages."""
+"""Session of a scene that pages control: it steps in the thread that built it, and executes their commands."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -279,7 +278,7 @@ class Session:
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand with its present throttle and the rudder amidships; raises Failed if there is no such
+        """Steer a ship by hand with its present throttle and the rudder amidships; raises Failed without such a
         ship."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
@@ -336,8 +335,7 @@ class Session:
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note_setting(self, what: str) -> None:
-        """Note a setting made by hand in the record, since its scene does not contain it; without a record do
-        nothing."""
+        """Note a setting made by hand in the record, if there is one, since its scene does not contain it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
@@ -356,8 +354,8 @@ class Session:
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the scene that is played: its text, or all of its keys if some were overridden; raises Failed if the
-        file exists."""
+        """Save the scene that is played: its text, or all keys if some were overridden; raises Failed if the file
+        exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -450,8 +448,7 @@ def plain_value(value: Any) -> Any:
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key shared by commands of which a newer one replaces an older one; the first word is empty if it replaces
-    none."""
+    """Key shared by commands of which the newest replaces the others; its first word is empty if it replaces none."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

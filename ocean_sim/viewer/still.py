@@ -1,5 +1,4 @@
-"""The page, and the static part of a simulation that it receives once: basin, ships as triangles, surrounding sea,
-shaders.
+"""The page, and the static part of a simulation, sent once: basin, ships as triangles, surrounding sea, shaders.
 
 The page is one document that holds its style and its programs, and may hold a replay.
 """
@@ -118,8 +117,7 @@ class Setting:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header of ship k in the packet. Adds to `arrays` her model and the map of distances to her waterline, in body
-        axes."""
+        """Header of ship k; adds her model and the map of distances to her waterline, in body axes, to `arrays`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -209,8 +207,7 @@ def sky_packet() -> bytes:
 
 
 def shared_exponent(image: np.ndarray) -> np.ndarray:
-    """Pixels (rows, columns), uint32, of an RGB image in OpenGL's format RGB9_E5: three 9-bit mantissas and a 5-bit
-    exponent."""
+    """Pixels (rows, columns), uint32, of an RGB image in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
     largest = colours.max(axis=-1)
     exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)

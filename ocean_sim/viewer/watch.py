@@ -162,7 +162,7 @@ class Watch(Observer, TakesMotion):
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Positions in the box and speeds of the shown particles, both as integers, in the order of ids: storage order
+        """Positions in the box and speeds of the shown particles, as integers, in the order of ids: storage order
         changes."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
@@ -173,8 +173,7 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_numbers(self, heights: np.ndarray) -> list[float]:
-        """Present values of the plotted numbers, in the order of `scalars` in the static part; `heights` (n,): of the
-        water [m]."""
+        """Present plotted numbers, in the order of the static part's `scalars`; `heights` (n,): of the water [m]."""
         simulation = self.simulation
         values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
         rise = heights - heights.mean()
@@ -215,8 +214,7 @@ def particle_stride(n: int) -> int:
 
 
 def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates x and z [m] of the heights that a page shows: half a cell from every side, at most MAX_CELLS along
-    each."""
+    """Coordinates x and z [m] of the heights shown: half a cell from every side, at most MAX_CELLS along each."""
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z

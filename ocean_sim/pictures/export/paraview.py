@@ -61,8 +61,8 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) ->
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write particles with `velocity`, `id` and `pressure`: one file for all frames (vtkhdf), or one each (ply);
-    returns the files."""
+    """Write particles with `velocity`, `id` and `pressure`, one file for all frames (vtkhdf) or one each (ply); returns
+    it."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -85,9 +85,8 @@ def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarra
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once. The
-    frames are files surface_00000 and so on, for ParaView with a list of their times (`vtp`), or one file (`vtkhdf`).
-    Returns the files."""
+    """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
+    returns the files: surface_00000 and so on, for ParaView with a list of their times (`vtp`), or one (`vtkhdf`)."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):

@@ -96,8 +96,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, 3) at points (n, 3) [m] of a surface: means of those of the nearest particles, weighted by
-    distance."""
+    """Values (n, 3) at points (n, 3) [m] of a surface: distance-weighted means over the nearest particles."""
     from scipy.spatial import cKDTree
 
     away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
@@ -233,8 +232,8 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set the triangles of a USD mesh from their vertex numbers (3 m,), at a time code if one is given, else for all
-    times."""
+    """Set the triangles of a USD mesh from their vertex numbers (3 m,), at a time code if one is given, else for
+    good."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
@@ -281,8 +280,7 @@ def water_colours(kept: ExportShot) -> np.ndarray:
 
 
 def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) with signs chosen so that each lies near the one before, and interpolation does not spin a
-    ship."""
+    """Quaternions (k, 4) with signs that keep each near the one before, so that interpolation does not spin a ship."""
     signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
     return quaternions * signs[:, None]
 

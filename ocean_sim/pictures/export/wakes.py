@@ -1,5 +1,4 @@
-"""Water around ships as pictures show it, for exported files: wakes, the ships' own waves, and foam along their
-hulls."""
+"""Water around ships as pictures show it, for exported files: wakes, the ships' own waves, and foam along hulls."""
 
 from pathlib import Path
 
@@ -26,8 +25,8 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] of a frame and its shares of foam, both with the ships' waves and foam that pictures
-        show."""
+        """Heights (nx, nz) [m] of a frame and its shares of foam, both with the waves and foam that pictures show at
+        ships."""
         height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
         if not self.vessels:
             return height, white
@@ -52,8 +51,8 @@ class RunWakes:
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Relative positions (2, n) in the basin around an origin, 0 at its lower and 1 at its upper sides, of places
-        x, z (n, 2) [m]."""
+        """Positions (2, n) of places x, z (n, 2) [m] in the basin around an origin: 0 at its lower, 1 at its upper
+        sides."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
@@ -95,8 +94,8 @@ def shows_sea(files: list[Path], depth: float) -> bool:
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, ...) at places (2, n), 0 to 1 across the grid, interpolated linearly between the middles of the cells
-    of `values` (nx, nz, ...)."""
+    """Values (n, ...) at places (2, n), 0 to 1 across a grid (nx, nz, ...), by linear interpolation between cell
+    middles."""
     from scipy.ndimage import map_coordinates
 
     cells = at * np.array(values.shape[:2])[:, None] - 0.5

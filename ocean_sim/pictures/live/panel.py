@@ -100,8 +100,7 @@ class Panel:
             self.requests.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Turn wheel and throttle by keys held for some seconds; the first touch requests the helm from the scene's
-        controls."""
+        """Turn wheel and throttle by keys held for some seconds; the first touch requests the helm from the scene."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -128,8 +127,8 @@ class Panel:
         return True
 
     def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
-        """Text of the panel; `fastest`: speed [m/s] of the last colour, or None; `pace`: simulated over wall time, or
-        None."""
+        """Text of the panel; `fastest`: speed [m/s] of the last colour, if any; `pace`: simulated over wall time, if
+        known."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles
         lines = [

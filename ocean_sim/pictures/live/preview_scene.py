@@ -88,8 +88,7 @@ class PreviewScene:
         return shown.elevations(self.points) if self.has_surface else np.zeros(0)
 
     def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
-        """Water surface from heights (n,) [m], coloured for an eye [m]; None without a surface. `solid`: with the
-        water's cut sides."""
+        """Surface of heights (n,) [m], coloured for an eye [m], or None; `solid`: with the cut sides of the water."""
         if not self.has_surface:
             return None
         if self.sheet is None:
@@ -106,8 +105,8 @@ class PreviewScene:
         )
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed water surface that may fold over, or None if it is empty; triangles that face sideways or down are as
-        dark as cut sides."""
+        """Closed surface, which may fold over, or None if empty; triangles that do not face up are dark as cut
+        sides."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -143,8 +142,8 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed; None without any. `small`: at half size, to show under a wire mesh. The fastest
-        speed of the colour scale only grows."""
+        """Particles coloured by speed; None without any. `small`: at half size. The top of the colour scale only
+        grows."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

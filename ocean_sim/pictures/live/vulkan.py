@@ -1,5 +1,4 @@
-"""Test of whether this machine can draw with GGUI. A window that cannot be opened may end its process, so a child
-process tries."""
+"""Test of whether GGUI can draw here. A window that cannot be opened may end its process, so a child process tries."""
 
 import os
 import subprocess
@@ -66,7 +65,7 @@ def _survives(show: bool) -> bool:
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing or ScreenMissing if a preview cannot be drawn, or Lacking if the kernel library has no
+    """Raise VulkanMissing or ScreenMissing if a preview cannot be drawn, Lacking if the kernel library has no
     window."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(

@@ -28,8 +28,8 @@ class DrawnShip:
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship to a position of its centre of mass (3,) [m]; `turn`: rotation matrix from body to world axes;
-        `eye` [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: rotation matrix from body to world; `eye`
+        [m]."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display_colours(
             painted_light(self.normals @ turn.T, self.paint, self.gloss)
@@ -60,8 +60,8 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship to a position of its centre of mass (3,) [m]; `turn`: rotation matrix from body to world axes;
-        `eye` [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: rotation matrix from body to world; `eye`
+        [m]."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
@@ -72,8 +72,7 @@ class ShadedShip:
 
 
 class Mirror:
-    """Mirror image of the ships in the water: a second plotter, whose eye is mirrored at the water level, and which
-    cuts off the submerged parts."""
+    """Mirror image of the ships in the water: a second plotter with a mirrored eye, which cuts off submerged parts."""
 
     def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
         """`ships`: actors to mirror; `image`: texture that receives the mirror image."""
@@ -92,8 +91,7 @@ class Mirror:
             self.plotter.add_actor(twin, reset_camera=False, render=False)
 
     def show(self, level: float) -> np.ndarray:
-        """Draw the ships mirrored at a water level [m]; returns the matrix (4, 4) from the world to the mirror
-        image."""
+        """Draw the ships mirrored at a water level [m]; returns the matrix (4, 4) from the world to that image."""
         eye, forward, up = self.stage.camera[:3]
         flip = np.array([1.0, -1.0, 1.0])
         camera, above = self.plotter.camera, self.stage.plotter.camera

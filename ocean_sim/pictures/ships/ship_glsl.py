@@ -71,8 +71,7 @@ SHIP_PROGRAM = f"""
 
 
 def shadow_program(k: int) -> str:
-    """GLSL program, part of the water's, of the shadow that ship k casts on it; the shadow maps of all ships are
-    stacked in one texture."""
+    """GLSL program of the shadow of ship k on the water; the shadow maps of all ships are stacked in one texture."""
     return f"""
   vec3 off{k} = posW - shadeAt{k};
   vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
@@ -93,7 +92,7 @@ class ShadowMap:
         self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m], towards the sun from her position, of the surface that the sun
+        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m], towards the sun from her position, of the surface that it
         lights, in three equal channels; and the directions of the map's columns and rows. `turn`: from body to world
         axes."""
         from scipy.ndimage import maximum_filter
@@ -114,8 +113,7 @@ class ShadowMap:
 
 
 def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
-    """Points (n, 3) spread over triangles (m, 3, 3), at most a step [m] apart and up to the edges, on rows parallel to
-    the longest side of each."""
+    """Points (n, 3) spread over triangles (m, 3, 3) up to their edges, at most a step [m] apart."""
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     longest = sides.argmax(axis=1)
     a, b, c = (np.take_along_axis(corners, ((longest + k) % 3)[:, None, None], 1)[:, 0] for k in range(3))

@@ -56,8 +56,7 @@ class Hull:
         return bool(run > MIN_DECK_LENGTH * self.length and rise < MAX_DECK_RISE * self.depth)
 
     def painted(self, antifouling: Triple, boot_top: Triple, topsides: Triple, deck: Triple) -> Mesh:
-        """Painted hull: antifouling up to a little above the waterline at rest, boot top, topsides; a deck in its own
-        colour."""
+        """Painted hull: antifouling to a little above the still water, boot top, topsides; a deck in its own colour."""
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
         bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
@@ -79,8 +78,7 @@ class Sheer:
     """Edge of a deck and its bulwark, as functions of z, the position along the ship [m]."""
 
     def __init__(self, hull: Hull, height: tuple[float, float], rake: float) -> None:
-        """`height`: of the bulwark amidships and at the bow [m]; `rake`: how far its top leans forward at the bow
-        [m]."""
+        """`height`: of the bulwark amidships and at the bow [m]; `rake`: forward lean of its top at the bow [m]."""
         from scipy.interpolate import PchipInterpolator
 
         edge = hull.deck_edge()
@@ -98,8 +96,8 @@ class Sheer:
         return np.interp(z, self.edge[:, 2], self.edge[:, 1])
 
     def bulwark_height(self, z: np.ndarray) -> np.ndarray:
-        """Height of the bulwark over the deck [m] at positions z [m]: it rises as a parabola to the bow, and a little
-        to the stern."""
+        """Height of the bulwark over the deck [m] at positions z [m]: it rises as a parabola to the bow, a little to
+        the stern."""
         s = (z - self.stern) / (self.bow - self.stern)
         forward, aft = np.clip((s - 0.35) / 0.65, 0.0, 1.0), np.clip((0.25 - s) / 0.25, 0.0, 1.0)
         low, high = self.height
@@ -132,8 +130,8 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar along both sides and across the stern, at a share of the bulwark's height and `out` [m]
-        outside it."""
+        """Mesh of a round bar along the sides and the stern, at a share of the bulwark's height and `out` [m] outside
+        it."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -153,8 +151,7 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane of the still water at rest in body axes: its normal n (3,) and d [m]; n . x + d is the height of x above
-    it.
+    """Plane of the still water at rest in body axes: normal n (3,) and d [m]; n . x + d is the height of x above it.
 
     A `share` of the volume is under water, its centre of buoyancy under the centre of mass, the origin. A hull without
     such a position within 30 degrees is taken as upright, awash at most.
@@ -189,8 +186,8 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of the part of a closed surface, triangles (m, 3, 3) [m], below n . x + d
-    = 0; `up`: n, `level`: d."""
+    """Volume [m3] and first moments [m4] (4,) of the part below n . x + d = 0 (`up`, `level`) of closed triangles (m,
+    3, 3)."""
     apex = -level * up  # on the plane, so that the cut surface adds nothing
     pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
     wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]

@@ -53,8 +53,7 @@ class ShipModel(NamedTuple):
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
-    """Model of the ship with this key, from the arrays that a run keeps once; raises RenderFailed if they are
-    missing."""
+    """Model of the ship with this key, from the arrays that a run keeps once; raises RenderFailed without them."""
     if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     names = "vertices", "triangles", "submerged", "look", "helm"
@@ -87,7 +86,7 @@ def style_of(name: str) -> dict[str, Any]:
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
-    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m], or None for the
+    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m], else the
     style's."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])

@@ -94,8 +94,7 @@ class Block:
 
 
 def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
-    """Outline (k, 3) at a height y, along port and back along starboard, from half breadths and positions x, z of its
-    port side."""
+    """Outline (k, 3) at a height y, along port and back along starboard, from half breadths and positions z."""
     port = np.insert(np.array(corners, dtype=float), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
@@ -124,8 +123,7 @@ def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Normals (m, 3, 3) at triangle corners: area-weighted means over the faces around a vertex, but not across
-    creases."""
+    """Normals (m, 3, 3) at corners: area-weighted means over the faces around a vertex, but not across creases."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     faces = np.cross(b - a, c - a)
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)

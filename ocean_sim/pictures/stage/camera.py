@@ -50,8 +50,8 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Angles [rad] that a picture `aspect` times as wide as high covers: to either side of the heading, and below
-        the horizon."""
+        """Angles [rad] to either side of the heading, and below the horizon, in a picture `aspect` times as wide as
+        high."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -94,8 +94,8 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Camera over the course of a film. It depends only on the time and the ship's track until then, and for `orbit`
-    also on the span of the film."""
+    """Camera over a film. It depends only on the time, on the ship's track until then, and for `orbit` on the film's
+    span."""
 
     def __init__(
         self,
@@ -202,8 +202,8 @@ def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Came
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m], at the level of still water, and heading (n,) [rad] that lag behind the ship's; exact for a
-    ship that jumps at each frame."""
+    """Position (n, 3) [m], at the still water level, and heading (n,) [rad] that lag behind the ship's; exact for
+    jumps."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):

@@ -1,5 +1,4 @@
-"""Test of whether this machine can draw without a screen. VTK kills a process that has no OpenGL, so a child process
-tries."""
+"""Test of whether VTK can draw without a screen. It kills a process that has no OpenGL, so a child process tries."""
 
 import os
 import shutil

@@ -61,8 +61,7 @@ class ScaleBar:
 
 
 class ArrowBar:
-    """Legend of the wind: an arrow to the scale of the picture at the camera's target, and its meaning, above the bar
-    of metres."""
+    """Legend of the wind, above the bar of metres: its meaning, and an arrow to scale at the camera's target."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage

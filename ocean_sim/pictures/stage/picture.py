@@ -39,8 +39,7 @@ def is_foreseeable(grid: Any, order: Order) -> bool:
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of the box that the basin covers as it moves with the middle of ships along their tracks (n, 3)
-    [m]."""
+    """Corners [m] of the box that the basin covers as it moves with the middle of ships on their tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
@@ -207,7 +206,7 @@ class Picture:
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """Render a frame; the rest of the work on the picture does not need the plotter, which may draw the next one
+        """Render a frame; the rest of the work on the picture does not need the plotter, which may draw another
         meanwhile."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
@@ -233,7 +232,7 @@ class Picture:
         return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; in a tank, those of the nearest kept
+        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; except at sea, of the nearest kept
         points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)

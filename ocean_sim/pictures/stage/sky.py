@@ -60,8 +60,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
-    """Radiance (n, 3) of a background: the clear gradient, and below the horizon a plain ground that darkens
-    downwards."""
+    """Radiance (n, 3) of a background: the clear gradient, and below the horizon a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(
         np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
@@ -141,8 +140,7 @@ def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def sky_directions(side: int) -> np.ndarray:
-    """Unit directions (side, side, 3) of the pixels of a sky's image; beyond the horizon, those of the nearest point of
-    the horizon."""
+    """Unit directions (side, side, 3) of the pixels of a sky's image; those beyond the horizon are moved onto it."""
     x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
     beyond = np.maximum(np.hypot(x, z), 1.0)
     x, z = x / beyond, z / beyond
@@ -187,7 +185,7 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
     """Light scattered once towards an eye at sea level from unit directions (..., 3), and the share that passes
-    straight through (Nishita et al. 1993): Rayleigh and Mie scattering, with densities that fall exponentially with
+    straight through (Nishita et al. 1993): Rayleigh and Mie scattering, densities that fall exponentially with
     height."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps

@@ -53,14 +53,13 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
-    """Share of the sea that breaking crests make white: where convergence exceeds BREAKING_CONVERGENCE, at most
+    """Share of the sea that breaking crests whiten: where convergence exceeds BREAKING_CONVERGENCE, at most
     MAX_COVER."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,) of points, 0 to 1, by their convergence (n,): 1 where it is strongest; the mean is the cover
-    `wanted`.
+    """Whiteness (n,) of points, 0 to 1, by their convergence (n,): 1 where it is strongest, `wanted` in the mean.
 
     `among` (n,): values in order among which the ranks are counted, by default the points themselves.
     """
@@ -151,7 +150,7 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the cover that is asked for by a new one; `fades`: weight that remains of the mean
+        """Update the running mean of the wanted cover by a new value; `fades`: weight that remains of the mean
         before."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
@@ -189,8 +188,8 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of a thickness on the cells where `rises_to`, their full thickness, exceeds 0; they replace those
-        that lie there."""
+        """Add flecks of thickness `thick` where `rises_to`, their final thickness, exceeds 0; they replace those that
+        lie there."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -226,8 +225,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from beyond the grid repeats that at its
-        edge."""
+        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside repeats that at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -295,8 +293,8 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from beyond the grid repeat those at
-    its edge."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat those at the
+    edge."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))

@@ -30,8 +30,7 @@ class Wind(NamedTuple):
 
 
 def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Noise at points x, z: random values at integer points, interpolated smoothly; and its derivatives along x and
-    z."""
+    """Noise at points x, z: random values at integer points, smooth between them; and its derivatives along x and z."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)

@@ -45,11 +45,10 @@ class Dome:
 
 
 class Sea(Content):
-    """The water surface of a picture at sea: the basin's inside it, blended into the far sea at its sides, and ended in
-    fog."""
+    """The water surface of a picture at sea: the basin's inside it, blended into the far sea, and ended in fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
-        """`vessels`: tracks of the ships by their keys; `grid`: arrays that the run keeps once; `state`: sea around the
+        """`vessels`: tracks of the ships by key; `grid`: arrays that the run keeps once; `state`: sea around the
         basin."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
@@ -123,8 +122,7 @@ class Sea(Content):
         return self.ships[-1]
 
     def appear(self) -> None:
-        """Add water and sky to the plotter, after the ships and the nearer first: hidden pixels are then never
-        shaded."""
+        """Add water and sky to the plotter after the ships, the nearer first: hidden pixels are then never shaded."""
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
 
@@ -210,8 +208,7 @@ class Sea(Content):
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """Hull of a ship in the water as it is drawn now; `position` (3,) [m] and `turn` (3, 3) from body to world: her
-        pose."""
+        """Hull of a ship at a position (3,) [m], turned (3, 3) from body to world, in the water as it is drawn now."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 

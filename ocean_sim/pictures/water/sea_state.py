@@ -124,8 +124,7 @@ def ripple_wind(scene: dict[str, Any], sea: Components | None, height: float) ->
 
 
 def ripple_wind_speed(scene: dict[str, Any], height: float) -> float:
-    """Speed [m/s] of the wind that drives the ripples: the scene's, or of a wind that raises a sea of this significant
-    height [m]."""
+    """Speed [m/s] of the wind that drives the ripples: the scene's, or one that raises a significant height [m]."""
     return float(
         np.clip(stated_wind_speed(scene) or far_sea.wind_speed_from_height(height), MIN_RIPPLE_WIND, MAX_RIPPLE_WIND)
     )

@@ -38,8 +38,7 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """Readiness (nx, nz) of white water to gather at the nodes of the basin around an origin x, z [m]; 1 in the
-        mean."""
+        """Readiness (nx, nz) of white water to gather at the nodes around an origin x, z [m]; 1 in the mean."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
@@ -78,8 +77,8 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m], as from
-        `far_sea.Fan.at`."""
+        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m] (see
+        `far_sea.Fan.at`)."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -91,8 +90,8 @@ class SeaSurface:
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water for a convergence (nx, nz). Its mean is `cover`, by default the cover of crests
-        that break."""
+        """Share (nx, nz) of white water by convergence (nx, nz); its mean is `cover`, by default that of breaking
+        crests."""
         self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
         return foam.white_shares(drawn_together * self.grain, self.wanted)
 
@@ -121,7 +120,7 @@ class SeaSurface:
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) that a frame keeps on its own grid, interpolated at the nodes; they fade to 0 at the basin's
+        """Values (nx, nz) at the nodes, interpolated from those `kept` by a frame; they fade to 0 at the basin's
         sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)

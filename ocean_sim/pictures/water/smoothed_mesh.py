@@ -92,8 +92,7 @@ def spread_ways(way: np.ndarray, adjacent: Any, held: np.ndarray) -> np.ndarray:
 
 
 def split_edges(mesh: Mesh, flat: np.ndarray, facing: np.ndarray) -> Mesh:
-    """Copy of a mesh whose `flat` triangles (m,) have vertices of their own, with normals along the axes `facing` (m,
-    3)."""
+    """Copy of a mesh whose `flat` triangles (m,) have vertices of their own, with normals along axes (m, 3)."""
     kinds, number = np.unique(facing[flat], axis=0, return_inverse=True)
     n, corners = len(mesh.vertices), mesh.triangles.copy()
     own, found = np.unique(number.reshape(-1, 1) * n + corners[flat], return_inverse=True)

@@ -112,7 +112,7 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
 
 
 def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
-    """Height (n,) [m] of the floor below particles (n, 3) [m]: of the bed, or of the boxes (m, 2, 3) [m] that they are
+    """Height (n,) [m] of the floor below particles (n, 3) [m]: of the bed, or of boxes (m, 2, 3) [m] that they are
     above."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
@@ -162,8 +162,7 @@ def particle_splash(
 
 
 def values_at_vertices(vertices: np.ndarray, position: np.ndarray, values: np.ndarray, spacing: float) -> np.ndarray:
-    """Values (m, k) at vertices (m, 3) [m]: means of those (n, k) of particles (n, 3) [m] around them, weighted by
-    distance."""
+    """Values (m, k) at vertices (m, 3) [m]: distance-weighted means of those (n, k) of particles (n, 3) [m] nearby."""
     from scipy.spatial import cKDTree
 
     away, near = cKDTree(position).query(vertices, k=min(VERTEX_PARTICLES, len(position)), workers=1)
@@ -243,8 +242,7 @@ class Spray:
         self.drawn = drops.mapper.dataset
 
     def show(self, position: np.ndarray, heights: np.ndarray) -> None:
-        """Draw puffs at the particles (n, 3) [m] that have left the water; `heights` (n,): of the water below them
-        [m]."""
+        """Draw puffs at the particles (n, 3) [m] that have left the water; `heights` (n,): of the water below [m]."""
         high = position[position[:, 1] > heights + MIN_SPRAY_HEIGHT * self.spacing]
         centres = high[has_left_water(position, self.spacing, high)][:MAX_PUFFS]
         drops = (centres[:, None] + self.offsets[np.arange(len(centres)) % PUFF_KINDS]).reshape(-1, 3)

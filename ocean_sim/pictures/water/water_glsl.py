@@ -271,8 +271,7 @@ def sky_textures(sky: Sky) -> dict[str, Any]:
 
 
 def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
-    """Texture of an image of floats or of 8-bit numbers; row 0 is at the coordinate 0. `smaller`: with smaller copies
-    (mipmaps)."""
+    """Texture of an image of floats or 8-bit numbers; row 0 is at the coordinate 0. `smaller`: with mipmaps."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
@@ -311,8 +310,7 @@ class Shaded:
     def __init__(
         self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
     ) -> None:
-        """`attributes`: three-letter names of the mesh's vectors that the program reads, with a W appended: nrmW for
-        nrm."""
+        """`attributes`: three-letter names of the mesh's vectors that the program reads with a W appended, as nrmW."""
         self.mesh, self.attributes, self.textures = mesh, attributes, textures
         self.actor = self.drawn(textures)
         program = self.actor.GetShaderProperty()
@@ -378,8 +376,8 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason for which OpenGL has refused a shader program, from collected messages; None if it has not. VTK then
-    leaves the actor out."""
+    """Reason from collected messages why OpenGL has refused a shader program, or None; VTK then leaves its actor
+    out."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))
@@ -392,8 +390,7 @@ def sky_uniforms(sky: Sky) -> dict[str, Any]:
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Uniforms of calm, smooth water that touches no ship, with all terms of its colour: all that its program has
-    besides light."""
+    """Uniforms of calm, smooth water that touches no ship, with all terms of its colour: all except those of light."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
     ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)

@@ -44,8 +44,7 @@ def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> n
 
 
 def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Reflected share of unpolarised light (3.8), for the cosine of incidence; written in cosines, it is finite at
-    normal incidence."""
+    """Reflected share of unpolarised light (3.8), in cosines, so that it is finite at normal incidence."""
     cos_refracted = refracted_cosine(cos_incident, n)
     across = (cos_incident - n * cos_refracted) / (cos_incident + n * cos_refracted)
     along = (n * cos_incident - cos_refracted) / (n * cos_incident + cos_refracted)
@@ -82,8 +81,7 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Brightness (n,), in units of the sun's colour, of its reflection in facets with normally distributed slopes, for
-    colours at nodes."""
+    """Brightness (n,), over the sun's, of its reflection in facets with normally distributed slopes, for nodes."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))

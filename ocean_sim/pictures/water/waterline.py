@@ -70,21 +70,20 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Height [m] of the wave at places abaft the stem and off the hull [m]: steep outside the crest, gentler inside
-        it."""
+        """Height [m] of the wave at places abaft the stem and off the hull [m]: steep outside the crest, gentler
+        inside."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
     def white(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share of foam at places abaft the stem and off the hull [m]: on the face of the crest, and thinner behind
-        it."""
+        """Share of foam at places abaft the stem and off the hull [m]: on the crest's face, and thinner behind it."""
         off, left = self.across(abaft, gap)
         behind = np.exp(np.minimum(off, 0.0) * self.breadth * CREST_WIDTH / (FOAM_TRAIL * self.breadth) * 3.0)
         face = np.exp(-np.square(np.maximum(off, 0.0) / 0.8))
         return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
 
     def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
-        """Half the breadth [m] at distances abaft the stem [m] of a wedge that stands for the bow, constant behind
+        """Half the breadth [m] of a wedge that stands for the bow, at distances abaft the stem [m]; constant behind
         it."""
         return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
 
@@ -143,8 +142,8 @@ class Hull:
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """The hull in the water at a pose and a speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n,
-        2) [m]."""
+        """Hull in the water at a pose and a speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n, 2)
+        [m]."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -161,8 +160,8 @@ def ship_coordinates(
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Segments x, z (m, 2, 2) [m] along which the water cuts a hull of vertices (n, 3) [m]; `above` (n,): their heights
-    over the water [m]."""
+    """Segments x, z (m, 2, 2) [m] where the water cuts a hull (n, 3) [m]; `above` (n,): height of its vertices over it
+    [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []
@@ -178,8 +177,7 @@ def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.nd
 
 
 def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distance (n,) [m] from points x, z (n, 2) to the nearest segment, negative inside the closed line that they
-    form."""
+    """Distance (n,) [m] from points x, z (n, 2) to the nearest segment, negative inside the closed line they form."""
     batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
     return np.concatenate([batch_distance(batch, segments) for batch in batches])
 

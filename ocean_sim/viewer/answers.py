@@ -22,8 +22,7 @@ SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
 def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
-    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` for each number, word or switch of a scene, in its
-    order."""
+    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` of the numbers, words and switches of a scene."""
     rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in GENERAL_KEYS]
     for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
         rows += model_rows(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
@@ -31,8 +30,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows as in `key_table` for a model and its nested models; `place`: path in the scene, `path`: in the
-    reference."""
+    """Rows as in `key_table` of a model and its nested models; `place`: path in the scene, `path`: in the docs."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")

@@ -109,8 +109,7 @@ class Connections:
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of one more connection; at the limit an old one without a whole request is closed for it, else this
-        one."""
+        """Protocol of one more connection; at the limit one without a whole request is closed, or else this one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
         if not (lines := self.incomplete_transports()):
@@ -151,7 +150,7 @@ class Server:
         framed: bool = False,
     ) -> None:
         """`files`: type and content by path; `token`: secret of the address, if any; `hello`: first message to a page;
-        `framed`: True if other pages may show it in a frame. Raises Lacking without aiohttp, and Refused if the port is
+        `framed`: True if other pages may show it in a frame. Raises Lacking without aiohttp, Refused if the port is
         taken."""
         try:
             import aiohttp.web  # noqa: F401

@@ -278,8 +278,7 @@ class Session:
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand with its present throttle and the rudder amidships; raises Failed without such a
-        ship."""
+        """Steer a ship by hand with its present throttle and the rudder amidships; raises Failed if unknown."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 
@@ -354,8 +353,7 @@ class Session:
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the scene that is played: its text, or all keys if some were overridden; raises Failed if the file
-        exists."""
+        """Save the scene that is played: its text, or all keys if some were overridden; raises Failed if it exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")

@@ -162,8 +162,7 @@ class Watch(Observer, TakesMotion):
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Positions in the box and speeds of the shown particles, as integers, in the order of ids: storage order
-        changes."""
+        """Positions in the box and speeds of the shown particles, as integers, sorted by id: storage order changes."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):

@@ -61,8 +61,7 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) ->
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Write particles with `velocity`, `id` and `pressure`, one file for all frames (vtkhdf) or one each (ply); returns
-    it."""
+    """Write particles with `velocity`, `id` and `pressure` to one file (vtkhdf) or one a frame (ply); returns them."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))

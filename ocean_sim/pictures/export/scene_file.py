@@ -232,8 +232,7 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """Set the triangles of a USD mesh from their vertex numbers (3 m,), at a time code if one is given, else for
-    good."""
+    """Set the triangles of a USD mesh from vertex numbers (3 m,), at a time code if one is given, else for good."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")

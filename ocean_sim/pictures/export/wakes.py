@@ -25,8 +25,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] of a frame and its shares of foam, both with the waves and foam that pictures show at
-        ships."""
+        """Heights (nx, nz) [m] and shares of foam of a frame, with the ships' waves and foam that pictures show."""
         height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
         if not self.vessels:
             return height, white
@@ -51,8 +50,7 @@ class RunWakes:
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """Positions (2, n) of places x, z (n, 2) [m] in the basin around an origin: 0 at its lower, 1 at its upper
-        sides."""
+        """Positions (2, n) in the basin around an origin, 0 to 1 from side to side, of places x, z (n, 2) [m]."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
@@ -94,8 +92,7 @@ def shows_sea(files: list[Path], depth: float) -> bool:
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n, ...) at places (2, n), 0 to 1 across a grid (nx, nz, ...), by linear interpolation between cell
-    middles."""
+    """Values (n, ...) at places (2, n), 0 to 1 across a grid (nx, nz, ...), interpolated between cell middles."""
     from scipy.ndimage import map_coordinates
 
     cells = at * np.array(values.shape[:2])[:, None] - 0.5

@@ -127,8 +127,7 @@ class Panel:
         return True
 
     def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
-        """Text of the panel; `fastest`: speed [m/s] of the last colour, if any; `pace`: simulated over wall time, if
-        known."""
+        """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall time."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles
         lines = [

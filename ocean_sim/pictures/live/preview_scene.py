@@ -105,8 +105,7 @@ class PreviewScene:
         )
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """Closed surface, which may fold over, or None if empty; triangles that do not face up are dark as cut
-        sides."""
+        """Closed surface, which may fold over, or None if empty; parts that do not face up are dark as cut sides."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -142,8 +141,7 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed; None without any. `small`: at half size. The top of the colour scale only
-        grows."""
+        """Particles coloured by speed, or None; `small`: at half size. The top of the colour scale only grows."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None

@@ -61,8 +61,7 @@ def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.
 def arrow_lines(
     feet: np.ndarray, pushes: np.ndarray, lower: np.ndarray, upper: np.ndarray, height: float
 ) -> np.ndarray:
-    """Ends (n, 2, 3) [m] of the shaft and four barbs of every arrow within the basin, at a height over the water
-    [m]."""
+    """Ends (n, 2, 3) [m] of shaft and four barbs of every arrow within the basin, at a height over the water [m]."""
     size = upper - lower
     inside = ((feet > lower) & (feet < upper) | (size <= 0.0))[:, [0, 2]].all(axis=1)
     feet, pushes = feet[inside], ARROW_LENGTH * size.max() * pushes[inside]

@@ -34,7 +34,7 @@ class VulkanMissing(Lacking):
 
 
 class ScreenMissing(Lacking):
-    """There is no screen to open a window on; the message names the way to work without one."""
+    """No screen was found to open a window on; the message names the way to work without one."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -65,8 +65,7 @@ def _survives(show: bool) -> bool:
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing or ScreenMissing if a preview cannot be drawn, Lacking if the kernel library has no
-    window."""
+    """Raise VulkanMissing or ScreenMissing if no preview can be drawn, Lacking if the kernel library has no window."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
             f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "

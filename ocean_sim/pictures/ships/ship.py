@@ -28,8 +28,7 @@ class DrawnShip:
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: rotation matrix from body to world; `eye`
-        [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display_colours(
             painted_light(self.normals @ turn.T, self.paint, self.gloss)
@@ -60,8 +59,7 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship's centre of mass to a position (3,) [m]; `turn`: rotation matrix from body to world; `eye`
-        [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)

@@ -92,9 +92,8 @@ class ShadowMap:
         self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m], towards the sun from her position, of the surface that it
-        lights, in three equal channels; and the directions of the map's columns and rows. `turn`: from body to world
-        axes."""
+        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, towards the sun from the ship's position,
+        in three equal channels; and the directions of the map's columns and rows. `turn`: from body to world axes."""
         from scipy.ndimage import maximum_filter
 
         right = np.cross([0.0, 1.0, 0.0], sun)
@@ -131,8 +130,7 @@ def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row in
-    shares of the map; third, 0 and the greatest depth towards the sun [m] at which anything is shaded. `length`: as of
-    the map [m]."""
+    shares of the map; third, 0 and the greatest shaded depth towards the sun [m]. `length`: as of the map [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low, high = (
         np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,

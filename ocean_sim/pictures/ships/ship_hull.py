@@ -96,8 +96,7 @@ class Sheer:
         return np.interp(z, self.edge[:, 2], self.edge[:, 1])
 
     def bulwark_height(self, z: np.ndarray) -> np.ndarray:
-        """Height of the bulwark over the deck [m] at positions z [m]: it rises as a parabola to the bow, a little to
-        the stern."""
+        """Height of the bulwark over the deck [m] at positions z [m]: a parabola to the bow, a little at the stern."""
         s = (z - self.stern) / (self.bow - self.stern)
         forward, aft = np.clip((s - 0.35) / 0.65, 0.0, 1.0), np.clip((0.25 - s) / 0.25, 0.0, 1.0)
         low, high = self.height
@@ -130,8 +129,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """Mesh of a round bar along the sides and the stern, at a share of the bulwark's height and `out` [m] outside
-        it."""
+        """Mesh of a round bar along sides and stern, at a share of the bulwark's height and `out` [m] outside it."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -186,8 +184,8 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of the part below n . x + d = 0 (`up`, `level`) of closed triangles (m,
-    3, 3)."""
+    """Volume [m3] and first moments [m4] (4,) of the part below n . x + d = 0 (`up`, `level`) of triangles (m, 3,
+    3)."""
     apex = -level * up  # on the plane, so that the cut surface adds nothing
     pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
     wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]

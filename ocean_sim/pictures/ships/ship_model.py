@@ -86,8 +86,7 @@ def style_of(name: str) -> dict[str, Any]:
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
-    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m], else the
-    style's."""
+    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m] if known."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])
     sheer = Sheer(hull, (amidships, bow), rake)

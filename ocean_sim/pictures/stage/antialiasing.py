@@ -1,6 +1,5 @@
 """Smooth edges in a finished picture, after Lottes' FXAA (2009, NVIDIA): each edge is followed both ways to its ends,
-and a pixel is mixed with its neighbour across the edge by the share that the edge would cover. Only pixels at edges
-cost time."""
+and a pixel is mixed with its neighbour across the edge by the share that the edge would cover."""
 
 import numpy as np
 

@@ -50,8 +50,7 @@ class Camera(NamedTuple):
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Angles [rad] to either side of the heading, and below the horizon, in a picture `aspect` times as wide as
-        high."""
+        """Angles [rad] beside the heading and below the horizon in a picture `aspect` times as wide as high."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -94,7 +93,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Camera over a film. It depends only on the time, on the ship's track until then, and for `orbit` on the film's
+    """Camera over a film. It depends only on time, on the ship's track until then, and for `orbit` on the film's
     span."""
 
     def __init__(
@@ -152,8 +151,7 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """Camera `third_person`: fixed, or moving with the ship where the basin is many times as long as she is, or she
-        may leave it."""
+        """Camera `third_person`: fixed, or moving with the ship if the basin is very long or she may leave it."""
         reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
@@ -202,8 +200,7 @@ def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Came
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m], at the still water level, and heading (n,) [rad] that lag behind the ship's; exact for
-    jumps."""
+    """Position (n, 3) [m], at still water level, and heading (n,) [rad] that lag behind the ship's; exact for jumps."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -215,9 +212,9 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
-    """Perspective camera low over the sea, which has no cut side to show in a parallel projection. It looks in a level
-    direction at the place `middle` [m], and sees `reach` [m] to either side of it in a picture `aspect` times as wide
-    as high."""
+    """Camera low over the sea, in perspective: a sea has no cut side for a parallel projection. It looks in a level
+    direction at the place `middle` [m], and sees `reach` [m] to either side in a picture `aspect` times as wide as
+    high."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 

@@ -206,8 +206,7 @@ class Picture:
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """Render a frame; the rest of the work on the picture does not need the plotter, which may draw another
-        meanwhile."""
+        """Render a frame; the rest of the work on the picture needs no plotter, which may draw another meanwhile."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -232,8 +231,7 @@ class Picture:
         return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; except at sea, of the nearest kept
-        points."""
+        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; except at sea, of nearest kept points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)
         share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)

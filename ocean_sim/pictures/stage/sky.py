@@ -1,5 +1,5 @@
-"""The sky above the water: a clear gradient that is quick to compute, and scattered light with clouds and a sun, kept
-as an image.
+"""The sky above the water: a clear gradient, quick to compute, and scattered light with clouds and a sun, kept as an
+image.
 
 Directions are unit vectors, y up; colours are linear RGB.
 """
@@ -185,8 +185,7 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
     """Light scattered once towards an eye at sea level from unit directions (..., 3), and the share that passes
-    straight through (Nishita et al. 1993): Rayleigh and Mie scattering, densities that fall exponentially with
-    height."""
+    straight through (Nishita et al. 1993): Rayleigh and Mie, with densities that fall exponentially with height."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps
     mu = d @ sun

@@ -42,8 +42,7 @@ QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # str
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
-    """Weight (n,) of nodes (n,) [m]: 1 in the middle, 0 at `low` and `high` and beyond, smooth in a margin [m]
-    inside."""
+    """Weight (n,) of nodes (n,) [m]: 1 in the middle, smooth in a margin [m] inside `low` and `high`, 0 beyond."""
     inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
@@ -204,13 +203,11 @@ class Fan:
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """Variance (rings,), along each axis, of the slopes too short to be drawn, of waves with amplitudes (n,)
-        [m]."""
+        """Variance (rings,), along each axis, of slopes too short to be drawn, of waves with amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of the convergence of all waves with amplitudes (n,) [m], and of those drawn on each
-        ring."""
+        """Standard deviation of the convergence of waves with amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
@@ -263,8 +260,7 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """Variances (n,) [m2] of the plane waves that stand for heights (nx, nz) [m]; their sum is that of the
-        heights."""
+        """Variances (n,) [m2] of the plane waves that stand for heights (nx, nz) [m]; their sum is the heights' own."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size

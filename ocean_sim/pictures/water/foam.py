@@ -53,8 +53,7 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
-    """Share of the sea that breaking crests whiten: where convergence exceeds BREAKING_CONVERGENCE, at most
-    MAX_COVER."""
+    """Share of the sea that breaking crests whiten: convergence above BREAKING_CONVERGENCE, at most MAX_COVER."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
@@ -82,8 +81,7 @@ def monahan_cover(speed: float) -> float:
 
 def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
     """Convergence (n, m) averaged over the width of a patch of foam, to choose the crests that break. It is lowered
-    beside the sides of the grid: the mean there is of fewer cells and varies more, and most foam would be born
-    there."""
+    beside the sides of the grid: the mean there is of fewer cells and varies more, and most foam would begin there."""
     from scipy.ndimage import gaussian_filter
 
     whole = np.ones_like(drawn_together)
@@ -150,8 +148,7 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Update the running mean of the wanted cover by a new value; `fades`: weight that remains of the mean
-        before."""
+        """Update the running mean of the wanted cover by a new value; `fades`: remaining weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
@@ -168,9 +165,8 @@ class FoamField:
         return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of the foam that breaking crests begin to make, on the cells of white water, 0 where they make
-        none. `drawn_together` (nx, nz): convergence; `step`: time since the last call [s]. Its amount brings the mean
-        to the cover.
+        """Thickness of the foam that breaking crests begin to make on the cells of white water, 0 where none, so that
+        the mean comes to the cover. `drawn_together` (nx, nz): convergence; `step`: time since the last call [s].
 
         A mean over the width of a patch tells crests from anything shorter. White water counts as less steep than it
         is: otherwise foam would be made anew and never age where the same waves stand in the same water, as behind a
@@ -188,8 +184,8 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of thickness `thick` where `rises_to`, their final thickness, exceeds 0; they replace those that
-        lie there."""
+        """Add flecks of thickness `thick` where `rises_to`, their final thickness, is not 0; they replace those
+        there."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -293,8 +289,7 @@ def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat those at the
-    edge."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat the edge's."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))

@@ -48,8 +48,7 @@ class Sea(Content):
     """The water surface of a picture at sea: the basin's inside it, blended into the far sea, and ended in fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
-        """`vessels`: tracks of the ships by key; `grid`: arrays that the run keeps once; `state`: sea around the
-        basin."""
+        """`vessels`: tracks of ships by key; `grid`: arrays that the run keeps once; `state`: sea around the basin."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()

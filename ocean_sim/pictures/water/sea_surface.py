@@ -90,8 +90,7 @@ class SeaSurface:
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water by convergence (nx, nz); its mean is `cover`, by default that of breaking
-        crests."""
+        """Share (nx, nz) of white water by convergence; its mean is `cover`, by default that of breaking crests."""
         self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
         return foam.white_shares(drawn_together * self.grain, self.wanted)
 
@@ -120,7 +119,7 @@ class SeaSurface:
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) at the nodes, interpolated from those `kept` by a frame; they fade to 0 at the basin's
+        """Values (nx, nz) at the nodes, interpolated from `kept` ones of a frame; they fade to 0 at the basin's
         sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)

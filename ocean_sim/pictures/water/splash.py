@@ -64,7 +64,7 @@ def bell_numbers(uniform: np.ndarray) -> np.ndarray:
 
 
 class Splash(NamedTuple):
-    """How aerated, torn and rough the water of each particle is in a picture."""
+    """Air, tearing and roughness of the water of each particle in a picture."""
 
     air: np.ndarray  # (n,) share, 0 to 1, of air in their water
     torn: np.ndarray  # (n,) 0 to 1, how far their water has come apart
@@ -112,8 +112,7 @@ def flying_share(position: np.ndarray, floor: np.ndarray, spacing: float) -> np.
 
 
 def floor_heights(position: np.ndarray, bed: float, obstacles: np.ndarray) -> np.ndarray:
-    """Height (n,) [m] of the floor below particles (n, 3) [m]: of the bed, or of boxes (m, 2, 3) [m] that they are
-    above."""
+    """Height (n,) [m] of the floor below particles (n, 3) [m]: of the bed, or of boxes (m, 2, 3) [m] under them."""
     floor = np.full(len(position), bed)
     for low, up in obstacles:
         over = np.all((position[:, [0, 2]] > low[[0, 2]]) & (position[:, [0, 2]] < up[[0, 2]]), axis=1)
@@ -139,8 +138,7 @@ def travel_share(
     position: np.ndarray, number: np.ndarray, birth: np.ndarray, first: np.ndarray, spacing: float
 ) -> np.ndarray:
     """Degree (n,), 0 to 1, to which particles (n, 3) [m] have moved from their first positions, `birth` (n, 3) [m]; 1
-    for those whose ids `number` are not in `first`. Particles at the edge of a column that still stands have not
-    splashed."""
+    for ids `number` that are not in `first`. Particles at the edge of a column that still stands have not splashed."""
     gone = clipped_ramp(np.linalg.norm(position - birth, axis=1) / spacing, SETTING_OFF_WAYS)
     return np.where(np.isin(number, first), gone, 1.0)
 

@@ -150,8 +150,7 @@ def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
     """Response (nx, nz) [m] of the water to a ship, at nodes x, z [m], limited around her to V^2 / 2 g, the height at
-    which a flow of her speed stands (Bernoulli): linear waves do not break, and leave a hole in the shape of her
-    hull."""
+    which a flow of her speed stands (Bernoulli): linear waves do not break, and leave a hole of the hull's shape."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
     along, aside = ship_coordinates(x[:, None], z[None, :], track.position[k], track.turn[k])

@@ -376,8 +376,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason from collected messages why OpenGL has refused a shader program, or None; VTK then leaves its actor
-    out."""
+    """Reason from collected messages why OpenGL has refused a shader program, or None; VTK then omits its actor."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))

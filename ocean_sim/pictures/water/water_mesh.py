@@ -6,8 +6,7 @@ SIDE_ROWS = 9  # rows of vertices from the surface to the bed
 
 
 def spline_matrix(cells: int, factor: int) -> np.ndarray:
-    """Matrix (cells * factor + 1, cells): values in the middles of equal cells -> cubic spline at nodes from wall to
-    wall.
+    """Matrix (cells * factor + 1, cells): values in middles of equal cells -> cubic spline at nodes from wall to wall.
 
     The spline is mirrored in the walls, where water under gravity alone stands level.
     """

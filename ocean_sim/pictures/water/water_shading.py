@@ -52,9 +52,8 @@ def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray
 
 
 def beckmann(cos_half: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Density of facets that mirror the sun into the eye, for normally distributed slopes of this variance along each
-    axis (Beckmann & Spizzichino 1963); `cos_half`: cosine between the normal and the direction halfway from sun to
-    eye."""
+    """Density of facets that mirror the sun into the eye, for normally distributed slopes of a variance along each axis
+    (Beckmann & Spizzichino 1963); `cos_half`: cosine between the normal and the direction halfway from sun to eye."""
     c2 = np.maximum(cos_half, 1.0e-3) ** 2
     return np.exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (2.0 * np.pi * variance * c2**2)
 

@@ -70,8 +70,7 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Height [m] of the wave at places abaft the stem and off the hull [m]: steep outside the crest, gentler
-        inside."""
+        """Height [m] of the wave at places abaft the stem and off the hull [m]: steepest outside the crest."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
@@ -83,8 +82,7 @@ class Bow(NamedTuple):
         return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
 
     def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
-        """Half the breadth [m] of a wedge that stands for the bow, at distances abaft the stem [m]; constant behind
-        it."""
+        """Half the breadth [m] of a wedge that stands for the bow, at distances abaft the stem [m]; constant behind."""
         return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
 
 
@@ -142,8 +140,7 @@ class Hull:
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a pose and a speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n, 2)
-        [m]."""
+        """Hull in the water at a pose and speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n, 2)."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -160,8 +157,7 @@ def ship_coordinates(
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Segments x, z (m, 2, 2) [m] where the water cuts a hull (n, 3) [m]; `above` (n,): height of its vertices over it
-    [m]."""
+    """Segments x, z (m, 2, 2) [m] where the water cuts a hull (n, 3) [m]; `above` (n,): height of its vertices [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []

@@ -30,7 +30,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """Rows as in `key_table` of a model and its nested models; `place`: path in the scene, `path`: in the docs."""
+    """Rows as in `key_table` of a model and nested ones; `place`: its path in the scene, `path`: in the reference."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")

@@ -1,6 +1,6 @@
 """Messages between a page and its server, version 1.
 
-Down go packets, binary, little-endian::
+The server sends packets, binary, little-endian::
 
     4 bytes   b"OSP1"
     uint32    length n of the header
@@ -17,12 +17,12 @@ A frame has `time` [s], `seq`, `origin` (x and z of the middle of the heights [m
 scene calls for: `height` (nx, nz) [m], `foam` (nx, nz) share of white 0 to 255, `poses` (ships, 7) position of the
 centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by id, `speed` (n,) 0 to 255 for 0 to
 `fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and
-basin, sent at intervals, and `scalars` (k,), named in the still.
+basin, sent at intervals, and `scalars` (k,), named in the packet `still`.
 
-Text goes down, too: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
+The server also sends text: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
 `scenes`, `keys`, `said` (a sentence), and to the page that asked `waves`: `id`, `verb`, `time` [s] and `values`, or an
-`error`. Only text goes up, the JSON objects of `Command`. On any other message the server closes the connection, with
-a reason.
+`error`. A page sends only text, the JSON objects of `Command`. On any other message the server closes the connection,
+with a reason.
 """
 
 import json

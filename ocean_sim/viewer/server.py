@@ -377,7 +377,7 @@ class Server:
             self.arrived.set()
 
     def refuse_command(self, watcher: Watcher, text: str) -> None:
-        """Tell a page why its command is refused."""
+        """Tell a page the reason for which its command is refused."""
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:

@@ -278,7 +278,7 @@ class Session:
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand with its present throttle and the rudder amidships; raises Failed if unknown."""
+        """Steer a ship by hand: throttle as it is, rudder amidships; raises Failed if there is no such ship."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 

@@ -119,7 +119,7 @@ def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
 
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
+    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3), given by their lower and upper corners [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
@@ -285,7 +285,7 @@ def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
 
 
 def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:
-    """Yield the shots in axes with z up, or unchanged."""
+    """Yield the shots in axes with z up if `z_up`, else unchanged."""
     for kept in meshes:
         if not z_up:
             yield kept

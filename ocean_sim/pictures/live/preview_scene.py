@@ -57,7 +57,7 @@ class PreviewScene:
         self.fastest = MIN_FASTEST_SPEED
 
     def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
-        """The painted model of a ship on her hull."""
+        """Painted model of a ship on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
         ship, scene = self.simulation.ships[name], self.simulation.scene
         look = scene.ships[name].look(scene.preflight)
         look_name, submerged = ("", 0.5) if look is None else (look.name, look.submerged)

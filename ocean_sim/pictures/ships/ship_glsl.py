@@ -130,7 +130,7 @@ def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row in
-    shares of the map; third, 0 and the greatest shaded depth towards the sun [m]. `length`: as of the map [m]."""
+    shares of the map; third, 0 and the greatest shaded depth towards the sun [m]. `length`: of the `ShadowMap` [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low, high = (
         np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,

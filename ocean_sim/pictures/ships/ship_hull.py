@@ -184,8 +184,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """Volume [m3] and first moments [m4] (4,) of the part below n . x + d = 0 (`up`, `level`) of triangles (m, 3,
-    3)."""
+    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3), below n . x + d = 0 (`up`, `level`)."""
     apex = -level * up  # on the plane, so that the cut surface adds nothing
     pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
     wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]

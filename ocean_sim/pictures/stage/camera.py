@@ -93,8 +93,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Camera over a film. It depends only on time, on the ship's track until then, and for `orbit` on the film's
-    span."""
+    """Camera over a film. It depends only on time, the ship's track until then, and for `orbit` the film's span."""
 
     def __init__(
         self,
@@ -200,7 +199,8 @@ def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Came
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m], at still water level, and heading (n,) [rad] that lag behind the ship's; exact for jumps."""
+    """Position (n, 3) [m], at still water level, and heading (n,) [rad] that lag behind the ship's by a first-order
+    filter, exact for a ship that jumps at each frame."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -213,8 +213,7 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
     """Camera low over the sea, in perspective: a sea has no cut side for a parallel projection. It looks in a level
-    direction at the place `middle` [m], and sees `reach` [m] to either side in a picture `aspect` times as wide as
-    high."""
+    direction at the place `middle` [m], and sees `reach` [m] to either side in a picture of this aspect ratio."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 

@@ -45,7 +45,7 @@ def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> t
 
 
 class Shot(NamedTuple):
-    """A rendered picture before the work that needs no plotter."""
+    """Rendered picture, whose edges are not yet smooth and whose bars are not drawn."""
 
     pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
     samples: int

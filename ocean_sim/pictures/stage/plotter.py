@@ -45,4 +45,4 @@ class Content:
         raise NotImplementedError
 
     def close(self) -> None:
-        """Release its own resources."""
+        """Release resources of the subject that the plotter does not."""

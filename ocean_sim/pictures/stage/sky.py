@@ -1,5 +1,4 @@
-"""The sky above the water: a clear gradient, quick to compute, and scattered light with clouds and a sun, kept as an
-image.
+"""The sky above the water: a clear gradient, quick to compute, and an image of scattered light with clouds and sun.
 
 Directions are unit vectors, y up; colours are linear RGB.
 """
@@ -221,7 +220,7 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
 
 
 def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Distance [m] from points inside the air to its top."""
+    """Distance [m] from points in the atmosphere to its top, along unit directions `d`."""
     along, excess = (point * d).sum(axis=-1), (point * point).sum(axis=-1) - TOP_RADIUS**2
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 

@@ -28,7 +28,7 @@ class WindMarks:
     """Volumes, arrows and crosses of the wind, drawn anew in every picture."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
-        """Marks in a basin from `lower` to `upper` [m]."""
+        """`lower`, `upper`: corners of the basin [m]."""
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
         self.arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
         arms = [stage.pyvista.Cylinder(direction=axis, radius=0.05, height=1.0) for axis in np.eye(3)]
@@ -47,7 +47,7 @@ class WindMarks:
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw a model of length 1 along x at positions (n, 3) [m], turned along vectors (n, 3) [m] and as long."""
+        """Draw a model of length 1 along x at positions (n, 3) [m], turned along vectors (n, 3) [m] of its lengths."""
         plotter = self.stage.plotter
         plotter.remove_actor(name, render=False)
         if not len(positions):

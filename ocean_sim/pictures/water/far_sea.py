@@ -75,7 +75,7 @@ class PlaneWaves:
 
 
 def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
-    """(n,) complex amplitudes [m] of plane waves at a time [s] around an origin x, z [m]."""
+    """Complex amplitudes (n,) [m] of plane waves at a time [s] around an origin x, z [m]."""
     phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
     return sea.amplitude * np.exp(1j * phase)
 

@@ -1,4 +1,5 @@
-"""White water: where crests converge, at a wanted cover; along a hull; and how a share of foam breaks into patches."""
+"""White water, or foam: on converging crests, up to a wanted cover; along hulls; and the patches that it breaks
+into."""
 
 from itertools import product
 
@@ -60,7 +61,7 @@ def crest_cover(drawn_together: np.ndarray) -> float:
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
     """Whiteness (n,) of points, 0 to 1, by their convergence (n,): 1 where it is strongest, `wanted` in the mean.
 
-    `among` (n,): values in order among which the ranks are counted, by default the points themselves.
+    `among` (n,): sorted convergence of points among which these are ranked, by default of the points themselves.
     """
     known = np.sort(drawn_together, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
@@ -74,8 +75,8 @@ def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | 
 
 
 def monahan_cover(speed: float) -> float:
-    """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
-    equation 5)."""
+    """White share of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, eq.
+    5)."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
@@ -97,9 +98,9 @@ def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
 class FoamField:
     """Share of white water on a grid over time: foam is born on converging crests, is carried with the water and fades.
 
-    Its mean over the life of foam is kept at the cover that crests or the wind call for: faded foam is replaced by new
-    patches, each as wide as a white cap. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of
-    the waves': shares on a grid would blur as they are carried.
+    Its mean over the life of foam is kept at a cover that crests or the wind determine: new patches, each as wide as a
+    white cap, replace faded foam. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of the
+    waves': shares on a grid would blur as they are carried.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
@@ -126,8 +127,8 @@ class FoamField:
     ) -> None:
         """Advance the foam to a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
-        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`, None between ticks;
-        or, without `wanted`, the share that is white of itself.
+        `source` (nx, nz): convergence, of which so much turns white that the mean stays at `wanted`, or None between
+        ticks; without `wanted`, the share of white water itself.
         """
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
@@ -184,8 +185,8 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Add flecks of thickness `thick` where `rises_to`, their final thickness, is not 0; they replace those
-        there."""
+        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of older
+        ones."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -256,7 +257,7 @@ def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Values of a grid that moves by n cells along an axis; new cells are 0."""
+    """Values of a grid that moves by n cells along an axis over a fixed field; its new cells are 0."""
     if n == 0:
         return values
     shifted = np.roll(values, -n, axis)
@@ -337,7 +338,7 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
 def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
     """Displacements (2, n) that bend the edges of foam at positions x, z (n,), all in cells of the foam's grid, whose
     few values alone would make round blobs. They are longest along the wind, which blows to an `angle` [rad] from +x to
-    +z and leaves streaks."""
+    +z."""
     c, s = np.cos(angle), np.sin(angle)
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:

@@ -16,8 +16,7 @@ GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
 
 class SeaSurface:
     """Surface of the sea around an eye: the nodes of an even grid across the basin, and a fan of nodes beyond it.
-    Within the last fifth of the basin its own waves give way to the far ones. Only heights change from frame to frame,
-    and the origin where ships sail away."""
+    Within the last fifth of the basin its own waves give way to the far ones. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
         """`nodes`: approximate number of nodes within the basin."""
@@ -77,8 +76,7 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye (3,) [m] (see
-        `far_sea.Fan.at`)."""
+        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye [m], as of `far_sea.Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
@@ -99,8 +97,7 @@ class SeaSurface:
     ) -> np.ndarray:
         """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
         eye [m]. `rings` (bands, rays): numbers of their rings; `found`: values from `around`; `amplitude` (m,): of the
-        waves [m]. The mean share equals the basin's on each ring; it is the more even, the fewer waves are drawn
-        there."""
+        waves [m]. Its mean is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -119,8 +116,7 @@ class SeaSurface:
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values (nx, nz) at the nodes, interpolated from `kept` ones of a frame; they fade to 0 at the basin's
-        sides."""
+        """Values (nx, nz) at the nodes, interpolated from those a frame keeps; they fade to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 

@@ -20,9 +20,9 @@ def smooth_mesh(mesh: Mesh, lower: tuple[float, ...], upper: tuple[float, ...], 
     """Smoothed copy of a mesh. No vertex moves more than `most` [m], so that drops and thin sheets stay; then all move
     by the thin layer that keeps its volume.
 
-    What meets a side of the box from `lower` to `upper` [m] goes on behind it as its mirror image, so that its rim
-    slides along the side and is as smooth as the rest; what lies flat on a side has vertices and normals of its own,
-    so that there is an edge between both. Measure the mesh as it was.
+    A surface that meets a side of the box from `lower` to `upper` [m] continues behind it as its mirror image, so that
+    its rim slides along the side and is as smooth as the rest. Triangles flat on a side have vertices and normals of
+    their own, for a sharp edge between both. Measure volumes on the original mesh.
     """
     n, corners = len(mesh.vertices), mesh.triangles
     if n == 0:

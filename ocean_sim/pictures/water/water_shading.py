@@ -39,7 +39,7 @@ FOG_END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colo
 
 
 def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Cosine of the angle in the water by Snell's law (3.7): at most 48.6 degrees for n = 1.333."""
+    """Cosine of the refraction angle in water by Snell's law (3.7); the angle is at most 48.6 degrees for n = 1.333."""
     return np.sqrt(1.0 - (1.0 - np.asarray(cos_incident) ** 2) / n**2)
 
 
@@ -80,7 +80,7 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Brightness (n,), over the sun's, of its reflection in facets with normally distributed slopes, for nodes."""
+    """Brightness (n,), over the sun's, of its glint on nodes, from facets with normally distributed slopes."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))

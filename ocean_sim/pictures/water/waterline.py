@@ -150,7 +150,7 @@ class Hull:
 def ship_coordinates(
     x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distances of places x, z ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    """Distances of places x, z [m] ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
     ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
     to_x, to_z = x - position[0], z - position[2]
     return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]

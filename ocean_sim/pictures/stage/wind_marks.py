@@ -47,7 +47,7 @@ class WindMarks:
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """Draw a model of length 1 along x at positions (n, 3) [m], turned along vectors (n, 3) [m] of its lengths."""
+        """Draw a model of length 1 along x at positions (n, 3) [m], turned along and scaled to vectors (n, 3) [m]."""
         plotter = self.stage.plotter
         plotter.remove_actor(name, render=False)
         if not len(positions):

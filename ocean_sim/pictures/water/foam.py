@@ -1,5 +1,4 @@
-"""White water, or foam: on converging crests, up to a wanted cover; along hulls; and the patches that it breaks
-into."""
+"""White water, or foam: on converging crests, up to a wanted cover; along hulls; and the patches that it forms."""
 
 from itertools import product
 
@@ -75,8 +74,7 @@ def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | 
 
 
 def monahan_cover(speed: float) -> float:
-    """White share of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, eq.
-    5)."""
+    """White share of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 

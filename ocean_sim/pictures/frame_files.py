@@ -1,4 +1,4 @@
-"""The frames that a run kept, one file each, read when asked for; and the arrays that a run keeps once."""
+"""Frame files of a run, and the arrays that a run keeps once beside them."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
@@ -36,7 +36,7 @@ DAMAGE_ERRORS = (
 
 @contextmanager
 def open_frame(path: Path) -> Iterator[NpzFile]:
-    """A file of frames/, its arrays read when asked for; raises Unreadable where it is not whole."""
+    """Open a frame file, whose arrays are read on access; raises Unreadable if it is damaged or incomplete."""
     try:
         size_of(path, MAX_FRAME_BYTES)
         with np.load(path) as file:
@@ -52,17 +52,17 @@ def frame_files(folder: Path) -> list[Path]:
 
 
 def frame_path(folder: Path, number: int) -> Path:
-    """The file of a frame of a run, counted from 0."""
+    """Path of a run's frame file, counted from 0."""
     return folder / "frames" / f"frame_{number:05d}.npz"
 
 
 def ship_keys(file: Iterable[str], ending: str) -> list[str]:
-    """The keys of the ships that a file has arrays of, by the ending of the names of one."""
+    """Keys of the ships in a file: the names of its arrays with this ending, without the ending."""
     return [name.removesuffix(ending) for name in file if name.endswith(ending)]
 
 
 class Frame:
-    """One file of frames/, read when asked for."""
+    """Contents of one frame file: heights, foam, ships, wind, and particles and surface mesh if the run kept them."""
 
     def __init__(self, path: Path) -> None:
         with open_frame(path) as file:
@@ -88,12 +88,12 @@ class Frame:
 
     @property
     def place(self) -> np.ndarray:
-        """Origin (3,) of the heights at the height of the still water [m]."""
+        """Origin (3,) [m] of the heights, at the level of still water."""
         return np.insert(self.origin, 1, 0.0)
 
     @property
     def folds(self) -> bool:
-        """True if the surface has more than one height above some point: not all of its triangles face up."""
+        """True if the surface mesh folds over: not all of its triangles face up, and some point has several heights."""
         if self.mesh is None:
             return False
         a, b, c = (self.mesh[0][self.mesh[1][:, k]] for k in range(3))
@@ -101,13 +101,13 @@ class Frame:
 
 
 def read_elevation(path: Path) -> np.ndarray:
-    """(nx, nz) heights [m] that a frame keeps; nothing else of it is read."""
+    """Heights (nx, nz) [m] of a frame; no other array of its file is read."""
     with open_frame(path) as file:
         return file["elevation"].astype(np.float64)
 
 
 class FrameLog:
-    """Times of all frames of a run so far and the positions of the ships in them; no frame is read whole."""
+    """Times of all frames of a run so far, and tracks of its ships, without the frames' other arrays."""
 
     def __init__(self, files: list[Path]) -> None:
         self.files: list[Path] = []
@@ -117,7 +117,7 @@ class FrameLog:
         self.grow(files)
 
     def grow(self, files: list[Path]) -> None:
-        """Add the frames that have come since."""
+        """Add new frame files."""
         if not files:
             return
         times: list[float] = []
@@ -135,28 +135,28 @@ class FrameLog:
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time [s]."""
+        """Times of the first and of the last frame [s]."""
         return float(self.times[0]), float(self.times[-1])
 
     def nearest(self, time: float) -> Path:
-        """The frame nearest to a time [s]."""
+        """Path of the frame nearest to a time [s]."""
         return self.files[int(np.abs(self.times - time).argmin())]
 
 
 def film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Numbers of the frames nearest to each multiple of `every`."""
+    """Numbers of the frames of a film: those nearest to the first time and to every `every` seconds after it."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return [int(np.abs(times - moment).argmin()) for moment in moments]
 
 
 def known_film_frames(times: np.ndarray, every: float) -> list[int]:
-    """The beginning of `film_frames` that no later frame can change."""
+    """Those first numbers of `film_frames` that later frames of a run cannot change."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 
 
 def survey_run(files: list[Path]) -> tuple[Frame, float]:
-    """The frame with the highest waves of the second half of a run, and the speed of its fast particles [m/s]."""
+    """Frame with the highest waves in the second half of a run, and the speed [m/s] of the run's fast particles."""
     height, speed = [], [0.1]
     for frame in map(Frame, files):  # one at a time: a frame of a large run is large
         height.append(float(frame.elevation.std()))
@@ -167,13 +167,13 @@ def survey_run(files: list[Path]) -> tuple[Frame, float]:
 
 
 def middle_cell(ships: Collection["Ship"], cell: np.ndarray) -> np.ndarray:
-    """(2,) x and z of the middle between ships [m], in whole cells (2,) [m]."""
+    """Mean position x, z (2,) [m] of ships, rounded to whole cells of these sides (2,) [m]."""
     middle = np.mean([ship.body.position[[0, 2]] for ship in ships], axis=0)
     return cell * np.round(middle / cell)
 
 
 def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> dict[str, Any]:
-    """Arrays that a run keeps once, with places x and z of its heights [m]: basin, plane waves, and hulls of ships."""
+    """Arrays that a run keeps once: basin, plane waves, hulls of ships, and coordinates x and z [m] of the heights."""
     basin, fluid = simulation.basin, simulation.fluid
     arrays: dict[str, Any] = {
         "x": x,
@@ -193,8 +193,8 @@ def grid_arrays(simulation: "LiveSimulation", x: np.ndarray, z: np.ndarray) -> d
 
 
 def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
-    """Arrays of a ship for pictures, apart from her hull: look, helm from the centre of mass in body axes [m] (empty if
-    none is named), and share of her volume under water at rest."""
+    """Arrays of a ship's looks, apart from her hull: name of the look, helm from the centre of mass in body axes [m]
+    (empty if none is named), and share of her volume under water at rest."""
     scene, key = simulation.scene, key_of(ship.name)
     look = scene.ships[ship.name].look(scene.preflight)
     if look is None:
@@ -204,7 +204,7 @@ def appearance(simulation: "LiveSimulation", ship: "Ship") -> dict[str, object]:
 
 
 def wave_arrays(fluid: "Fluid") -> dict[str, np.ndarray]:
-    """Arrays of the waves of water in closed form, for pictures beyond the basin."""
+    """Arrays of the plane waves of water in closed form, for pictures beyond the basin; none for other water."""
     sea = fluid.plane_waves
     if sea is None:
         return {}

@@ -1,4 +1,4 @@
-"""Answers to a page: the plain keys of a scene with their values, and the water at points.
+"""Answers to a page: the scalar keys of a scene with their values, and the water at points.
 
 Water in closed form answers for any time by its plane waves, and so does a periodic square. Other water, particles or a
 sea with wakes and breakers, answers for the present time, as its gauges read it.
@@ -22,8 +22,7 @@ SLOPE_STEP = 0.5  # [spacings] of the water, on either side of a point
 
 
 def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
-    """`key`, `value`, `unit`, `meaning`, `range` and `choices` of each number, word or switch of a scene, in the order
-    of its parts."""
+    """Rows of `key`, `value`, `unit`, `meaning`, `range`, `choices` of the numbers, words and switches of a scene."""
     rows = [key_row(by_path()[name], name, getattr(scene, name)) for name in GENERAL_KEYS]
     for name, part in {"basin": scene.basin, **scene.parts(), "runtime": scene.runtime}.items():
         rows += model_rows(name, f"{slot_of(name)}.{part.kind}" if isinstance(part, KindConfig) else name, part)
@@ -31,7 +30,7 @@ def key_table(scene: SceneConfig) -> list[dict[str, Any]]:
 
 
 def model_rows(place: str, path: str, model: BaseModel) -> list[dict[str, Any]]:
-    """The plain keys of a model, and of the models in it; `path`: its path in the reference."""
+    """Rows as in `key_table` of a model and nested ones; `place`: its path in the scene, `path`: in the reference."""
     rows: list[dict[str, Any]] = []
     for name in type(model).model_fields:
         value, known = getattr(model, name), by_path().get(f"{path}.{name}")
@@ -54,7 +53,7 @@ def key_row(known: Key, key: str, value: Any) -> dict[str, Any]:
 
 
 def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
-    """Answer to a wave query: `time` [s], and `values`, a row a point, null without water. Raises Refused."""
+    """Answer to a wave query: `time` [s] and `values`, one row a point, null without water. Raises Refused."""
     time, sea = now if asked.time is None else asked.time, fluid.plane_waves
     if asked.verb == "field":
         if sea is None:
@@ -79,7 +78,7 @@ def answer_waves(fluid: Fluid, now: float, asked: Waves) -> dict[str, Any]:
 
 
 def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
-    """(n, 3) upward unit normals of the water's surface at points x, z (n, 2) [m], by differences."""
+    """Upward unit normals (n, 3) of the water surface at points x, z (n, 2) [m], by central differences."""
     step = SLOPE_STEP * fluid.spacing
     slopes = [
         (fluid.elevations(points + step * along) - fluid.elevations(points - step * along)) / (2.0 * step)
@@ -90,7 +89,7 @@ def surface_normals(fluid: Fluid, points: np.ndarray) -> np.ndarray:
 
 
 def json_numbers(values: np.ndarray) -> list[Any]:
-    """Numbers for JSON with six decimals, null for those that are not finite."""
+    """Nested lists, for JSON, of numbers with six decimals; null for those that are not finite."""
     rows = np.round(np.asarray(values, dtype=float), 6)
     whole = rows.astype(object)
     whole[~np.isfinite(rows)] = None

@@ -16,7 +16,7 @@ from ocean_sim.viewer.watch import Watch
 
 
 class View:
-    """The page as the output of a notebook cell; `address` opens it in any browser."""
+    """The page as output of a notebook cell; `address` opens it in any browser, and is empty for a replay."""
 
     def __init__(self, source: str, height: int, address: str = "", server: Server | None = None) -> None:
         self.source, self.height, self.address, self.server = source, height, address, server

@@ -1,6 +1,6 @@
 """Messages between a page and its server, version 1.
 
-Down go packets, binary, little-endian::
+The server sends packets, binary, little-endian::
 
     4 bytes   b"OSP1"
     uint32    length n of the header
@@ -17,12 +17,12 @@ A frame has `time` [s], `seq`, `origin` (x and z of the middle of the heights [m
 scene calls for: `height` (nx, nz) [m], `foam` (nx, nz) share of white 0 to 255, `poses` (ships, 7) position of the
 centre of mass [m] and quaternion w, x, y, z, `particles` (n, 3) in the box, by id, `speed` (n,) 0 to 255 for 0 to
 `fastest` [m/s], `platform` (12,) pose [m, rad] and leg lengths [m], `lines` (m, 2, 3) [m] and `hues` (m, 3) of wind and
-basin, sent at intervals, and `scalars` (k,), named in the still.
+basin, sent at intervals, and `scalars` (k,), named in the packet `still`.
 
-Text goes down, too: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
+The server also sends text: JSON objects with `type`: `hello`, `panel` (settings and their values), `problems`, `scene`,
 `scenes`, `keys`, `said` (a sentence), and to the page that asked `waves`: `id`, `verb`, `time` [s] and `values`, or an
-`error`. Only text goes up, the JSON objects of `Command`. On any other message the server closes the connection, with
-a reason.
+`error`. A page sends only text, the JSON objects of `Command`. On any other message the server closes the connection,
+with a reason.
 """
 
 import json
@@ -49,25 +49,25 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]
 
 
 class BadMessage(Refused):
-    """A message from a page that is none of this protocol."""
+    """A message from a page does not follow this protocol."""
 
 
 class Act(Model):
-    """A button. `take` and `leave` are about the helm, which one page has at a time; any other command that changes the
-    simulation takes a free helm."""
+    """Press of a button. `take` and `leave` are about the helm, which one page has at a time; any other command that
+    changes the simulation takes a free helm."""
 
     do: Literal["pause", "play", "step", "reset", "record", "stop", "take", "leave", "scene", "scenes", "keys"]
 
 
 class Speed(Model):
-    """Largest speed of simulated time, times real time; 0: as fast as possible."""
+    """Upper limit of simulated over real time; 0: as fast as possible."""
 
     do: Literal["speed"]
     value: float = Field(ge=0.0, le=100.0)
 
 
 class Slide(Model):
-    """A slider of the panel, by its label: the running simulation continues with its value."""
+    """Value of a slider, named by its label; the running simulation continues with it."""
 
     do: Literal["slide"]
     key: Word
@@ -75,7 +75,7 @@ class Slide(Model):
 
 
 class Steer(Model):
-    """Throttle, -1 to 1, and rudder [rad, positive turns to port] of a ship, which is steered by hand from now on."""
+    """Throttle, -1 to 1, and rudder [rad, positive turns to port] of a ship, which is steered by hand from then on."""
 
     do: Literal["steer"]
     ship: Word
@@ -84,7 +84,7 @@ class Steer(Model):
 
 
 class Route(Model):
-    """Waypoints x, z [m] of a ship that a pilot steers at a speed [m/s]; none: the rudder goes amidships."""
+    """Waypoints x, z [m] for a pilot who steers a ship at a speed [m/s]; with none, its rudder goes amidships."""
 
     do: Literal["route"]
     ship: Word
@@ -93,14 +93,14 @@ class Route(Model):
 
 
 class Wind(Model):
-    """Another preset of wind; the scene starts anew."""
+    """Choice of another wind preset; the scene starts anew."""
 
     do: Literal["wind"]
     name: Word
 
 
 class Change(Model):
-    """A key of the scene and its value as YAML, as in `--set`; the scene starts anew."""
+    """New value, as YAML, of a key of the scene, as in `--set`; the scene starts anew."""
 
     do: Literal["change"]
     key: Word
@@ -108,28 +108,28 @@ class Change(Model):
 
 
 class Check(Model):
-    """Check the text of a scene; answered by `problems`."""
+    """Request to check the text of a scene; answered by `problems`."""
 
     do: Literal["check"]
     text: Text
 
 
 class Apply(Model):
-    """Play the scene of this text."""
+    """Request to play the scene of this text."""
 
     do: Literal["apply"]
     text: Text
 
 
 class Open(Model):
-    """Play a packaged scene."""
+    """Request to play a packaged scene."""
 
     do: Literal["open"]
     name: Word
 
 
 class Save(Model):
-    """Write the scene that is played into a file of this name."""
+    """Request to write the scene that is played into a file of this name."""
 
     do: Literal["save"]
     name: Name
@@ -156,7 +156,7 @@ _COMMAND_ADAPTER: TypeAdapter[Command] = TypeAdapter(Annotated[Command, Field(di
 
 
 def parse_command(text: str) -> Command:
-    """The command in a message; raises BadMessage."""
+    """Parse a message from a page into a command; raises BadMessage."""
     try:
         return _COMMAND_ADAPTER.validate_json(text)
     except (ValidationError, RecursionError) as error:
@@ -168,7 +168,7 @@ def parse_command(text: str) -> Command:
 
 
 def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any] | None = None, **header: Any) -> bytes:
-    """A packet of arrays and a header; `boxes`: more header entries of an array, by its name."""
+    """Binary packet of arrays and a header; `boxes`: additional header entries of arrays, by their names."""
     rows, data = [], []
     for name, array in arrays.items():
         whole = np.ascontiguousarray(array)
@@ -182,19 +182,19 @@ def packet(kind: str, arrays: Mapping[str, np.ndarray], boxes: Mapping[str, Any]
 
 
 def box_scale(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middle of a box [m], and whole numbers a metre along each of its sides."""
+    """Middle of a box [m], and integer steps per metre along each of its sides, for positions as 16-bit integers."""
     return 0.5 * (high + low), FULL_SCALE / np.maximum(0.5 * (high - low), 1e-9)
 
 
 def box_positions(positions: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Positions (..., 3) [m] as whole numbers in a box, clipped to it."""
+    """Positions (..., 3) [m] as 16-bit integers in a box, clipped to it."""
     middle, scale = (array.astype(positions.dtype) for array in box_scale(low, high))
     share = np.clip((positions - middle) * scale, -FULL_SCALE, FULL_SCALE)
     return np.nan_to_num(np.rint(share)).astype(np.int16)
 
 
 def moment_differences(values: np.ndarray) -> np.ndarray:
-    """int16 (moments, n) as differences between moments, (2, moments, n) uint8: high bytes, then low ones."""
+    """Differences (2, moments, n), uint8, between successive rows of integers (moments, n): high bytes, low bytes."""
     turned = values.astype(np.uint16)
     step = np.diff(turned, axis=0, prepend=np.zeros_like(turned[:1]))
     return np.stack([(step >> 8).astype(np.uint8), (step & 255).astype(np.uint8)])

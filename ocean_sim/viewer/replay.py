@@ -1,4 +1,4 @@
-"""Replay of a finished run: its static part and all of its frames in two packets, and a page that holds them."""
+"""Replay of a finished run: its static part and all of its frames as two packets, and a page that contains them."""
 
 import zlib
 from functools import cached_property
@@ -35,7 +35,7 @@ PLOTTED_COLUMNS = {
 
 
 class Recorded:
-    """A run folder, read for a replay; raises Refused if it is none, or has no frames."""
+    """Run folder read for a replay; raises Refused if it is not one, or has no frames."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -53,16 +53,16 @@ class Recorded:
 
     @property
     def strides(self) -> tuple[int, int]:
-        """Strides of the points of the heights, along x and z."""
+        """Strides along x and z with which the heights are thinned for the page."""
         return tuple(-(-len(self.grid[axis]) // MAX_CELLS) for axis in "xz")  # type: ignore[return-value]
 
     def still(self) -> bytes:
-        """The packet `still` of this run."""
+        """Packet of kind `still`, the static part of this run."""
         return self.setting.packet()
 
     @cached_property
     def setting(self) -> Setting:
-        """Static part of the replay."""
+        """Static part of this run: water, basin and ships."""
         (i, j), first = self.strides, Frame(self.files[0])
         grid = self.grid | {"x": self.grid["x"][::i], "z": self.grid["z"][::j]}
         surface = bool(grid["has_surface"]) or len(grid["z"]) == 1
@@ -72,7 +72,7 @@ class Recorded:
         return setting
 
     def stream(self) -> bytes:
-        """All moments: the packet `replay`, deflated."""
+        """Packet of kind `replay`: all frames of this run, deflated, with particles thinned to fit MAX_STREAM_BYTES."""
         setting, (i, j) = self.setting, self.strides
         low, high = setting.box
         times, heights, foams, poses, origins, particles, speeds = [], [], [], [], [], [], []
@@ -135,20 +135,20 @@ class Recorded:
 
     @staticmethod
     def sorted_by_id(values: np.ndarray, order: np.ndarray) -> np.ndarray:
-        """Values in the order of ids; NaN for particles that are not there yet."""
+        """Rows (ids, k) of particle values, sorted by the particles' ids, `order`; NaN for ids that are not there."""
         found = np.full((int(order.max()) + 1 if len(order) else 0, values.shape[1]), np.nan, np.float32)
         found[order] = values
         return found
 
     @staticmethod
     def ship_pose(position: np.ndarray, turn: np.ndarray) -> list[float]:
-        """Position, and quaternion w, x, y, z of a matrix from body to world."""
+        """Position x, y, z [m] and quaternion w, x, y, z of a ship; `turn`: matrix (3, 3) from body to world axes."""
         from scipy.spatial.transform import Rotation
 
         return [*position.tolist(), *Rotation.from_matrix(turn).as_quat(canonical=True)[[3, 0, 1, 2]].tolist()]
 
     def plotted_numbers(self, times: np.ndarray) -> tuple[list[dict[str, str]], np.ndarray]:
-        """Rows that name the plotted numbers, and these (moments, k) at some times."""
+        """Plotted series of the run: rows of name, label, unit and group, and values (moments, k) at times [s]."""
         rows: list[dict[str, str]] = []
         columns: list[np.ndarray] = []
 
@@ -188,7 +188,7 @@ class Recorded:
         return rows, np.array(columns).T.reshape(len(times), -1)
 
     def platform_commands(self, times: np.ndarray) -> np.ndarray | None:
-        """(moments, 12) platform pose and legs at some times."""
+        """Poses [m, rad] and leg lengths [m] (moments, 12) of the motion platform at times [s]; None without one."""
         log = csv_file.read_columns_if_any(self.folder / "platform.csv")
         names = ("x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad", *(f"leg{k}_m" for k in range(1, 7)))
         if not all(name in log for name in names):
@@ -197,13 +197,13 @@ class Recorded:
 
 
 def thin_frames(files: list[Path], every: float) -> list[Path]:
-    """The frames of a replay: at most MAX_MOMENT_RATE a second, and MAX_MOMENTS."""
+    """Frames of a replay: every n-th file, at most MAX_MOMENT_RATE a second and MAX_MOMENTS in all."""
     step = max(1, round(1.0 / (MAX_MOMENT_RATE * max(every, 1e-9))), -(-len(files) // MAX_MOMENTS))
     return files[::step]
 
 
 def replay_file(folders: list[Path], path: Path) -> Path:
-    """Write one page that holds the replay of a run, or of two side by side, and needs no other file."""
+    """Write the replay of a run, or of two side by side, as one page that needs no other file; returns its path."""
     runs = [Recorded(folder) for folder in folders]
     data = {"sky": sky_packet()}
     for k, run in enumerate(runs):

@@ -1,4 +1,5 @@
-"""The server behind the page: a thread of its own that sends the newest frame to each watcher and takes commands.
+"""Web server of the page: a thread of its own that sends the newest frame to each watcher, that is, each open page, and
+receives commands.
 
 A slow watcher gets fewer frames: each waits for its own socket alone, and only the newest frame is kept. Commands are
 bounded in length, rate and number. A connection without a whole request is closed after MAX_REQUEST_SECONDS, or as soon
@@ -60,14 +61,14 @@ File = Callable[[], bytes]  # the content of an address
 
 
 class Order(NamedTuple):
-    """A command and the number of its watcher."""
+    """A command, and the number of the watcher that sent it."""
 
     watcher: int
     command: Command
 
 
 class Watcher:
-    """An open page."""
+    """An open page: its socket, and the texts and packets to send to it."""
 
     def __init__(self, number: int, socket: "web.WebSocketResponse") -> None:
         self.number, self.socket = number, socket
@@ -78,7 +79,7 @@ class Watcher:
         self.allowance, self.asked = float(MESSAGE_BURST), monotonic()
 
     def may_ask(self) -> bool:
-        """True if one more message is within the rate."""
+        """Count one more message of this watcher; True if it is within the allowed rate."""
         now = monotonic()
         self.allowance = min(MESSAGE_BURST, self.allowance + MESSAGE_RATE * (now - self.asked))
         self.asked = now
@@ -87,14 +88,14 @@ class Watcher:
 
 
 def is_own_failure(record: logging.LogRecord) -> bool:
-    """True unless a request was no HTTP, which is answered and needs no log."""
+    """True for log records except those of requests that are not HTTP, which are answered and need no log."""
     from aiohttp.http_exceptions import HttpProcessingError
 
     return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
 
 
 class Connections:
-    """Factory of aiohttp's protocols, with its open connections."""
+    """Factory of aiohttp's protocols that limits the number of open connections."""
 
     def __init__(self, protocols: "web.Server") -> None:
         self.protocols = protocols
@@ -108,7 +109,7 @@ class Connections:
         return [line for line in lines if line is not None and not line.is_closing()]
 
     def __call__(self) -> asyncio.BaseProtocol:
-        """Protocol of one more connection; beyond the limit the oldest without a request is closed, else this one."""
+        """Protocol of one more connection; at the limit one without a whole request is closed, or else this one."""
         if len(self.protocols.connections) < self.limit:
             return self.protocols()
         if not (lines := self.incomplete_transports()):
@@ -117,7 +118,7 @@ class Connections:
         return self.protocols()
 
     async def close_slow(self) -> None:
-        """Close connections that take too long."""
+        """Close, for as long as the server runs, connections that take too long over a request or an answer."""
         while True:
             await asyncio.sleep(0.1 * MAX_REQUEST_SECONDS)
             before, self.progress, now = self.progress, {}, monotonic()
@@ -130,14 +131,14 @@ class Connections:
 
 
 class Closing(asyncio.Protocol):
-    """Closes a connection for which there is no place."""
+    """Protocol that closes a connection at once, for want of a free place."""
 
     def connection_made(self, transport: Any) -> None:
         transport.abort()
 
 
 class Server:
-    """An address that a browser can open, with what a `Watch` shows. Use it as a context manager."""
+    """Web server that shows browsers a `Watch` and collects their commands; use it as a context manager."""
 
     def __init__(
         self,
@@ -149,7 +150,7 @@ class Server:
         framed: bool = False,
     ) -> None:
         """`files`: type and content by path; `token`: secret of the address, if any; `hello`: first message to a page;
-        `framed`: other pages may show it in a frame. Raises Lacking without aiohttp, and Refused if the port is
+        `framed`: True if other pages may show it in a frame. Raises Lacking without aiohttp, Refused if the port is
         taken."""
         try:
             import aiohttp.web  # noqa: F401
@@ -178,7 +179,7 @@ class Server:
 
     @property
     def is_local(self) -> bool:
-        """True if only this machine can reach it."""
+        """True if only this machine can reach the server."""
         return self.host in LOCAL_HOSTS
 
     @property
@@ -196,15 +197,15 @@ class Server:
         self.loop.call_soon_threadsafe(self.keep_packets, None, frame)
 
     def tell(self, watcher: int | None, **message: Any) -> None:
-        """Send text to one watcher, or to all; watchers that come later get the last `panel`."""
+        """Send a text message to one watcher, or to all (None); watchers that come later get the last `panel`."""
         self.loop.call_soon_threadsafe(self.queue_text, watcher, message)
 
     def orders(self) -> list[Order]:
-        """The commands that have come in since the last call."""
+        """Take the commands that have arrived since the last call."""
         return [self.inbox.popleft() for _ in range(len(self.inbox))]
 
     def close(self) -> None:
-        """Close all pages, and stop."""
+        """Close all pages, and stop the server."""
         if self.thread.is_alive():
             with suppress(RuntimeError):
                 self.loop.call_soon_threadsafe(self.stopping.set)
@@ -275,7 +276,7 @@ class Server:
                     await watcher.socket.close(code=1001, message=b"the server has stopped")
 
     def handle_loop_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Log once that no more files can be opened, since asyncio tries again; anything else as asyncio does."""
+        """Log once that no more files can be opened, since asyncio tries again; leave other failures to asyncio."""
         failure = context.get("exception")
         if not (isinstance(failure, OSError) and failure.errno in NO_FILES):
             loop.default_exception_handler(context)
@@ -284,7 +285,7 @@ class Server:
             self.log.error(f"{failure.strerror}: new pages wait until others are closed; raise `ulimit -n`")
 
     async def guard_request(self, request: "web.Request", handler: Any) -> Any:
-        """Refuse requests without the token; without a token, those of other sites or by other host names."""
+        """Refuse requests without the token; if there is none, those from other sites or by other host names."""
         from aiohttp import web
 
         if self.token:
@@ -315,7 +316,7 @@ class Server:
         return web.Response(body=body, headers={"Content-Type": kind})
 
     async def serve_socket(self, request: "web.Request") -> Any:
-        """Serve the socket of one page."""
+        """Exchange messages with one page until its socket closes."""
         from aiohttp import WSMsgType, web
 
         if len(self.all) >= MAX_WATCHERS:
@@ -358,7 +359,7 @@ class Server:
         return socket
 
     def receive(self, watcher: Watcher, text: str) -> None:
-        """Handle one message; raises BadMessage, which ends the connection."""
+        """Handle one message of a watcher; raises BadMessage, which ends its connection."""
         if not watcher.may_ask():
             raise BadMessage("too many messages")
         order = parse_command(text)
@@ -376,11 +377,11 @@ class Server:
             self.arrived.set()
 
     def refuse_command(self, watcher: Watcher, text: str) -> None:
-        """Tell a page why its command is refused."""
+        """Tell a page the reason for which its command is refused."""
         self.queue_text(watcher.number, {"type": "said", "text": text, "bad": True})
 
     def take_helm(self, number: int) -> bool:
-        """Give the helm to a watcher if it is free or its holder idle; True if this one has it."""
+        """Give a watcher the helm if it is free or its holder is idle; True if this watcher has it."""
         now = monotonic()
         if self.helm in (0, number) or now - self.touched > HELM_IDLE_SECONDS:
             before, self.helm, self.touched = self.helm, number, now
@@ -389,7 +390,7 @@ class Server:
         return self.helm == number
 
     def tell_helm(self) -> None:
-        """Tell all pages which one has the helm."""
+        """Tell all pages which watcher has the helm."""
         self.queue_text(None, {"type": "helm", "holder": self.helm, "watchers": len(self.all)})
 
     def queue_text(self, number: int | None, message: dict[str, Any]) -> None:
@@ -401,13 +402,13 @@ class Server:
             watcher.woken.set()
 
     def keep_packets(self, still: bytes | None, frame: bytes | None) -> None:
-        """Keep the newest frame, or another still without a frame yet, for all watchers."""
+        """Store the newest frame for all watchers, or a new static part, which discards the last frame."""
         self.still, self.frame = still or self.still, frame
         for watcher in self.all.values():
             watcher.woken.set()
 
     async def send_to(self, watcher: Watcher) -> None:
-        """Send new texts and packets to a watcher as fast as it takes them."""
+        """Send new texts and packets to a watcher as fast as it accepts them."""
         watcher.woken.set()
         with suppress(ConnectionError, TimeoutError):
             while True:

@@ -1,4 +1,4 @@
-"""A scene that pages play with: it steps in the thread that built it and obeys the commands of the pages."""
+"""Session of a scene that pages control: it steps in the thread that built it, and executes their commands."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -57,7 +57,7 @@ class Source(NamedTuple):
 
 
 class Session:
-    """One simulation after another, each with a `Watch`; use it as a context manager."""
+    """Plays one simulation after another, each with a `Watch`; use it as a context manager."""
 
     simulation: Simulation
 
@@ -99,7 +99,7 @@ class Session:
         self.watch.show(perf_counter())
 
     def end(self) -> None:
-        """Close the simulation, and release its folder."""
+        """Close the simulation, and release its folder; completes a record."""
         if not self.plays:
             return
         simulation, claim, touched, away = self.simulation, self.claim, self.touched, self.away
@@ -119,7 +119,7 @@ class Session:
                     run_files.add_to_manifest(claim.folder, [claim.folder / "touched.txt"])
 
     def play(self) -> None:
-        """Run until an interrupt or `done`."""
+        """Execute commands and step until an interrupt, or until `done` is set."""
         last = perf_counter()
         while not self.done:
             now = perf_counter()
@@ -129,7 +129,7 @@ class Session:
             self.advance(wall)
 
     def advance(self, wall: float) -> None:
-        """Step for the wall time that has passed [s], within STEP_BUDGET."""
+        """Step to keep up with the wall time `wall` [s] since the last call, for at most STEP_BUDGET."""
         panel, begin = self.panel, perf_counter()
         if panel.take("step"):
             self.step()
@@ -148,7 +148,7 @@ class Session:
             self.server.arrived.wait(min(-self.due / self.speed, IDLE_WAIT))
 
     def step(self) -> None:
-        """Take one step; stop a simulation that diverges, or a record that is complete."""
+        """Take one step; pause a simulation that diverges, and end a record that is complete or cannot be written."""
         simulation = self.simulation
         try:
             simulation.run(simulation.time + 0.5 * simulation.next_dt)
@@ -168,7 +168,7 @@ class Session:
             self.rebuild(self.source)
 
     def follow_routes(self) -> None:
-        """Report legs of routes; at the end of a route the rudder goes amidships."""
+        """Tell pages when a ship begins another leg of its route; at its end the rudder goes amidships."""
         simulation = self.simulation
         for name, pilot in list(self.pilots.items()):
             if pilot.has_arrived(simulation.ships[name].body):
@@ -180,7 +180,7 @@ class Session:
                 self.tell_panel()
 
     def obey(self) -> None:
-        """Obey the new commands, only the newest of those that replace one another."""
+        """Execute the new commands; of those that replace one another, only the newest."""
         orders = self.server.orders()
         last = {replacement_key(order): k for k, order in enumerate(orders)}
         changed = False
@@ -270,7 +270,7 @@ class Session:
         return command.do not in (*p.QUERY_NAMES, "save")
 
     def hand_steering(self, name: str) -> "Person":
-        """Hand steering of a ship, which takes over if it has not; raises Failed."""
+        """Hand steering of a ship, which replaces any other control; raises Failed if there is no such ship."""
         ship = self.ship_named(name)
         self.pilots.pop(name, None)
         if name not in self.persons:
@@ -278,24 +278,24 @@ class Session:
         return self.persons[name]
 
     def steer_amidships(self, name: str) -> None:
-        """Steer a ship by hand, with the throttle as it is and the rudder amidships; raises Failed."""
+        """Steer a ship by hand: throttle as it is, rudder amidships; raises Failed if there is no such ship."""
         person = self.hand_steering(name)
         person.give(person.throttle, 0.0)
 
     def sail_route(self, name: str, route: list[tuple[float, float]], speed: float) -> None:
-        """Let a pilot sail a ship along waypoints; raises Failed."""
+        """Let a pilot sail a ship along waypoints x, z [m] at a speed [m/s]; raises Failed if there is no such ship."""
         ship = self.ship_named(name)
         self.persons.pop(name, None)
         self.pilots[name], self.sailed[name] = ship.sail(route, speed), 0
 
     def ship_named(self, name: str) -> "Ship":
-        """A ship by its name; raises Failed."""
+        """Ship with this name; raises Failed if there is none."""
         if name not in self.simulation.ships:
             raise Failed(f"there is no ship {name!r} here")
         return self.simulation.ships[name]
 
     def rebuild(self, source: Source, folder: Path | None = None) -> bool:
-        """Play a source from its beginning; True if it is played. The present one continues if the source cannot be
+        """Play a source from its beginning; True if that succeeds. The present scene continues if the source cannot be
         loaded or is too large, and begins again if it cannot be built."""
         more = {} if folder is None else {"render": None}
         config = load_within_memory(source._replace(overrides={**source.overrides, **more}))
@@ -320,7 +320,7 @@ class Session:
         return built
 
     def record(self) -> None:
-        """Begin anew, into a run folder that stays."""
+        """Start the scene anew, and record it into a run folder that stays."""
         folder = next(path for k in range(1, 10_000) if not (path := self.out / f"{self.source.name}-{k}").exists())
         claim = Claim(folder)
         with ExitStack() as failed:
@@ -334,12 +334,12 @@ class Session:
         self.say(f"recording {self.config.duration:g} s into {folder}")
 
     def note_setting(self, what: str) -> None:
-        """Note a setting by hand in a record, whose scene does not hold it."""
+        """Note a setting made by hand in the record, if there is one, since its scene does not contain it."""
         if self.claim is not None and self.plays:
             self.touched.append(f"t = {self.simulation.time:.6f} s: {what}")
 
     def check_text(self, watcher: int, text: str) -> None:
-        """Check the text of an editor; a page shows its problems at their lines."""
+        """Check the text of a scene in an editor, and send its problems, or none, to the page."""
         try:
             self.source._replace(text=text, overrides={}).load()
         except SceneError as error:
@@ -348,12 +348,12 @@ class Session:
             self.server.tell(watcher, type="problems", problems=[])
 
     def tell_problems(self, watcher: int, error: SceneError) -> None:
-        """Tell a page the problems of a scene."""
+        """Send the problems of a scene to a page."""
         rows = [each._asdict() for each in error.problems[:100]]
         self.server.tell(watcher, type="problems", problems=rows)
 
     def save_scene(self, name: str) -> None:
-        """Save the scene that is played: its text, or all of its keys if some were overridden."""
+        """Save the scene that is played: its text, or all keys if some were overridden; raises Failed if it exists."""
         path = self.out / f"{name}.yaml"
         if path.exists():
             raise Failed(f"{path}: there is such a file already; choose another name")
@@ -367,7 +367,7 @@ class Session:
         self.say(f"saved: {path}")
 
     def tell_waves(self, watcher: int, asked: p.Waves) -> None:
-        """Reply to a wave query."""
+        """Send a page the answer to its wave query."""
         try:
             found = answer_waves(self.simulation.fluid, self.simulation.time, asked)
         except Refused as refusal:
@@ -375,7 +375,7 @@ class Session:
         self.server.tell(watcher, type="waves", id=asked.id, verb=asked.verb, **found)
 
     def tell_scene(self, watcher: int | None) -> None:
-        """Tell the text of the scene that is played, and its overrides."""
+        """Send the text of the scene that is played, and its overrides, to a page, or to all (None)."""
         laid = [f"{key}={plain_value(value)}" for key, value in self.source.overrides.items()]
         self.server.tell(watcher, type="scene", name=self.source.name, text=self.source.text, sets=laid)
 
@@ -383,7 +383,7 @@ class Session:
         self.server.tell(watcher, type="said", text=text, bad=bad)
 
     def tell_panel(self) -> None:
-        """Tell all pages the settings and their values."""
+        """Send the settings and their values to all pages."""
         simulation, panel = self.simulation, self.panel
         sliders = [{"label": s.label, "value": s.value, "low": s.low, "high": s.high} for s in self.sliders]
         ships = [
@@ -406,7 +406,7 @@ class Session:
         )
 
     def route_ahead(self, name: str) -> list[tuple[float, float]]:
-        """Waypoints that a ship has ahead."""
+        """Waypoints x, z [m] still ahead of a ship on a route; empty without one."""
         return self.pilots[name].ahead if name in self.pilots else []
 
     def __enter__(self) -> "Session":
@@ -418,7 +418,7 @@ class Session:
 
 
 def load_within_memory(source: Source) -> SceneConfig:
-    """Load a scene; raises Refused if it takes more memory than is left."""
+    """Load a scene; raises Refused if it needs more memory than is available."""
     config = source.load()
     parts = [row.bytes for row in config.ledger() if row.part not in config.observers]
     taken, left = base_memory(config.preflight.particles) + sum(parts), machine.available_memory()
@@ -431,7 +431,7 @@ def load_within_memory(source: Source) -> SceneConfig:
 
 
 def wind_name(source: Source) -> str:
-    """The preset of wind that a source names, or SCENE_WIND."""
+    """Name of the wind preset of a source, or SCENE_WIND if its wind is not a preset."""
     written = parse_mapping(source.text, source.name).data.get("wind")
     wind = source.overrides.get("wind", written)
     name = plain_value(wind)
@@ -441,12 +441,12 @@ def wind_name(source: Source) -> str:
 
 
 def plain_value(value: Any) -> Any:
-    """An override without its place in the text."""
+    """Value of an override, without its position in the text."""
     return value.plain() if isinstance(value, Node) else value
 
 
 def replacement_key(order: Order) -> tuple[str, ...]:
-    """Key that a command shares with those that it replaces; the first word is empty if it replaces none."""
+    """Key shared by commands of which the newest replaces the others; its first word is empty if it replaces none."""
     command = order.command
     if isinstance(command, p.Slide):
         return ("slide", command.key)

@@ -1,4 +1,4 @@
-"""Sliders of the page: numbers of a running simulation that change without a new build."""
+"""Sliders of the page: numbers of a running simulation that can change without building it anew."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ STEP_LABELS = {"courant_number": ("Courant number", 1.0), "dt": ("time step [ms]
 
 @dataclass
 class Slider:
-    """A number that a person moves; `apply` gives it to the running simulation."""
+    """A number that a user moves between two ends; `apply` passes it to the running simulation."""
 
     label: str
     value: float
@@ -21,7 +21,7 @@ class Slider:
     apply: Callable[[float], None]
 
     def move(self, value: float) -> bool:
-        """Take a value, clipped to the ends; True if it changed by more than single precision."""
+        """Set the value, clipped to the ends; True if it changed by more than single precision."""
         value = min(max(value, self.low), self.high)
         if np.float32(value) == np.float32(self.value):
             return False
@@ -31,7 +31,7 @@ class Slider:
 
 
 def sliders_of(simulation: Simulation) -> list[Slider]:
-    """Sliders of the numbers of a simulation that can change while it runs."""
+    """Sliders for the numbers of a simulation that can change while it runs."""
     found = []
     fluid, time_step = simulation.fluid, simulation.time_step
     if not simulation.scene.wind.still:
@@ -57,7 +57,7 @@ def sliders_of(simulation: Simulation) -> list[Slider]:
 
 
 def restore_sliders(sliders: list[Slider], before: list[Slider]) -> list[Slider]:
-    """Move the sliders of a new simulation to the values of the sliders before."""
+    """Move the sliders of a new simulation to the values of those `before` with the same labels; returns them."""
     values = {slider.label: slider.value for slider in before}
     for slider in sliders:
         slider.move(values.get(slider.label, slider.value))

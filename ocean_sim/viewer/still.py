@@ -1,4 +1,4 @@
-"""The page, and the static part of a simulation, sent once: basin, ships as triangles, surrounding sea and shaders.
+"""The page, and the static part of a simulation, sent once: basin, ships as triangles, surrounding sea, shaders.
 
 The page is one document that holds its style and its programs, and may hold a replay.
 """
@@ -36,7 +36,7 @@ RIPPLE_LENGTHS = 0.02, 3.0  # [m] least and greatest length of the longest rippl
 
 
 class Setting:
-    """Water, basin and ships of a simulation or a replay, before the first moment."""
+    """Static part of a simulation or a replay: its water, basin and ships."""
 
     def __init__(
         self,
@@ -47,8 +47,8 @@ class Setting:
         surface: bool,
         particles: int,
     ) -> None:
-        """`grid`: arrays that frames keep once; `scene`: resolved; `waves`: of water in closed form; `surface`: True if
-        there are heights to show; `particles`: number of those that are shown."""
+        """`grid`: arrays that frames keep once; `scene`: resolved scene; `waves`: of water in closed form, else None;
+        `surface`: True if there are heights to show; `particles`: number of those shown."""
         self.scene, self.title, self.waves, self.surface, self.particles = scene, title, waves, surface, particles
         names = "lower", "upper", "x", "z"  # corners of the basin; of the heights, from their origin [m]
         self.lower, self.upper, self.x, self.z = (np.asarray(grid[name], dtype=float) for name in names)
@@ -67,7 +67,7 @@ class Setting:
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner of the space in which particles are shown [m]."""
+        """Lower and upper corner [m] of the space in which particles are shown."""
         size = self.upper - self.lower
         room = np.array([0.02 * size[0], 0.0, 0.02 * size[2]])
         above = max(size[1], 0.2 * size[0])  # the still surface: room for spray
@@ -76,7 +76,7 @@ class Setting:
         return low, high
 
     def packet(self) -> bytes:
-        """The packet `still`, deflated."""
+        """Packet of kind `still`, this static part for a page, deflated."""
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
         ships = [self.ship_header(k, *ship, arrays, boxes) for k, ship in enumerate(self.models.items())]
@@ -117,7 +117,7 @@ class Setting:
     def ship_header(
         self, k: int, name: str, model: ShipModel, arrays: dict[str, Any], boxes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Header of a ship; adds her model and the map of distances to her waterline, in body axes, to the arrays."""
+        """Header of ship k; adds her model and the map of distances to her waterline, in body axes, to `arrays`."""
         hull, corners = model.hull, model.mesh.corners.reshape(-1, 3)
         low, high = corners.min(axis=0), corners.max(axis=0)
         arrays[f"corners{k}"] = box_positions(corners, low, high)
@@ -144,7 +144,7 @@ class Setting:
         }
 
     def sea_header(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The plane waves around the basin, and the uniforms of the water shader."""
+        """Headers in the packet of the plane waves around the basin, and of the water shader's uniforms."""
         height = self.waves.significant_height if self.waves is not None else 0.5
         wind = ripple_wind(dict(self.scene), self.waves, height)
         if self.waves is not None:
@@ -175,8 +175,8 @@ TANK_KEYS = ("motion", "wavemaker", "lid", "obstacles")  # of a basin that is a 
 
 
 def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
-    """(SYNTHETIC_WAVES, 5) plane waves around a wind's angle with a significant height of 1 m: amplitude, wavevector,
-    angular frequency, phase; for the sea around a basin that does not determine it."""
+    """Plane waves (SYNTHETIC_WAVES, 5) around a wind's angle [rad], with a significant height of 1 m, for the sea
+    around a basin that does not determine it: amplitude, wavevector, angular frequency, phase."""
     share = (np.arange(SYNTHETIC_WAVES) + 0.5) / SYNTHETIC_WAVES
     wavelength = max(4.0 * spacing, 0.08 * length) ** (1.0 - share) * (0.7 * length) ** share
     turn = 0.9 * np.sin(2.399963 * (np.arange(SYNTHETIC_WAVES) + 1.0) * 7.0)
@@ -188,7 +188,7 @@ def synthetic_waves(angle: float, length: float, spacing: float) -> np.ndarray:
 
 
 def shader_sources(ships: int) -> dict[str, str]:
-    """GLSL sources of the pictures, to which a page adds the declarations of its own version."""
+    """GLSL sources of the pictures' shaders by name, to which a page adds the declarations of its own version."""
     return {
         "common": water_glsl.COMMON_FUNCTIONS,
         "functions": water_glsl.WATER_FUNCTIONS,
@@ -199,7 +199,7 @@ def shader_sources(ships: int) -> dict[str, str]:
 
 @cache
 def sky_packet() -> bytes:
-    """The sky with its smaller copies and its haze in shared-exponent colours, deflated."""
+    """Packet of kind `sky`: the sky with its mipmaps and its haze in shared-exponent colours, deflated."""
     seen = sky.cloudy_sky(SKY_SIDE)
     images = {"haze": seen.haze} | {f"level{k}": image for k, image in enumerate(seen.levels)}
     lit = {name: json_numbers(value) for name, value in water_glsl.sky_uniforms(seen).items()}
@@ -207,7 +207,7 @@ def sky_packet() -> bytes:
 
 
 def shared_exponent(image: np.ndarray) -> np.ndarray:
-    """(rows, columns) uint32 in RGB9_E5 of OpenGL: three 9-bit mantissas and a 5-bit exponent."""
+    """Pixels (rows, columns), uint32, of an RGB image in OpenGL's RGB9_E5: three 9-bit mantissas, a 5-bit exponent."""
     colours = np.clip(image, 0.0, 65000.0)
     largest = colours.max(axis=-1)
     exponent = np.clip(np.ceil(np.log2(np.maximum(largest, 2.0**-16))), -15, 16)
@@ -218,24 +218,24 @@ def shared_exponent(image: np.ndarray) -> np.ndarray:
 
 
 def spacing_of(places: np.ndarray) -> float:
-    """Distance of points along a line [m]; 0 of a single one."""
+    """Spacing [m] of evenly spaced coordinates [m]; 0 for a single one."""
     return float(places[1] - places[0]) if len(places) > 1 else 0.0
 
 
 def json_numbers(value: Any) -> Any:
-    """Numbers as nested lists for JSON, with seven significant digits."""
+    """Nested lists, for JSON, of an array's numbers with seven significant digits."""
     array = np.asarray(value, dtype=float)
     return [json_numbers(part) for part in array] if array.ndim else float(f"{float(array):.7g}")
 
 
 @cache
 def page_file(name: str) -> str:
-    """Text of a file of the page."""
+    """Text of a file of the page in the folder static."""
     return (STATIC_FOLDER / name).read_text(encoding="utf-8")
 
 
 def page_document(title: str, start: dict[str, Any], data: dict[str, bytes] | None = None) -> bytes:
-    """The document. `start`: constants of its programs; `data`: packets that it holds, by name."""
+    """HTML document of the page. `start`: constants of its programs; `data`: packets that it contains, by name."""
     held = "".join(
         f'<script type="application/octet-stream" id="{name}">{base64.b64encode(content).decode()}</script>\n'
         for name, content in (data or {}).items()

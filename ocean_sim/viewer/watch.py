@@ -1,4 +1,4 @@
-"""Live frames of a simulation for the watchers of a page; an observer that only reads."""
+"""Live frames of a simulation for open pages, made by an observer that only reads."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -34,8 +34,8 @@ STAGE_NAMES = ("wind", "fluid", "surface", "ship", "observers")
 
 
 class Watch(Observer, TakesMotion):
-    """Shows the pages of a server the newest state, at most MAX_FRAME_RATE times a second of wall time, and only if one
-    waits."""
+    """Observer that sends a server's pages the newest state, at most MAX_FRAME_RATE times a second of wall time, and
+    none while no page is open."""
 
     at_once = True
 
@@ -71,7 +71,7 @@ class Watch(Observer, TakesMotion):
         server.begin(self.setting.packet())
 
     def measure_stages(self, simulation: Simulation) -> None:
-        """Measure the wall time of stages, inside of any measurement that goes on."""
+        """Measure the wall time of each stage of a step, in addition to any measurement already there."""
         inner, taken = simulation.stage, self.stage_times
 
         @contextmanager
@@ -94,14 +94,14 @@ class Watch(Observer, TakesMotion):
             self.show(now)
 
     def show(self, now: float) -> None:
-        """Make a frame of the present state."""
+        """Send a frame of the present state; `now`: wall time [s]."""
         self.last = now
         self.update_pace(now)
         self.server.show(self.frame())
         self.seq += 1
 
     def update_pace(self, now: float) -> None:
-        """Real-time factor and wall time of each stage since the last frame."""
+        """Update the real-time factor and the wall time of each stage since the last frame; `now`: wall time [s]."""
         wall, time, steps = self.mark
         done = self.simulation.steps - steps
         if done:
@@ -111,7 +111,7 @@ class Watch(Observer, TakesMotion):
         self.mark = (now, self.simulation.time, self.simulation.steps)
 
     def frame(self) -> bytes:
-        """The packet `frame` of the present moment."""
+        """Packet of kind `frame`, the present state of the simulation."""
         simulation = self.simulation
         arrays: dict[str, np.ndarray] = {}
         boxes: dict[str, Any] = {}
@@ -151,18 +151,18 @@ class Watch(Observer, TakesMotion):
 
     @property
     def is_rare_frame(self) -> bool:
-        """True if this frame holds arrays that most frames lack."""
+        """True if the next frame holds the arrays that most frames omit."""
         return self.seq % RARE_FRAME_INTERVAL == 0 or self.server.fresh
 
     def origin(self) -> np.ndarray:
-        """(2,) x and z of the middle of the heights [m]: whole cells near the ships on water without bounds."""
+        """Middle x, z (2,) [m] of the heights: whole cells near the ships where the water has no bounds, else 0."""
         ships = self.simulation.ships.values()
         if not (self.follows and ships):
             return np.zeros(2)
         return middle_cell(ships, np.array([places[1] - places[0] for places in (self.setting.x, self.setting.z)]))
 
     def particle_arrays(self, particles: "Particles") -> dict[str, np.ndarray]:
-        """Positions in the box and speeds, in the order of ids, since storage order changes."""
+        """Positions in the box and speeds of the shown particles, as integers, sorted by id: storage order changes."""
         rows = particles.in_box(self.middle, self.scale, FULL_SCALE, particle_stride(particles.n))
         places, speed = rows[:, :3].astype(np.int16), rows[:, 3]
         if self.is_rare_frame and len(speed):
@@ -172,7 +172,7 @@ class Watch(Observer, TakesMotion):
         return {"particles": places, "speed": pace}
 
     def plotted_numbers(self, heights: np.ndarray) -> list[float]:
-        """The numbers that are plotted, in the order of the still's `scalars`."""
+        """Present plotted numbers, in the order of the static part's `scalars`; `heights` (n,): of the water [m]."""
         simulation = self.simulation
         values = [*(simulation.fluid.elevations(self.gauges) if len(self.gauges) else [])]
         rise = heights - heights.mean()
@@ -191,7 +191,7 @@ class Watch(Observer, TakesMotion):
 
 
 def setting_of(simulation: Simulation) -> Setting:
-    """Static part of a simulation."""
+    """Static part of a simulation, for its pages."""
     scene, basin, fluid = simulation.scene, simulation.basin, simulation.fluid
     grid = grid_arrays(simulation, *height_grid(basin, fluid.spacing))
     surface = not basin.closed and (fluid.particles is None or fluid.sound_speed > 0.0)
@@ -208,19 +208,19 @@ def setting_of(simulation: Simulation) -> Setting:
 
 
 def particle_stride(n: int) -> int:
-    """Number of particles of which one is shown."""
+    """Stride with which n particles are thinned for a page."""
     return max(1, -(-n // MAX_PARTICLES))
 
 
 def height_grid(basin: "Basin", spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """x and z [m] of the heights that are shown: half a cell from every side, at most MAX_CELLS along each."""
+    """Coordinates x and z [m] of the heights shown: half a cell from every side, at most MAX_CELLS along each."""
     sides = ((float(basin.lower[k]), float(basin.upper[k])) for k in (0, 2))
     x, z = (middles(low, high, max(spacing, (high - low) / MAX_CELLS)) for low, high in sides)
     return x, np.zeros(1) if basin.dimension == 2 else z
 
 
 def plotted_rows(gauges: Any, ships: list[str], platform: bool, particles: bool) -> list[dict[str, str]]:
-    """Name, label, unit and group of the plotted numbers of water, ships and platform."""
+    """Rows with name, label, unit and group of the plotted numbers of gauges, ships, motion platform and particles."""
 
     def row(name: str, label: str, unit: str, group: str) -> dict[str, str]:
         return {"name": name, "label": label, "unit": unit, "group": group}

@@ -17,7 +17,7 @@ from ocean_sim.pictures.frame_files import frame_files
 
 
 class NothingToExport(Failed):
-    """The run kept nothing of this kind; the message names the observer or option to switch on."""
+    """The run kept nothing of the kind asked for; the message names the observer or option to switch on."""
 
 
 def export_run(
@@ -31,8 +31,8 @@ def export_run(
     z_up: bool = False,
 ) -> list[Path]:
     """Write `particles` (vtkhdf, ply), `surface` (ply, vtp, vtkhdf) and, in one file, `scene` (usd: all that was drawn;
-    glb: water and ships) of every `every`-th frame into `out`; returns the files. Ships go with a surface, a mesh each
-    where she was. `z_up`: with z up in place of y."""
+    glb: water and ships) of every `every`-th frame into `out`; returns the files. With a surface, each ship is a mesh
+    at her pose. `z_up`: True to write axes with z up, not y."""
     frames = frame_files(folder)[::every]
     if not frames:
         raise NothingToExport(f"{folder} has no frames; run with the observer `frames`")
@@ -61,7 +61,7 @@ def export_shots(frames: list[Path], grid: dict[str, np.ndarray], z_up: bool) ->
 def export_particles(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """Points with `velocity`, `id` and `pressure`: one file with all moments (vtkhdf), or one a moment (ply)."""
+    """Write particles with `velocity`, `id` and `pressure` to one file (vtkhdf) or one a frame (ply); returns them."""
     if "position" not in read_npz(frames[0]):
         raise NothingToExport("these frames hold no particles; run with frames.particles: true")
     kept = ((shot.time, shot.particles["position"], shot.particles) for shot in export_shots(frames, grid, z_up))
@@ -84,9 +84,8 @@ def without_key(fields: dict[str, np.ndarray], name: str) -> dict[str, np.ndarra
 def export_surface(
     frames: list[Path], grid: dict[str, np.ndarray], kind: str, out: Path, z_up: bool = False
 ) -> list[Path]:
-    """The scene's surface, or the heights that its particles have, with foam and velocity: surface_00000 and so on, for
-    ParaView with a list of their times (`vtp`) or all in one file (`vtkhdf`); every ship where she is; and once the
-    boxes that stand in the water."""
+    """Write the water's surface with foam and velocity, every ship at her pose, gates, and fixed obstacles once;
+    returns the files: surface_00000 and so on, for ParaView with a list of their times (`vtp`), or one (`vtkhdf`)."""
     files: dict[str, list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]] = {"surface": []}
     drawn = {key: model.mesh for key, model in scene_file.ship_models(grid).items()}
     for shot in export_shots(frames, grid, z_up):
@@ -114,14 +113,14 @@ def export_surface(
 
 
 def display_colours(linear: np.ndarray) -> np.ndarray:
-    """Linear RGB as a screen shows it, 0 to 1."""
+    """Display values, 0 to 1, of linear RGB."""
     return np.clip(linear, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def save_moments(
     out: Path, name: str, kind: str, moments: list[tuple[float, np.ndarray, np.ndarray, dict[str, np.ndarray]]]
 ) -> list[Path]:
-    """A mesh at several times [s] in files of a kind."""
+    """Write a mesh at several times [s] to files of this kind; returns them."""
     if kind == "vtkhdf":
         path = out / f"{name}.vtkhdf"
         with atomic_write(path) as draft, Series(draft, "Polygons") as series:
@@ -142,7 +141,7 @@ def save_moments(
 
 
 def save_mesh(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """One mesh, or points alone, with fields of the points."""
+    """Write one mesh, or points alone, with fields at the points; returns the path."""
     if path.suffix == ".ply":
         return save_ply(path, points, faces, fields)
     import pyvista

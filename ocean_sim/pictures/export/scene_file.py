@@ -1,5 +1,5 @@
-"""Everything that was drawn of a run in one file, for Blender, Houdini, Unreal and browsers: the water, its foam and
-velocity, ships and where they are, particles."""
+"""Everything drawn of a run in one file (USD, glTF), for Blender, Houdini, Unreal and browsers: water with foam and
+velocity, moving ships, particles."""
 
 from collections.abc import Iterator
 from errno import EIO
@@ -35,14 +35,14 @@ Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from ou
 
 
 class UsdMissing(Lacking):
-    """The reader and writer of USD is not installed."""
+    """The package usd-core, which writes USD, is not installed."""
 
     def __init__(self) -> None:
         super().__init__("USD files need the package usd-core: pip install 'ocean-sim[usd]'")
 
 
 class ExportShot(NamedTuple):
-    """Exported contents of a frame."""
+    """Contents of one frame for a file: water, ships, particles and gates."""
 
     time: float  # [s]
     points: np.ndarray  # (n, 3) of the surface of the water [m]
@@ -54,8 +54,8 @@ class ExportShot(NamedTuple):
 
 
 def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> ExportShot:
-    """Read the contents of a frame: the surface of a scene that has one, else the heights of the water; at sea with
-    wakes, waves of ships and the white along their hulls as pictures show them."""
+    """Read the contents of a frame. The water is the scene's surface mesh if it has one, else a mesh of the heights. At
+    sea it has the wakes, bow waves and foam along hulls that pictures show."""
     data = read_npz(frame)
     raised = np.zeros(data["elevation"].shape)
     if "foam" in data and len(grid["z"]) > 1:
@@ -96,7 +96,7 @@ def read_shot(frame: Path, grid: dict[str, np.ndarray], wakes: RunWakes) -> Expo
 
 
 def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """(n, 3) values at points (n, 3) of a surface: of the particles nearest to each, the nearer the more."""
+    """Values (n, 3) at points (n, 3) [m] of a surface: distance-weighted means over the nearest particles."""
     from scipy.spatial import cKDTree
 
     away, who = cKDTree(particles).query(points, k=min(NEAREST_PARTICLES, len(particles)))
@@ -106,7 +106,7 @@ def values_beside(points: np.ndarray, particles: np.ndarray, values: np.ndarray)
 
 
 def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(n, 3) normals of a surface at its points: those of its triangles, by their areas."""
+    """Unit normals (n, 3) of a surface at its points: means over the triangles around each, weighted by area."""
     a, b, c = (points[faces[:, k]].astype(float) for k in range(3))
     across = np.cross(b - a, c - a)
     sums = np.stack([np.bincount(faces.ravel(), np.repeat(across[:, k], 3), len(points)) for k in range(3)], axis=1)
@@ -114,25 +114,25 @@ def surface_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def ship_models(grid: dict[str, np.ndarray]) -> dict[str, ShipModel]:
-    """Ships as they are drawn, by key."""
+    """Drawn models of all ships, by key."""
     return {key: kept_model(grid, key) for key in ship_keys(grid, "_look")}
 
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3) by their lower and upper corners [m]."""
+    """Corners (n, 3) [m] and triangles (m, 3) of boxes (k, 2, 3), given by their lower and upper corners [m]."""
     points = [[box[i, 0], box[j, 1], box[k, 2]] for box in boxes for i, j, k in product((0, 1), repeat=3)]
     faces = [BOX_TRIANGLES + 8 * n for n in range(len(boxes))]
     return np.array(points, np.float32).reshape(-1, 3), np.array(faces, int).reshape(-1, 3)
 
 
 def file_name(key: str) -> str:
-    """A ship's key as a name in a file."""
+    """Name of a ship's object in a file: her key with underscores for everything but letters and digits."""
     return "".join(letter if letter.isalnum() else "_" for letter in key)
 
 
 def frame_rate(first: float, last: float, count: int, every: float) -> float:
-    """Pictures a second of so many frames from a first to a last time [s]; a run kept one `every` so many seconds, at
-    the first step then, of which each n-th is here."""
+    """Frames a second of a film of `count` frames from a first to a last time [s], for a run that kept one `every` so
+    many seconds, of which each n-th is in the film."""
     if count < 2:
         return 24.0
     apart = (last - first) / (count - 1)
@@ -140,8 +140,8 @@ def frame_rate(first: float, last: float, count: int, every: float) -> float:
 
 
 def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up: bool) -> Path:
-    """USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship, /sea/particles;
-    metres, frames a second as kept. Raises UsdMissing."""
+    """Write USD with time samples (usdc): /sea/water, /sea/obstacles, /sea/gates, /sea/NAME of each ship,
+    /sea/particles; in metres, at the run's frame rate. Raises UsdMissing."""
     try:
         from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
     except ImportError:
@@ -232,15 +232,15 @@ def export_usd(frames: list[Path], grid: dict[str, np.ndarray], path: Path, z_up
 
 
 def set_triangles(mesh: Any, corners: np.ndarray, vt: ModuleType, *at: Any) -> None:
-    """The triangles of a mesh, at a time or always."""
+    """Set the triangles of a USD mesh from vertex numbers (3 m,), at a time code if one is given, else for good."""
     mesh.CreateFaceVertexCountsAttr().Set(vt.IntArray.FromNumpy(np.full(len(corners) // 3, 3, np.int32)), *at)
     mesh.CreateFaceVertexIndicesAttr().Set(vt.IntArray.FromNumpy(corners), *at)
     mesh.CreateSubdivisionSchemeAttr("none")
 
 
 def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> Path:
-    """Binary glTF: water that changes shape, white where it foams in the first frame, or, where its triangles change, a
-    mesh a moment, of which one is seen; obstacles; ships that move."""
+    """Write binary glTF: water, obstacles and moving ships. The water is one mesh that changes shape, coloured by the
+    foam of the first frame, or, if its triangles change, a mesh for each frame, one visible at a time."""
     from scipy.spatial.transform import Rotation
 
     wakes = RunWakes(frame_files(frames[0].parent.parent), grid)
@@ -274,18 +274,18 @@ def export_glb(frames: list[Path], grid: dict[str, np.ndarray], path: Path) -> P
 
 
 def water_colours(kept: ExportShot) -> np.ndarray:
-    """(n, 3) linear RGB of water."""
+    """Linear RGB (n, 3) of the water of a frame at its points, whiter with more foam."""
     return WATER_COLOUR + kept.fields.get("foam", np.zeros(len(kept.points)))[:, None] * (FOAM_COLOUR - WATER_COLOUR)
 
 
 def continuous_quaternions(quaternions: np.ndarray) -> np.ndarray:
-    """(k, 4), each turned to the side of the one before, so that between them no ship spins."""
+    """Quaternions (k, 4) with signs that keep each near the one before, so that interpolation does not spin a ship."""
     signs = np.cumprod([1.0, *np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)])
     return quaternions * signs[:, None]
 
 
 def upright_shots(meshes: Iterator[ExportShot], z_up: bool) -> Iterator[ExportShot]:
-    """Shots in axes with z up, or as they are."""
+    """Yield the shots in axes with z up if `z_up`, else unchanged."""
     for kept in meshes:
         if not z_up:
             yield kept

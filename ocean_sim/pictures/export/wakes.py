@@ -1,5 +1,4 @@
-"""Water around ships as pictures show it, for files: wakes, waves of the ships' own, and the white along their
-hulls."""
+"""Water around ships as pictures show it, for exported files: wakes, the ships' own waves, and foam along hulls."""
 
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from ocean_sim.pictures.water.waterline import Hull, WettedHull
 
 
 class RunWakes:
-    """Wakes of all ships of a run at sea, at the points of its frames."""
+    """Wakes of all ships of a run at sea, at the points of the heights that its frames keep; none in a tank."""
 
     def __init__(self, files: list[Path], grid: dict[str, np.ndarray]) -> None:
         """`files`: all frames of the run."""
@@ -26,7 +25,7 @@ class RunWakes:
         self.answers = "sea_answers" in grid  # the water of the run knows of its ships
 
     def shown(self, frame: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (nx, nz) [m] of a frame and its shares of foam, as pictures show them around ships."""
+        """Heights (nx, nz) [m] and shares of foam of a frame, with the ships' waves and foam that pictures show."""
         height, white = frame["elevation"].astype(float), frame["foam"].astype(float)
         if not self.vessels:
             return height, white
@@ -47,16 +46,16 @@ class RunWakes:
         return height, white
 
     def sides(self, k: int) -> tuple[float, float]:
-        """First and last place of the basin along x or z [m]."""
+        """Least and greatest coordinate [m] of the basin along x (k = 0) or z (k = 1)."""
         return float(self.grid["lower"][2 * k]), float(self.grid["upper"][2 * k])
 
     def places(self, at: np.ndarray, origin: np.ndarray) -> np.ndarray:
-        """(2, n) from side to side of the basin around an origin, 0 to 1, of places x, z (n, 2) [m]."""
+        """Positions (2, n) in the basin around an origin, 0 to 1 from side to side, of places x, z (n, 2) [m]."""
         low, high = np.transpose([self.sides(k) for k in range(2)])
         return ((at - origin - low) / (high - low)).T
 
     def wetted_hull(self, frame: dict[str, np.ndarray], height: np.ndarray, origin: np.ndarray) -> list[WettedHull]:
-        """The ships of a frame that meet water of heights (nx, nz) around an origin x, z [m]."""
+        """Hulls of a frame that meet water of heights (nx, nz) [m] around an origin x, z [m]."""
         time = float(frame["time"])
         ships = [
             hull.wetted_hull(
@@ -70,8 +69,8 @@ class RunWakes:
         return [ship for ship in ships if ship.wet]
 
     def behind(self, time: float, points: np.ndarray, answer: np.ndarray | None) -> np.ndarray:
-        """Additional height (nx, nz) [m] of the water in pictures over that of the run, but for waves at bows, at
-        points x, z (nx nz, 2) [m]; `answer`: response of the water to its ships [m]."""
+        """Height (nx, nz) [m] that pictures add to the water of the run, except bow waves, at points x, z (nx nz, 2)
+        [m]; `answer`: response of the water to its ships [m]."""
         shape = len(self.x), len(self.z)
         more = np.zeros(shape)
         if answer is not None:
@@ -93,7 +92,7 @@ def shows_sea(files: list[Path], depth: float) -> bool:
 
 
 def read_cells(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(n, ...) of values (nx, nz, ...) in the middles of cells, linear between these, at places (2, n) from 0 to 1."""
+    """Values (n, ...) at places (2, n), 0 to 1 across a grid (nx, nz, ...), interpolated between cell middles."""
     from scipy.ndimage import map_coordinates
 
     cells = at * np.array(values.shape[:2])[:, None] - 0.5

@@ -1,4 +1,4 @@
-"""State of a preview that a person sets: pause, camera, content, wind and helm; it knows no window."""
+"""State of a preview that the user sets: pause, camera, content, wind and helm. It does not depend on a window."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -78,7 +78,7 @@ class Panel:
             self.do(KEY_ACTIONS[key])
 
     def do(self, action: str) -> None:
-        """Do an action of KEY_ACTIONS."""
+        """Do one of the actions in KEY_ACTIONS: change a setting, or request it for the next picture."""
         if action == "pause":
             self.paused = not self.paused
         elif action == "quit":
@@ -100,8 +100,7 @@ class Panel:
             self.requests.append(action)
 
     def hold(self, keys: set[str], seconds: float) -> None:
-        """Turn wheel and throttle by keys held for some seconds; the first touch takes the helm from the scene's
-        controls."""
+        """Turn wheel and throttle by keys held for some seconds; the first touch requests the helm from the scene."""
         pedal, wheel = (sum(HELM_KEYS[key][k] for key in keys if key in HELM_KEYS) for k in range(2))
         if not pedal and not wheel:
             return
@@ -112,23 +111,23 @@ class Panel:
             self.requests.append("helm")
 
     def orbit(self, right: float, up: float) -> None:
-        """Turn the eye as the mouse was dragged, in shares of the picture."""
+        """Turn the eye around its target by a drag of the mouse, in shares of the picture."""
         self.azimuth -= 3.0 * right
         self.height = min(max(self.height - 2.0 * up, MIN_EYE_HEIGHT), MAX_EYE_HEIGHT)
 
     def zoom(self, factor: float) -> None:
-        """Multiply the distance of the eye."""
+        """Multiply the distance of the eye by a factor, within bounds."""
         self.distance = min(max(self.distance * factor, MIN_EYE_DISTANCE), MAX_EYE_DISTANCE)
 
     def take(self, action: str) -> bool:
-        """True if an action was requested; the request is then done with."""
+        """True if an action was requested; removes the request."""
         if action not in self.requests:
             return False
         self.requests.remove(action)
         return True
 
     def text(self, simulation: LiveSimulation, fastest: float | None, pace: float | None) -> str:
-        """Text of the panel; `fastest`: speed of the last colour [m/s], `pace`: simulated over wall time."""
+        """Text of the panel; `fastest`: speed [m/s] of the last colour; `pace`: simulated over wall time."""
         state = "paused" if self.paused else "" if pace is None else f"{pace:.2g} x real time"
         water = simulation.fluid.particles
         lines = [
@@ -149,5 +148,5 @@ class Panel:
 
 
 def next_name(name: str, names: Sequence[str]) -> str:
-    """The name after `name`, round and round; the first if `name` is none of them."""
+    """Name after `name` in a cycle through `names`; the first if `name` is not among them."""
     return names[(names.index(name) + 1) % len(names)] if name in names else names[0]

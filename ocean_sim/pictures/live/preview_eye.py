@@ -1,4 +1,4 @@
-"""Eye of the preview: around the ship or the basin, at the helm, above, at the side."""
+"""Camera of the preview: around the ship or the basin, at the helm, above, at the side."""
 
 from math import cos, radians, sin, tan
 
@@ -26,8 +26,8 @@ def preview_camera(
     ship: Ship | None,
     length: float,
 ) -> Camera:
-    """Camera of panel.CAMERA_NAMES on a box, its lowest and highest corner [m], in a picture `aspect` times as wide as
-    high whose left share `covered` a panel hides.
+    """Camera of a name in panel.CAMERA_NAMES that sees a box, given by its lower and upper corner [m], in a picture
+    `aspect` times as wide as high whose left share `covered` a panel hides.
 
     `azimuth`, `height` [rad] and `distance` of the eye as in Panel; `length` of the ship [m], 0 if none is drawn.
     """
@@ -57,7 +57,7 @@ def preview_camera(
 
 
 def helm_camera(ship: Ship, length: float) -> Camera:
-    """Camera at the point named helm, else above the middle of the ship, that looks at the bow and a little down."""
+    """Camera at the ship's point named helm, or else above her middle, that looks at the bow and a little down."""
     body, turn = ship.body, ship.body.matrix
     helm = ship.points.get("helm", np.array([0.0, 0.25 * (length or 4.0), 0.0]))
     forward = turn @ unit_vector(np.array([0.0, -0.12, 1.0]))

@@ -1,4 +1,4 @@
-"""Arrays of a preview: water, ships and particles; no window is needed for them."""
+"""Arrays of a preview: water, ships and particles, without a window."""
 
 from typing import NamedTuple
 
@@ -39,7 +39,7 @@ class Balls(NamedTuple):
 
 
 class PreviewScene:
-    """Arrays of one simulation; fixed ones are computed once."""
+    """Arrays to draw of one simulation; those that do not change are computed once."""
 
     def __init__(self, simulation: LiveSimulation) -> None:
         self.simulation = simulation
@@ -57,7 +57,7 @@ class PreviewScene:
         self.fastest = MIN_FASTEST_SPEED
 
     def ship_model(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> ShipModel:
-        """The painted model of a ship on her hull."""
+        """Painted model of a ship on her hull of vertices (n, 3) [m] and triangles (m, 3)."""
         ship, scene = self.simulation.ships[name], self.simulation.scene
         look = scene.ships[name].look(scene.preflight)
         look_name, submerged = ("", 0.5) if look is None else (look.name, look.submerged)
@@ -65,30 +65,30 @@ class PreviewScene:
 
     @property
     def contents(self) -> tuple[str, ...]:
-        """Available ones of surface, particles and both."""
+        """Available contents, out of surface, particles and both."""
         particles = self.simulation.fluid.particles is not None
         shown = {"surface": self.has_surface, "particles": particles, "both": self.has_surface and particles}
         return tuple(name for name, available in shown.items() if available)
 
     @property
     def cameras(self) -> tuple[str, ...]:
-        """Available cameras: a helm needs a ship, a slice is seen from the side."""
+        """Names of the available cameras: a helm needs a ship, a slice is seen from the side."""
         helm = ("helm",) if self.simulation.ships else ()
         return ("side",) if self.flat else ("third_person", *helm, "top", "side")
 
     @property
     def box(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest corner [m] of the water and some air above it."""
+        """Lower and upper corner [m] of the water and some air above it."""
         top = box_top(self.simulation, max(self.lengths.values(), default=0.0))
         return self.lower, np.array([self.upper[0], top, self.upper[2]])
 
     def surface_heights(self) -> np.ndarray:
-        """Heights of the surface at points all over the basin [m]; none without a surface."""
+        """Heights (n,) [m] of the surface at points all over the basin; empty without a surface."""
         shown = self.simulation.surface or self.simulation.fluid
         return shown.elevations(self.points) if self.has_surface else np.zeros(0)
 
     def water_patch(self, heights: np.ndarray, eye: np.ndarray, solid: bool) -> Patch | None:
-        """The surface, coloured for an eye [m]; `solid`: with the cut sides of the water."""
+        """Surface of heights (n,) [m], coloured for an eye [m], or None; `solid`: with the cut sides of the water."""
         if not self.has_surface:
             return None
         if self.sheet is None:
@@ -105,7 +105,7 @@ class PreviewScene:
         )
 
     def folded_patch(self, heights: np.ndarray, eye: np.ndarray) -> Patch | None:
-        """A closed surface; triangles that face sideways or down are as dark as the cut side of the water."""
+        """Closed surface, which may fold over, or None if empty; parts that do not face up are dark as cut sides."""
         surface = self.simulation.surface
         assert surface is not None  # only a surface folds
         mesh = surface.mesh()
@@ -120,13 +120,13 @@ class PreviewScene:
     def surface_colours(
         self, points: np.ndarray, normals: np.ndarray, heights: np.ndarray, eye: np.ndarray
     ) -> np.ndarray:
-        """Display RGB (n, 3) of points of the surface."""
+        """Display RGB (n, 3), 0 to 1, of points (n, 3) [m] of the surface."""
         crest = max(2.5 * float(np.std(heights)), 0.02 * self.simulation.basin.depth)
         height = np.clip(points[:, 1] / crest, -1.0, 1.0)
         return water_shading.display_colours(water_shading.surface_light(points, normals, height, eye)) / 255.0
 
     def ship_patch(self) -> Patch | None:
-        """All ships at their present poses, in the light of sun and sky; None without any."""
+        """All ships at their present poses, in the light of sun and sky; None without ships."""
         points, colours = [], []
         for name, model in self.models.items():
             body, mesh = self.simulation.ships[name].body, model.mesh
@@ -141,7 +141,7 @@ class PreviewScene:
         return Patch(vertices, np.arange(len(vertices)).reshape(-1, 3), np.concatenate(colours) / 255.0)
 
     def particle_balls(self, small: bool) -> Balls | None:
-        """Particles coloured by speed, `small` under a net; the colour scale grows with the fastest, never shrinks."""
+        """Particles coloured by speed, or None; `small`: at half size. The top of the colour scale only grows."""
         particles = self.simulation.fluid.particles
         if particles is None:
             return None
@@ -156,7 +156,7 @@ class PreviewScene:
 
 
 def speed_colours(share: np.ndarray) -> np.ndarray:
-    """Display RGB (n, 3) of speeds (n,) over the highest."""
+    """Display RGB (n, 3) of speeds (n,), given as shares of the highest."""
     at = np.clip(share, 0.0, 1.0) * (len(SPEED_COLOURS) - 1)
     k = np.minimum(at.astype(int), len(SPEED_COLOURS) - 2)
     return SPEED_COLOURS[k] + (SPEED_COLOURS[k + 1] - SPEED_COLOURS[k]) * (at - k)[:, None]

@@ -1,4 +1,4 @@
-"""Lines of a live scene: edges of the water at rest, the wind, and the surface of a slice."""
+"""Lines of a live scene: edges of the still water, the wind, and the surface of a two-dimensional slice."""
 
 from typing import Protocol
 
@@ -19,7 +19,7 @@ BARB_LENGTH, BARB_SPREAD = 0.28, 0.4  # over the length of an arrow, and sideway
 
 
 class LiveSimulation(Protocol):
-    """Parts of a simulation that its pictures and its panel read."""
+    """Interface of a simulation for its pictures and panel."""
 
     scene: Scene
     basin: Basin
@@ -31,7 +31,7 @@ class LiveSimulation(Protocol):
 
 
 def box_top(simulation: LiveSimulation, ship_length: float) -> float:
-    """Height of the drawn air over the still water [m]; `ship_length`: of the longest drawn ship [m]."""
+    """Height [m] of the drawn air over still water; `ship_length`: of the longest drawn ship [m]."""
     return max(0.25 * simulation.basin.depth, 0.3 * ship_length)
 
 
@@ -61,7 +61,7 @@ def scene_lines(simulation: LiveSimulation, top: float) -> tuple[np.ndarray, np.
 def arrow_lines(
     feet: np.ndarray, pushes: np.ndarray, lower: np.ndarray, upper: np.ndarray, height: float
 ) -> np.ndarray:
-    """Shaft and four barbs of every arrow within the basin, at a height over the water [m]."""
+    """Ends (n, 2, 3) [m] of shaft and four barbs of every arrow within the basin, at a height over the water [m]."""
     size = upper - lower
     inside = ((feet > lower) & (feet < upper) | (size <= 0.0))[:, [0, 2]].all(axis=1)
     feet, pushes = feet[inside], ARROW_LENGTH * size.max() * pushes[inside]

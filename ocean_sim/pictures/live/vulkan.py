@@ -1,4 +1,4 @@
-"""Can this machine draw with GGUI? A window that cannot be opened may end its process, so a child process tries."""
+"""Test of whether GGUI can draw here. A window that cannot be opened may end its process, so a child process tries."""
 
 import os
 import subprocess
@@ -27,14 +27,14 @@ SCREEN_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
 class VulkanMissing(Lacking):
-    """GGUI finds no Vulkan; the message names the packages to install."""
+    """This machine has no Vulkan for GGUI; the message names the packages to install."""
 
     def __init__(self) -> None:
         super().__init__(f"this machine has no Vulkan to draw a preview with; install it with `{INSTALL_COMMAND}`")
 
 
 class ScreenMissing(Lacking):
-    """No screen to open a window on; the message names the way to work without one."""
+    """No screen was found to open a window on; the message names the way to work without one."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -44,7 +44,7 @@ class ScreenMissing(Lacking):
 
 
 def draws(show: bool) -> bool:
-    """True if a child process survives drawing, on a screen or without one."""
+    """True if a child process survives drawing: in a window on a screen (`show`), or without one."""
     if show and sys.platform == "linux" and not any(os.environ.get(name) for name in SCREEN_VARIABLES):
         return False
     return _survives(show)
@@ -52,7 +52,7 @@ def draws(show: bool) -> bool:
 
 @cache
 def _survives(show: bool) -> bool:
-    """Result of `draws`, found out once: starting a process takes a second."""
+    """Cached result of `draws`: starting a process takes a second."""
     command = [sys.executable, "-c", PROBE_PROGRAM.format(show=show)]
     try:
         with tempfile.TemporaryDirectory() as away:  # GGUI leaves a file where it works
@@ -65,7 +65,7 @@ def _survives(show: bool) -> bool:
 
 
 def require(show: bool) -> None:
-    """Raise VulkanMissing or ScreenMissing, or Lacking if the compiler of the kernels has no window."""
+    """Raise VulkanMissing or ScreenMissing if no preview can be drawn, Lacking if the kernel library has no window."""
     if kernel_library.LIBRARY_NAME != kernel_library.TAICHI:
         raise Lacking(
             f"a preview is drawn in a window of Taichi's, and {kernel_library.LIBRARY_NAME} has none; unset "

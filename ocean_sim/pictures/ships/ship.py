@@ -1,4 +1,4 @@
-"""A ship in a picture."""
+"""Ships in a picture, and their mirror image in the water."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ MIRROR_NEAR = 0.1  # [m] before the mirrored eye
 
 
 class DrawnShip:
-    """A model in the light of sun and sky, moved from frame to frame."""
+    """A ship coloured at its corners in the light of sun and sky, moved from frame to frame."""
 
     def __init__(self, stage: Stage, model: ShipModel) -> None:
         mesh = model.mesh
@@ -28,8 +28,7 @@ class DrawnShip:
         stage.plotter.add_mesh(self.shape, scalars="colour", rgb=True, lighting=False, smooth_shading=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship to a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye
-        [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
         self.shape.points = (self.corners @ turn.T + position).astype(np.float32)
         self.shape["colour"] = water_shading.display_colours(
             painted_light(self.normals @ turn.T, self.paint, self.gloss)
@@ -37,10 +36,10 @@ class DrawnShip:
 
 
 class ShadedShip:
-    """A model in the light of a sea's sun and sky, pixel by pixel."""
+    """A ship shaded at each pixel in the light of a sea's sun and sky."""
 
     def __init__(self, stage: Stage, model: ShipModel, sky: Sky, above: dict[str, Any]) -> None:
-        """`above`: the textures of the sky."""
+        """`above`: textures of the sky, by their sampler names."""
         mesh = model.mesh
         self.sky, self.corners, self.normals = sky, mesh.corners.reshape(-1, 3), mesh.normals.reshape(-1, 3)
         shape = stage.pyvista.PolyData.from_regular_faces(
@@ -60,8 +59,7 @@ class ShadedShip:
         stage.plotter.add_actor(self.shaded.actor, reset_camera=False, render=False)
 
     def show(self, position: np.ndarray, turn: np.ndarray, eye: np.ndarray) -> None:
-        """Move the ship to a position of its centre of mass [m], turned by a matrix from body to world axes, for an eye
-        [m]."""
+        """Move the ship's centre of mass to a position (3,) [m]; `turn`: matrix (3, 3) from body to world axes."""
         mesh = self.shaded.mesh
         mesh.points = (self.corners @ turn.T + position).astype(np.float32)
         mesh.point_data["nrm"] = (self.normals @ turn.T).astype(np.float32)
@@ -72,10 +70,10 @@ class ShadedShip:
 
 
 class Mirror:
-    """Ships as the water mirrors them: a second plotter, its eye mirrored below the water, their wet parts cut off."""
+    """Mirror image of the ships in the water: a second plotter with a mirrored eye, which cuts off submerged parts."""
 
     def __init__(self, stage: Stage, ships: list[water_glsl.Shaded], image: Any) -> None:
-        """`image`: the texture that the mirror's picture goes to."""
+        """`ships`: actors to mirror; `image`: texture that receives the mirror image."""
         from vtkmodules.vtkCommonDataModel import vtkPlane
 
         width, height = stage.size
@@ -91,7 +89,7 @@ class Mirror:
             self.plotter.add_actor(twin, reset_camera=False, render=False)
 
     def show(self, level: float) -> np.ndarray:
-        """Draw the ships mirrored at a level [m]; returns the matrix (4, 4) from the world to the mirror's picture."""
+        """Draw the ships mirrored at a water level [m]; returns the matrix (4, 4) from the world to that image."""
         eye, forward, up = self.stage.camera[:3]
         flip = np.array([1.0, -1.0, 1.0])
         camera, above = self.plotter.camera, self.stage.plotter.camera

@@ -1,5 +1,5 @@
-"""Paint and panes of a ship in the sun and under the sky, pixel by pixel: diffuse light, the shadow that she casts on
-herself, a mirrored sky, the sun's highlight and the air between her and the eye. Colours as in `sky.painted_light`."""
+"""Shaders of a ship's paint and panes in sun and sky: diffuse light, the shadow that she casts on herself, a mirrored
+sky, the sun's highlight, and haze between her and the eye. Colours are as in `sky.painted_light`."""
 
 import numpy as np
 
@@ -71,7 +71,7 @@ SHIP_PROGRAM = f"""
 
 
 def shadow_program(k: int) -> str:
-    """The program of the water for the shadow that ship k casts on it; the maps of all lie one over another."""
+    """GLSL program of the shadow of ship k on the water; the shadow maps of all ships are stacked in one texture."""
     return f"""
   vec3 off{k} = posW - shadeAt{k};
   vec2 cast{k} = 0.5 + 0.5 * vec2(dot(off{k}, sunRight), dot(off{k}, sunUp)) / shadeSize{k};
@@ -84,16 +84,16 @@ def shadow_program(k: int) -> str:
 
 
 class ShadowMap:
-    """Map of a ship's own shadow: depths along the sun's direction, from points spread over her surface."""
+    """Shadow map of a ship: depths along the sun's direction of points spread over her surface."""
 
     def __init__(self, corners: np.ndarray, length: float) -> None:
-        """Triangles (m, 3, 3) in her axes [m]."""
+        """`corners`: triangles (m, 3, 3) [m] in body axes; `length`: half the side of the map [m]."""
         self.length = length
         self.points = np.ascontiguousarray(spread_points(corners, 2.0 * length / SHADOW_PIXELS).T, np.float32)  # (3, n)
 
     def map(self, turn: np.ndarray, sun: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Depth (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] along the sun of the lit surface around her position, and the
-        directions of the map's columns and rows; `turn`: from her axes to the world's."""
+        """Depths (SHADOW_PIXELS, SHADOW_PIXELS, 3) [m] of the sunlit surface, towards the sun from the ship's position,
+        in three equal channels; and the directions of the map's columns and rows. `turn`: from body to world axes."""
         from scipy.ndimage import maximum_filter
 
         right = np.cross([0.0, 1.0, 0.0], sun)
@@ -112,8 +112,7 @@ class ShadowMap:
 
 
 def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
-    """(n, 3) points of triangles (m, 3, 3), no farther than a step [m] apart, to their edges: on rows from the longest
-    side of each to the corner before it."""
+    """Points (n, 3) spread over triangles (m, 3, 3) up to their edges, at most a step [m] apart."""
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     longest = sides.argmax(axis=1)
     a, b, c = (np.take_along_axis(corners, ((longest + k) % 3)[:, None, None], 1)[:, 0] for k in range(3))
@@ -130,8 +129,8 @@ def spread_points(corners: np.ndarray, step: float) -> np.ndarray:
 
 
 def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m] of a ship of a length [m]: lowest and
-    highest column and row, over the map's, and the farthest place towards the sun [m] that anything lies in it."""
+    """Lower and upper bound (3,) of the shadow in a map of depths (SHADOW_PIXELS, SHADOW_PIXELS) [m]: column and row in
+    shares of the map; third, 0 and the greatest shaded depth towards the sun [m]. `length`: of the `ShadowMap` [m]."""
     row, column = np.nonzero(depth > UNLIT_DEPTH)
     low, high = (
         np.array([column.min(), row.min()]) - SHADOW_SOFTNESS,
@@ -142,7 +141,7 @@ def shadow_bounds(depth: np.ndarray, length: float) -> tuple[np.ndarray, np.ndar
 
 
 def sky_shares(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(n,) share of the sky that points (n, 3) [m] with normals (n, 3) of a ship see: her own parts hide the rest."""
+    """Share (n,) of the sky that points (n, 3) [m] with normals (n, 3) of a ship see past her own parts."""
     low = corners.min(axis=0) - SKY_CELL
     shape = np.ceil((corners.max(axis=0) - low) / SKY_CELL).astype(int) + 2
     full = np.zeros(shape, dtype=bool)

@@ -1,4 +1,4 @@
-"""Hull of a drawn ship: the triangles of the physical one, painted by their height over the still water."""
+"""Hull of a drawn ship: the triangles of the physical hull, painted by their height over the still water."""
 
 import numpy as np
 
@@ -22,10 +22,10 @@ BULWARK_STATIONS = 49
 
 
 class Hull:
-    """The physical hull in body axes from its centre of mass, and its waterline at rest."""
+    """The physical hull in body axes from its centre of mass, and the plane of the still water at rest."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, share: float) -> None:
-        """`share` of its volume is under water at rest."""
+        """`share`: share of the hull's volume that is under water at rest."""
         self.vertices, self.triangles = vertices, triangles
         self.lower, self.upper = vertices.min(axis=0), vertices.max(axis=0)
         self.breadth, self.depth, self.length = self.upper - self.lower  # [m]
@@ -48,7 +48,7 @@ class Hull:
 
     @property
     def has_deck(self) -> bool:
-        """True if something can stand on it: a deck from end to end, more or less level."""
+        """True if the hull has a deck for a superstructure: from end to end and more or less level."""
         deck = self.values[self.is_deck][:, :, :3].reshape(-1, 3)
         if not len(deck):
             return False
@@ -56,7 +56,7 @@ class Hull:
         return bool(run > MIN_DECK_LENGTH * self.length and rise < MAX_DECK_RISE * self.depth)
 
     def painted(self, antifouling: Triple, boot_top: Triple, topsides: Triple, deck: Triple) -> Mesh:
-        """Antifouling up to a little above the waterline at rest, boot top, topsides; a deck in its own colour."""
+        """Painted hull: antifouling to a little above the still water, boot top, topsides; a deck in its own colour."""
         low, high = (share * self.freeboard for share in BOOT_TOP)
         sides = self.values[~self.is_deck] if self.has_deck else self.values
         bands = [(low, antifouling), (high, boot_top), (np.inf, topsides)]
@@ -64,7 +64,7 @@ class Hull:
         return merge_meshes([hull, flat_mesh(self.values[self.is_deck][:, :, :3], deck)]) if self.has_deck else hull
 
     def deck_edge(self) -> np.ndarray:
-        """(n, 3) the edge of the deck on port from stern to bow [m]."""
+        """Points (n, 3) [m] of the port edge of the deck, from stern to bow."""
         points = self.vertices[np.unique(self.triangles[self.is_deck])]
         stations = []
         for z in np.unique(np.round(points[:, 2], 6)):
@@ -75,10 +75,10 @@ class Hull:
 
 
 class Sheer:
-    """The edge of a deck as functions of the distance along the ship, and the bulwark on it."""
+    """Edge of a deck and its bulwark, as functions of z, the position along the ship [m]."""
 
     def __init__(self, hull: Hull, height: tuple[float, float], rake: float) -> None:
-        """`height` of the bulwark amidships and at the bow [m]; `rake`: how far its top leans forward there [m]."""
+        """`height`: of the bulwark amidships and at the bow [m]; `rake`: forward lean of its top at the bow [m]."""
         from scipy.interpolate import PchipInterpolator
 
         edge = hull.deck_edge()
@@ -88,22 +88,22 @@ class Sheer:
         self.stations = np.unique(np.concatenate([np.linspace(self.stern, self.bow, BULWARK_STATIONS), edge[:, 2]]))
 
     def half_breadth(self, z: float | np.ndarray) -> np.ndarray:
-        """Half the breadth of the deck [m]."""
+        """Half the breadth of the deck [m] at positions z [m]."""
         return np.interp(z, self.edge[:, 2], self.edge[:, 0])
 
     def deck_height(self, z: float | np.ndarray) -> np.ndarray:
-        """Height of the deck at its edge [m], body axes."""
+        """Height of the deck's edge [m] at positions z [m], in body axes."""
         return np.interp(z, self.edge[:, 2], self.edge[:, 1])
 
     def bulwark_height(self, z: np.ndarray) -> np.ndarray:
-        """Height of the bulwark [m]: a parabola towards the bow, a little at the stern."""
+        """Height of the bulwark over the deck [m] at positions z [m]: a parabola to the bow, a little at the stern."""
         s = (z - self.stern) / (self.bow - self.stern)
         forward, aft = np.clip((s - 0.35) / 0.65, 0.0, 1.0), np.clip((0.25 - s) / 0.25, 0.0, 1.0)
         low, high = self.height
         return low + (high - low) * (forward**2 + 0.25 * aft**2)
 
     def bulwark_top(self, z: np.ndarray, inwards: float = 0.0, share: float = 1.0) -> np.ndarray:
-        """(n, 3) line on port at a share of the bulwark's height; never inside of its foot."""
+        """Line (n, 3) [m] along the port bulwark at positions z [m], at a share of its height, moved inwards [m]."""
         s = np.clip((z - self.stern) / (self.bow - self.stern), 0.0, 1.0)
         rise = self.bulwark_height(z)
         round_half = np.maximum(self.smooth(z), self.half_breadth(z)) + 0.06 * rise * np.sin(np.pi * s**2) ** 2
@@ -111,7 +111,7 @@ class Sheer:
         return np.stack([x, self.deck_height(z) + share * rise, z + (share * self.rake - 0.7 * inwards) * s**6], axis=1)
 
     def bulwark(self, colour: Triple, inside: Triple, cap: Triple, thick: float) -> Mesh:
-        """Its skins and its cap on both sides, and across ends that are not sharp."""
+        """Mesh of the bulwark, its walls `thick` [m] apart and its cap, on both sides and across blunt ends."""
         z = self.stations
         foot = np.stack([self.half_breadth(z), self.deck_height(z), z], axis=1)
         top, inner = self.bulwark_top(z), self.bulwark_top(z, thick)
@@ -129,7 +129,7 @@ class Sheer:
         return merge_meshes(parts)
 
     def strake(self, share: float, out: float, radius: float, colour: Triple) -> Mesh:
-        """A round bar along both sides and across the stern, at a share of the bulwark's height, `out` of it [m]."""
+        """Mesh of a round bar along sides and stern, at a share of the bulwark's height and `out` [m] outside it."""
         port = self.bulwark_top(self.stations, share=share) + [out, 0.0, 0.0]
         port[-1] = port[-1] * [0.0, 1.0, 1.0] + [0.0, 0.0, out]
         across = port[[0]] * np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
@@ -137,7 +137,7 @@ class Sheer:
 
 
 def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
-    """A band of quadrilaterals between two lines (n, 3), shaded smoothly along them."""
+    """Strip of quadrilaterals between two lines (n, 3) [m], shaded smoothly along them."""
     n = len(low)
     vertices = np.concatenate([low, high])
     k = np.arange(n - 1)
@@ -149,7 +149,7 @@ def smooth_strip(low: np.ndarray, high: np.ndarray, colour: Triple) -> Mesh:
 
 
 def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
-    """Plane of the still water at rest in body axes: its normal n (3,) and d [m]; n . x + d is the height of x over it.
+    """Plane of the still water at rest in body axes: normal n (3,) and d [m]; n . x + d is the height of x above it.
 
     A `share` of the volume is under water, its centre of buoyancy under the centre of mass, the origin. A hull without
     such a position within 30 degrees is taken as upright, awash at most.
@@ -184,7 +184,7 @@ def rest_plane(corners: np.ndarray, share: float) -> tuple[np.ndarray, float]:
 
 
 def submerged_moments(corners: np.ndarray, up: np.ndarray, level: float) -> np.ndarray:
-    """(4,) volume [m3] and first moments [m4] of the part below n . x + d = 0 of closed triangles (m, 3, 3)."""
+    """Volume [m3] and first moments [m4] (4,) of closed triangles (m, 3, 3), below n . x + d = 0 (`up`, `level`)."""
     apex = -level * up  # on the plane, so that the cut surface adds nothing
     pieces, height = cut_triangles(corners, corners @ up + level, 0.0)
     wet = pieces[height.max(axis=1) <= 1e-12 * max(1.0, float(np.abs(corners).max()))]

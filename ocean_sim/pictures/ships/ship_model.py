@@ -1,4 +1,4 @@
-"""Looks of ships: a yacht, a tug and a barge on hulls of any size, and test bodies in two colours.
+"""Drawn models of ships: a yacht, a tug and a barge on hulls of any size, and test bodies in two colours.
 
 A model stands on the deck of the physical hull and is scaled by its dimensions.
 """
@@ -40,7 +40,7 @@ BODY_PAINTS = "grey", "white", "yellow", "orange"  # of a body without a style: 
 
 
 class ShipModel(NamedTuple):
-    """A ship to be drawn, body axes from its centre of mass."""
+    """Model of a ship to draw, in body axes from its centre of mass."""
 
     mesh: Mesh
     helm: np.ndarray  # (3,) eye of a helmsman [m]
@@ -53,7 +53,7 @@ class ShipModel(NamedTuple):
 
 
 def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
-    """Model of a ship that frames keep under a key; raises RenderFailed."""
+    """Model of the ship with this key, from the arrays that a run keeps once; raises RenderFailed without them."""
     if f"{key}_look" not in grid:
         raise RenderFailed("these frames are of an older version, which kept no ship to draw; run the scene again")
     names = "vertices", "triangles", "submerged", "look", "helm"
@@ -64,7 +64,7 @@ def kept_model(grid: Mapping[str, Any], key: str) -> ShipModel:
 def build_model(
     vertices: np.ndarray, triangles: np.ndarray, submerged: float, look: str, helm: np.ndarray
 ) -> ShipModel:
-    """Model on a hull, the share `submerged` of whose volume is under water at rest.
+    """Model of a ship on a hull with vertices (n, 3) [m]; `submerged`: share of its volume that is under water at rest.
 
     `look`: name of the hull, then its kind of shape; `helm`: a named point, or nothing.
     """
@@ -81,12 +81,12 @@ def build_model(
 
 @cache
 def style_of(name: str) -> dict[str, Any]:
-    """The look of a kind of ship: a file of configs/look/, where the units of its tables stand."""
+    """Style of a kind of ship, read from a file in configs/look/ that gives the units of its tables."""
     return dict(read_mapping(library("configs") / "look" / f"{name}.yaml").plain())
 
 
 def styled_model(hull: Hull, style: dict[str, Any], helm: np.ndarray | None) -> ShipModel:
-    """Hull with bulwark, and the cabins and poles of a style."""
+    """Model of a hull with the bulwark, cabins and poles of a style; `helm`: eye of a helmsman [m] if known."""
     unit = hull.length / style["units"]
     amidships, bow, rake = (unit * length for length in style["bulwark"])
     sheer = Sheer(hull, (amidships, bow), rake)

@@ -1,4 +1,4 @@
-"""Parts of drawn ships: triangles with a colour each, lofted, turned and cut in pure NumPy.
+"""Parts of drawn ships: meshes of triangles with a colour each, lofted, turned and cut in pure NumPy.
 
 Axes of a ship: x to port, y up, z to the bow.
 """
@@ -16,7 +16,7 @@ PANE_LIFT = 0.008  # of a wall's height: distance of its panes from it
 
 
 class Mesh(NamedTuple):
-    """Triangles without shared corners."""
+    """Triangles that share no corners, with normals, colours and gloss."""
 
     corners: np.ndarray  # (m, 3, 3) [m]
     normals: np.ndarray  # (m, 3, 3) unit vectors at the corners
@@ -25,19 +25,19 @@ class Mesh(NamedTuple):
 
 
 def merge_meshes(parts: Iterable[Mesh]) -> Mesh:
-    """All parts as one."""
+    """One mesh of all parts."""
     return Mesh(*(np.concatenate(arrays) for arrays in zip(*parts)))
 
 
 def mirrored_pair(mesh: Mesh) -> Mesh:
-    """A part on port and its mirror image on starboard."""
+    """Mesh of a part on the port side and its mirror image on the starboard side."""
     mirror = np.array([-1.0, 1.0, 1.0])
     other = Mesh((mesh.corners * mirror)[:, ::-1], (mesh.normals * mirror)[:, ::-1], mesh.colour, mesh.gloss)
     return merge_meshes([mesh, other])
 
 
 def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: np.ndarray | None = None) -> Mesh:
-    """Flat triangles (m, 3, 3); with `middle` each is turned to face away from it."""
+    """Mesh of flat triangles (m, 3, 3) of one colour; if the point `middle` is given, all face away from it."""
     corners = np.array(corners, dtype=float).reshape(-1, 3, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if middle is not None:
@@ -51,32 +51,32 @@ def flat_mesh(corners: np.ndarray, colour: Triple, gloss: float = 0.0, middle: n
 
 
 def quad_triangles(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """(2 m, 3, 3) triangles of m quadrilaterals with corners (m, 3) in order."""
+    """Triangles (2 m, 3, 3) of m quadrilaterals with corners (m, 3) in order."""
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
 
 def fan_triangles(outline: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) triangles of a convex polygon (k, 3) around its middle."""
+    """Triangles (k, 3, 3) of a convex polygon (k, 3), around its middle."""
     return np.stack([np.tile(outline.mean(axis=0), (len(outline), 1)), outline, np.roll(outline, -1, axis=0)], axis=1)
 
 
 class Block:
-    """A convex body between two outlines (k, 3) of equal number: a cabin, a funnel, a container."""
+    """Convex body between two outlines (k, 3) of equally many points: a cabin, a funnel, a container."""
 
     def __init__(self, bottom: np.ndarray, top: np.ndarray) -> None:
         self.bottom, self.top = np.array(bottom, dtype=float), np.array(top, dtype=float)
         self.middle = np.concatenate([self.bottom, self.top]).mean(axis=0)
 
     def mesh(self, walls: Triple, lid: Triple) -> Mesh:
-        """Its walls, and its two ends in the colour of the lid."""
+        """Mesh of the block's walls, and of its two ends in the colour `lid`."""
         ahead = [np.roll(outline, -1, axis=0) for outline in (self.bottom, self.top)]
         sides = quad_triangles(self.bottom, ahead[0], ahead[1], self.top)
         ends = np.concatenate([fan_triangles(self.top), fan_triangles(self.bottom)])
         return merge_meshes([flat_mesh(sides, walls, middle=self.middle), flat_mesh(ends, lid, middle=self.middle)])
 
     def panes(self, wall: int, count: int, low: float, high: float, post: float, colour: Triple) -> Mesh:
-        """`count` windows in a row on one wall, between shares `low` and `high` of its height; `post`: the share of the
-        wall between them."""
+        """Mesh of `count` windows in a row on one wall, between shares `low` and `high` of its height; `post`: share of
+        the wall's length between windows."""
         k = (wall + 1) % len(self.bottom)
         a, b, c, d = self.bottom[wall], self.bottom[k], self.top[k], self.top[wall]
         out = np.cross(b - a, d - a)
@@ -94,14 +94,14 @@ class Block:
 
 
 def level_outline(corners: list[list[float]], y: float) -> np.ndarray:
-    """Outline (k, 3) at a height from half breadths and stations, along port and then back along starboard."""
+    """Outline (k, 3) at a height y, along port and back along starboard, from half breadths and positions z."""
     port = np.insert(np.array(corners, dtype=float), 1, y, axis=1)
     starboard = (port * [-1.0, 1.0, 1.0])[::-1]
     return np.concatenate([port, starboard])
 
 
 def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Triple, sides: int = 8) -> Mesh:
-    """A round bar, or a cone, between two points."""
+    """Mesh of a round bar, or a cone, between two points with these radii."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = (b - a) / np.linalg.norm(b - a)
     across = np.cross(along, UPWARD if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
@@ -118,12 +118,12 @@ def tube_mesh(start: Triple, end: Triple, radii: tuple[float, float], colour: Tr
 
 
 def path_mesh(points: np.ndarray, radius: float, colour: Triple) -> Mesh:
-    """Bars from point to point."""
+    """Mesh of round bars along a line of points (n, 3)."""
     return merge_meshes(tube_mesh(a, b, (radius, radius), colour) for a, b in pairwise(points))
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Normals (m, 3, 3) at corners: means over the faces around a vertex that meet in no crease, by their areas."""
+    """Normals (m, 3, 3) at corners: area-weighted means over the faces around a vertex, but not across creases."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     faces = np.cross(b - a, c - a)
     flat = faces / np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)
@@ -139,7 +139,7 @@ def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut triangles (m, 3, k) with heights (m, 3) at their corners where the height is `level`.
+    """Cut triangles (m, 3, k), with heights (m, 3) at their corners, along the height `level`.
 
     Returns (n, 3, k) values and (n, 3) heights of triangles that lie on one side each, interpolated.
     """
@@ -164,7 +164,7 @@ def cut_triangles(values: np.ndarray, height: np.ndarray, level: float) -> tuple
 
 
 def paint_bands(values: np.ndarray, height: np.ndarray, bands: Sequence[tuple[float, Triple]]) -> Mesh:
-    """Paint triangles (m, 3, 6) of points and normals by height (m, 3); they are cut where colours meet.
+    """Mesh of triangles (m, 3, 6) of points and normals, coloured by height (m, 3) and cut where colours meet.
 
     `bands` are (upper limit, colour) from below, the last without limit.
     """

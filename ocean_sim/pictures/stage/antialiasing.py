@@ -1,5 +1,5 @@
-"""Smooth edges of a finished picture, after Lottes' FXAA (2009, NVIDIA): an edge is followed both ways to its ends, and
-a pixel takes of its neighbour across it the share that the edge would cover. Only pixels at edges cost time."""
+"""Smooth edges in a finished picture, after Lottes' FXAA (2009, NVIDIA): each edge is followed both ways to its ends,
+and a pixel is mixed with its neighbour across the edge by the share that the edge would cover."""
 
 import numpy as np
 
@@ -13,14 +13,14 @@ SINGLE_PIXEL_BLUR = 0.6  # of the blur of what is a single pixel wide
 
 
 def sample_means(image: np.ndarray, samples: int) -> np.ndarray:
-    """A picture with so many samples along each side of a pixel as one of their means, 8-bit RGB."""
+    """Picture, 8-bit RGB, as the means of so many samples along each side of a pixel."""
     from PIL import Image
 
     return np.array(Image.fromarray(np.ascontiguousarray(image)).reduce(samples))
 
 
 def smooth_edges(image: np.ndarray) -> np.ndarray:
-    """(height, width, 3) 8-bit RGB of the same size."""
+    """Picture (height, width, 3), 8-bit RGB, with smooth edges."""
     from PIL import Image
 
     bright = np.pad(np.asarray(Image.fromarray(np.ascontiguousarray(image)).convert("L")), 1, mode="edge")
@@ -36,7 +36,7 @@ def smooth_edges(image: np.ndarray) -> np.ndarray:
 
 
 def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the pixels at edges in BATCH_ROWS rows of a picture's brightness, padded by a pixel.
+    """Find the pixels at edges in BATCH_ROWS rows of a picture's brightness, which has a margin of one pixel.
 
     Returns their numbers (n,), the difference of the number across the edge, and the share (n,) that a pixel takes from
     there. `first`: the first row; `flat`: the same brightness, pixel after pixel.
@@ -73,7 +73,7 @@ def find_edges(bright: np.ndarray, flat: np.ndarray, first: int) -> tuple[np.nda
 def follow_edge(
     flat: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, edge: np.ndarray, most: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (n,) [pixels] along an edge to its end, and the difference of the brightness there from the edge's."""
+    """Distance (n,) [pixels] along an edge to its end, and by how much the brightness there differs from the edge's."""
 
     def found(of: slice | np.ndarray, reach: float) -> np.ndarray:
         here = at[of] + int(reach) * along[of]

@@ -46,12 +46,11 @@ class Camera(NamedTuple):
 
     @property
     def from_above(self) -> bool:
-        """True if it looks straight down, or nearly: its picture is a map."""
+        """True if the camera looks straight down, or nearly, so that its picture is a map."""
         return bool(self.forward[1] < MAP_DIRECTION)
 
     def spread(self, aspect: float) -> tuple[float, float]:
-        """Angles [rad] to either side of its heading and below the horizon that are in a picture `aspect` times as wide
-        as high."""
+        """Angles [rad] beside the heading and below the horizon in a picture `aspect` times as wide as high."""
         right = np.cross(self.forward, self.up)
         high = np.tan(np.radians(self.angle) / 2.0)
         v, u = (part.ravel() for part in np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)))
@@ -68,7 +67,7 @@ class Camera(NamedTuple):
 
 @dataclass
 class Track:
-    """Poses of the ship in every frame so far: they grow while the run goes on."""
+    """Poses of a ship in every frame so far; the arrays grow while the run continues."""
 
     time: np.ndarray  # (n,) [s]
     position: np.ndarray  # (n, 3) [m]
@@ -76,7 +75,7 @@ class Track:
 
 
 class Vessel(NamedTuple):
-    """The ship that a camera follows."""
+    """A ship that cameras follow, and her track."""
 
     length: float  # [m]
     helm: np.ndarray  # (3,) body axes from the centre of mass [m]
@@ -84,7 +83,7 @@ class Vessel(NamedTuple):
     height: float = 0.0  # [m] of the top of her mast over the centre of mass, upright
 
     def speed(self, time: float) -> float:
-        """Over the ground at a time [s], since the frame before [m/s]."""
+        """Speed over the ground [m/s] at a time [s], from the positions in the frames before and after."""
         track = self.track
         if len(track.time) < 2:
             return 0.0
@@ -94,8 +93,7 @@ class Vessel(NamedTuple):
 
 
 class Operator:
-    """Moves a camera: its position depends on nothing but the time and the track of the ship until then; that of
-    `orbit` on the span of the film, too."""
+    """Camera over a film. It depends only on time, the ship's track until then, and for `orbit` the film's span."""
 
     def __init__(
         self,
@@ -106,8 +104,8 @@ class Operator:
         span: tuple[float, float],
         **given: Any,
     ) -> None:
-        """`span`: first and last time of the film [s]; `given`: `vessel`, whether she may leave the basin, `away`,
-        whether it is a piece of an open sea, `at_sea`, and of a fixed camera `eye` and `target`."""
+        """`span`: first and last time of the film [s]; `given`: `vessel`; `away`, True if she may leave the basin;
+        `at_sea`, True for a piece of an open sea; `eye` and `target` of a fixed camera."""
         self.name, self.lower, self.upper, self.aspect, self.span = name, lower, upper, aspect, span
         self.vessel: Vessel | None = given.get("vessel")
         self.away = bool(given.get("away"))
@@ -152,8 +150,7 @@ class Operator:
         return Camera(position + turn @ vessel.helm, turn @ forward, turn @ up, None, WIDE_ANGLE, near)
 
     def near_ship(self, position: np.ndarray, length: float) -> Camera:
-        """The fixed camera; where the basin is many times as long as the ship, or she may leave it, one that moves
-        with her."""
+        """Camera `third_person`: fixed, or moving with the ship if the basin is very long or she may leave it."""
         reach = FOLLOWED_REACH * length * np.array([1.0, 0.0, 1.0])
         lower, upper = position - reach, position + reach
         if not self.away:
@@ -164,7 +161,7 @@ class Operator:
         return camera_on_box("third_person", lower, upper, self.aspect)
 
     def orbit(self, time: float) -> Camera:
-        """Once around the ship, or the basin, in a film."""
+        """Camera that goes once around the ship, or the basin, in the course of the film, at a time [s]."""
         start, end = self.span
         forward = self.standing.forward
         turned = np.arctan2(-forward[0], -forward[2]) + 2.0 * np.pi * (time - start) / max(end - start, 1e-9)
@@ -182,7 +179,7 @@ class Operator:
 
 
 def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
-    """Camera from one point to another, the horizon level."""
+    """Camera at `eye` that looks at `target` [m], with a level horizon."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.999 else [0.0, 0.0, -1.0])
     right /= np.linalg.norm(right)
@@ -190,20 +187,20 @@ def camera_looking(eye: np.ndarray, target: np.ndarray) -> Camera:
 
 
 def raised_camera(camera: Camera, top: np.ndarray) -> Camera:
-    """Camera raised so far that the top of a mast [m] is in its picture."""
+    """Camera raised until the point `top` [m], as of a mast, is in its picture; unchanged if it is already."""
     away = top - camera.eye
     over = float(away @ camera.up - np.tan(np.radians(camera.angle / 2.0)) / FRAME_MARGIN * (away @ camera.forward))
     return camera if over <= 0.0 else camera._replace(eye=camera.eye + over * camera.up)
 
 
 def camera_near_ship(eye: np.ndarray, target: np.ndarray, length: float) -> Camera:
-    """Camera as `camera_looking`, from near a ship."""
+    """Camera as from `camera_looking`, that also draws things close to the eye; `length`: of the ship [m]."""
     return camera_looking(eye, target)._replace(near=NEAR_SHARE * length)
 
 
 def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n, 3) [m], at the height of the still water, and heading (n,) [rad] that lag behind the ship's: exact
-    for a ship that jumps at each frame."""
+    """Position (n, 3) [m], at still water level, and heading (n,) [rad] that lag behind the ship's by a first-order
+    filter, exact for a ship that jumps at each frame."""
     heading = np.unwrap(np.arctan2(track.turn[:, 0, 2], track.turn[:, 2, 2]))
     centre = track.position * [1.0, 0.0, 1.0]
     for k in range(1, len(track.time)):
@@ -215,15 +212,14 @@ def damped_track(track: Track) -> tuple[np.ndarray, np.ndarray]:
 
 
 def camera_abeam(middle: np.ndarray, forward: np.ndarray, reach: float, aspect: float) -> Camera:
-    """The camera beside a place at sea [m], low over the water, that looks in a level direction and sees so far [m] to
-    either side of it in a picture `aspect` times as wide as high: an open sea has no cut side for a parallel projection
-    to show."""
+    """Camera low over the sea, in perspective: a sea has no cut side for a parallel projection. It looks in a level
+    direction at the place `middle` [m], and sees `reach` [m] to either side in a picture of this aspect ratio."""
     away = FRAME_MARGIN * reach / (np.tan(np.radians(VIEW_ANGLE / 2.0)) * aspect)
     return camera_looking(middle + away * (np.array([0.0, SIDE_EYE_HEIGHT, 0.0]) - forward), middle)
 
 
 def camera_on_box(name: CameraName, lower: np.ndarray, upper: np.ndarray, aspect: float) -> Camera:
-    """The camera that sees the box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
+    """Camera that sees a whole box from `lower` to `upper` [m] in a picture `aspect` times as wide as high."""
     forward, up = (np.array(v) / np.linalg.norm(v) for v in VIEW_DIRECTIONS[name])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
@@ -246,7 +242,7 @@ def eye_before(
     tangents: tuple[float, float],
     aside: float = 0.0,
 ) -> np.ndarray:
-    """Eye (3,) [m] whose picture holds points (n, 3) [m] within angles of these tangents across and up.
+    """Foremost eye (3,) [m] that sees all points (n, 3) [m] within angles of these tangents across and up.
 
     `axes`: right, up and forward in the picture; `aside`: tangent to the right at which the middle of the angles lies.
     """

@@ -12,10 +12,10 @@ INSET_SHARE = 2.0e-3  # of the basin: a face that lies in a side of the basin is
 
 
 class Obstacles:
-    """Those that are fixed are drawn once, gates anew in every picture."""
+    """Obstacles of a basin: fixed ones are drawn once, gates anew in every picture."""
 
     def __init__(self, stage: Stage, fixed: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
-        """Lower and upper corners (n, 2, 3) [m] in a basin from `lower` to `upper` [m]."""
+        """`fixed`: lower and upper corners (n, 2, 3) [m] of the fixed ones, in a basin from `lower` to `upper` [m]."""
         inset = INSET_SHARE * (upper - lower)
         self.stage, self.lower = stage, lower + inset
         self.upper = np.array([upper[0] - inset[0], np.inf, upper[2] - inset[2]])  # it may stand out of the water
@@ -25,7 +25,7 @@ class Obstacles:
         self.add("gates", frame.gates)
 
     def add(self, name: str, boxes: np.ndarray) -> None:
-        """Draw these boxes (n, 2, 3) [m] in place of those that were drawn under this name."""
+        """Draw boxes (n, 2, 3) [m], and remove those drawn under this name before."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         plotter.remove_actor(name, render=False)
         if len(boxes):

@@ -1,4 +1,4 @@
-"""Can this machine draw without a screen? VTK kills a process that has no OpenGL, so a child process tries."""
+"""Test of whether VTK can draw without a screen. It kills a process that has no OpenGL, so a child process tries."""
 
 import os
 import shutil
@@ -36,14 +36,14 @@ class OpenGLMissing(Lacking):
 
 
 def drawing_environment(window: str) -> dict[str, str]:
-    """Environment of a process that draws: the window class to use, and no display."""
+    """Environment variables of a process that draws: this VTK window class, and no display."""
     inherited = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return inherited | {"VTK_DEFAULT_OPENGL_WINDOW": window, "OPENBLAS_NUM_THREADS": "1"}  # products are small
 
 
 @cache
 def window() -> str | None:
-    """The class of VTK window that draws off screen here, or None. A success is remembered in the user's cache."""
+    """Name of the VTK window class that draws off screen here, or None. A success is remembered in the user's cache."""
     if missing_extra("pictures"):
         return None
     with suppress(OpenGLMissing):
@@ -53,7 +53,7 @@ def window() -> str | None:
 
 
 def drawing_window() -> dict[str, np.ndarray]:
-    """The first of WINDOW_CLASSES that draws; raises OpenGLMissing."""
+    """Name of the first of WINDOW_CLASSES that draws, as an array for the cache; raises OpenGLMissing."""
     found = next((name for name in WINDOW_CLASSES if draws(name)), None)
     if found is None:
         raise OpenGLMissing
@@ -66,13 +66,13 @@ def probe() -> str | None:
 
 
 def forget() -> None:
-    """After a crash: the next run probes again."""
+    """Discard the remembered window class after a crash, so that the next run probes again."""
     shutil.rmtree(cache_directory() / NOTE_FOLDER, ignore_errors=True)
     window.cache_clear()
 
 
 def draws(name: str) -> bool:
-    """True if a child process survives drawing with this window; VTK may use another, so its name is checked."""
+    """True if a child process survives drawing with this window class, and VTK used no other."""
     command = [sys.executable, "-c", PROBE_PROGRAM]
     try:
         child = subprocess.run(command, env=drawing_environment(name), capture_output=True, text=True, timeout=120)

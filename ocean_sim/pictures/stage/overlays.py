@@ -1,4 +1,4 @@
-"""Marks over a picture: the time, bars of lengths and of heights in metres, and the sides of the basin."""
+"""Overlays of a picture: time, scale bars of lengths and heights, and the outline of the basin."""
 
 from math import floor, log10
 from typing import Any
@@ -19,7 +19,7 @@ MAX_BAR = 0.25  # of the width of a picture: the bar
 
 
 def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
-    """Text on a dark ground, legible on foam; x and y from the lower left corner [pixels]."""
+    """Add text on a dark ground, legible on foam, at x and y from the lower left corner [pixels]; returns its actor."""
     x, y = (stage.samples * n for n in position)
     made = stage.plotter.add_text(text, position=(x, y), font_size=9 * stage.samples, color=INK_COLOUR)
     made.prop.SetBackgroundColor(*PAPER_COLOUR)
@@ -28,7 +28,7 @@ def add_words(stage: Stage, text: str, position: tuple[int, int]) -> Any:
 
 
 def metre_pixels(stage: Stage, target: np.ndarray) -> float:
-    """Length of a metre across the picture at the distance of a target [m]: pixels."""
+    """Length of a metre across the picture, at the distance of a target [m], in pixels."""
     camera, half = stage.camera, stage.camera.parallel_height
     if half is None:
         half = float((target - camera.eye) @ camera.forward) * float(np.tan(np.radians(camera.angle) / 2.0))
@@ -36,7 +36,7 @@ def metre_pixels(stage: Stage, target: np.ndarray) -> float:
 
 
 class ScaleBar:
-    """A round number of metres, as long as they are across the picture at the camera's target."""
+    """Bar of a round number of metres, to the scale of the picture at the camera's target."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -52,7 +52,7 @@ class ScaleBar:
         self.words.SetPosition(*(self.stage.samples * n for n in (width - self.length - 24, 30)))
 
     def draw(self, image: np.ndarray) -> None:
-        """Into a picture (height, width, 3)."""
+        """Draw the bar into a picture (height, width, 3)."""
         right, low = self.stage.size[0] - 24, self.stage.size[1] - 14
         image[low - 8 : low + 2, right - self.length - 2 : right + 2] = PAPER_PIXEL
         for k in range(4):
@@ -61,7 +61,7 @@ class ScaleBar:
 
 
 class ArrowBar:
-    """An arrow of the wind as long as it is at the camera's target, and its meaning, over the bar of metres."""
+    """Legend of the wind, above the bar of metres: its meaning, and an arrow to scale at the camera's target."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -70,14 +70,14 @@ class ArrowBar:
         self.length = 0  # [pixels]
 
     def show(self, target: np.ndarray, length: float, text: str) -> None:
-        """Set the arrow `length` [m] long, as seen at the distance of `target` [m], and its text; 0: the text alone."""
+        """Set the arrow's length [m], as seen at the distance of `target` [m], and its text; 0 for the text alone."""
         self.length = int(round(length * metre_pixels(self.stage, target)))
         self.words.input = text
         right = self.stage.size[0] - 24
         self.words.SetPosition(*(self.stage.samples * n for n in (right, 92 if self.length else 70)))
 
     def draw(self, image: np.ndarray) -> None:
-        """Into a picture (height, width, 3)."""
+        """Draw the legend into a picture (height, width, 3)."""
         if not self.length:
             return
         right, row = self.stage.size[0] - 24, self.stage.size[1] - 78
@@ -90,13 +90,13 @@ class ArrowBar:
 
 
 def round_down(value: float) -> float:
-    """The greatest of 1, 2, 5 times a power of ten that is not above a value."""
+    """Greatest of 1, 2 and 5 times a power of ten that is not above a value."""
     power = 10.0 ** floor(log10(value))
     return next(m * power for m in (5.0, 2.0, 1.0) if m * power <= value * (1.0 + 1e-9))
 
 
 class HeightBar:
-    """The colours of heights on a map, from the deepest trough to the highest crest that it tells apart."""
+    """Colour bar of the heights on a map, from the deepest trough to the highest crest that has a colour of its own."""
 
     def __init__(self, stage: Stage) -> None:
         self.size = stage.size
@@ -105,16 +105,16 @@ class HeightBar:
         add_words(stage, HEIGHT_TITLE, (stage.size[0] - BAR_LEFT + 34, self.tick(2) + 18))
 
     def tick(self, k: int) -> int:
-        """Pixels from the lower edge of the picture to the tick k of three, the lowest first."""
+        """Position of tick k of three, the lowest first, above the lower edge of the picture [pixels]."""
         return self.size[1] - self.top - self.height + k * self.height // 2
 
     def show(self, most: float) -> None:
-        """`most`: height of the highest crests, and depth of the deepest troughs, with colours of their own [m]."""
+        """Set the labels for heights from -`most` to `most` [m]."""
         for k, text in enumerate(self.words):
             text.input = f"{(k - 1) * most:+.3g} m" if k != 1 else "0 m"
 
     def draw(self, image: np.ndarray) -> None:
-        """Into a picture (height, width, 3)."""
+        """Draw the bar into a picture (height, width, 3)."""
         left, ink = self.size[0] - BAR_LEFT, 238
         up = np.tile([0.0, 1.0, 0.0], (self.height, 1))
         colours = water_shading.display_colours(water_shading.relief_light(up, np.linspace(1.0, -1.0, self.height)))
@@ -126,10 +126,10 @@ class HeightBar:
 
 
 class Outline:
-    """The sides of the basin, drawn on the water."""
+    """Outline of the basin, drawn on the water."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray, points: int = 400) -> None:
-        """Corners of the basin [m]."""
+        """`lower`, `upper`: corners of the basin [m]."""
         way = np.linspace(0.0, 4.0, points)
         corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], dtype=float)
         share = np.stack([np.interp(way, np.arange(5), corner[:, k]) for k in range(2)], axis=1)
@@ -141,5 +141,5 @@ class Outline:
         stage.over.append(drawn)
 
     def show(self, origin: np.ndarray, heights: np.ndarray) -> None:
-        """Around an origin x, z [m], at heights (points,) [m]."""
+        """Move the outline to an origin x, z [m] and to heights (points,) [m] of the water along it."""
         self.line.points = np.insert(self.around + origin, 1, heights + self.raised, axis=1).astype(np.float32)

@@ -1,4 +1,4 @@
-"""The particles in a picture."""
+"""Particles in a picture, as small balls coloured by speed."""
 
 import numpy as np
 

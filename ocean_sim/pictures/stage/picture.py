@@ -1,4 +1,4 @@
-"""One picture after another: sky, water, ships, text."""
+"""Pictures of a run, one after another: sky, water, ships, text."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -32,27 +32,27 @@ MAP_CAMERAS = "top", "side"  # cameras that see the whole way of a ship that lea
 
 
 def is_foreseeable(grid: Any, order: Order) -> bool:
-    """True if pictures ask nothing of frames after their own, so that they can be drawn while a run goes on: not those
-    of particles, whose colours span the speeds of all frames, nor of cameras that know where it ends."""
+    """True if pictures depend on no later frames and can be drawn while the run continues. Particles, whose colours
+    span the speeds of all frames, and cameras that need the end of the run cannot."""
     whole_way = order.camera in MAP_CAMERAS and "sea_answers" in grid
     return not (order.particles or not bool(grid["has_surface"]) or order.camera == "orbit" or whole_way)
 
 
 def swept_box(lower: np.ndarray, upper: np.ndarray, ways: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [m] of all that a piece of sea covers that goes with the middle of ships, which go these ways (n, 3)."""
+    """Corners [m] of the box that the basin covers as it moves with the middle of ships on their tracks (n, 3) [m]."""
     middle = np.mean(ways, axis=0) * [1.0, 0.0, 1.0]
     return lower + middle.min(axis=0), upper + middle.max(axis=0)
 
 
 class Shot(NamedTuple):
-    """A picture as it leaves the plotter."""
+    """Rendered picture, whose edges are not yet smooth and whose bars are not drawn."""
 
     pixels: np.ndarray  # (height, width, 3) 8-bit RGB, each side times the samples
     samples: int
     bars: list[overlays.ScaleBar | overlays.ArrowBar | overlays.HeightBar]  # as they were for it
 
     def finished(self) -> np.ndarray:
-        """(height, width, 3) with smooth edges and its bars."""
+        """Finished picture (height, width, 3), 8-bit RGB, with smooth edges and its bars."""
         image = (
             antialiasing.smooth_edges(self.pixels)
             if self.samples == 1
@@ -64,10 +64,11 @@ class Shot(NamedTuple):
 
 
 class Picture:
-    """One plotter, built once; each frame only moves its points and colours."""
+    """Plotter for the pictures of a run, built once; each frame only moves its points and colours."""
 
     def __init__(self, grid: Any, order: Order, first: Frame, fastest: float, log: FrameLog) -> None:
-        """`first`: frame of the run; `fastest`: speed [m/s] at the end of the colours of particles."""
+        """`grid`: arrays that the run keeps once; `first`: first frame to draw; `fastest`: particle speed [m/s] of the
+        last colour; `log`: times and ship tracks of the run."""
         self.order = order
         self.lower, self.upper = grid["lower"].copy(), grid["upper"].copy()
         self.sides = self.lower[[0, 2]].copy(), self.upper[[0, 2]].copy()
@@ -142,7 +143,7 @@ class Picture:
         self.aim()
 
     def aim(self) -> None:
-        """Point the plotter's camera where the stage's is."""
+        """Set the plotter's camera to the stage's."""
         camera, plotter = self.stage.camera, self.plotter
         plotter.camera.position, plotter.camera.focal_point = tuple(camera.eye), tuple(camera.eye + camera.forward)
         plotter.camera.up, plotter.camera.view_angle = tuple(camera.up), camera.angle
@@ -154,8 +155,8 @@ class Picture:
             plotter.camera.parallel_scale = camera.parallel_height
 
     def backdrop(self) -> None:
-        """The sky around the eye; in parallel projection there is no horizon, and a plain gradient stands for it; from
-        above one colour of the ground."""
+        """Add the background: the sky around the eye; a plain gradient in parallel projection, which has no horizon; or
+        one colour of the ground, seen from above."""
         camera, pyvista = self.stage.camera, self.stage.pyvista
         if camera.from_above and camera.parallel_height is not None:
             self.plotter.set_background(
@@ -180,7 +181,7 @@ class Picture:
             self.shadow()
 
     def shadow(self) -> None:
-        """A soft shadow on the ground, so that the block of water stands on something."""
+        """Add a soft shadow on the ground under the block of water."""
         size, middle = self.upper - self.lower, 0.5 * (self.lower + self.upper)
         plane = self.stage.pyvista.Plane(
             center=(middle[0], self.lower[1] - 0.02 * size[1], middle[2]),  # below a dry bed
@@ -201,12 +202,11 @@ class Picture:
         tank_walls.add_ground_lines(self.stage, self.lower, self.upper, self.lower[1] - 0.019 * size[1])
 
     def draw(self, frame: Frame) -> np.ndarray:
-        """(height, width, 3) 8-bit RGB."""
+        """Draw a frame: a finished picture (height, width, 3), 8-bit RGB."""
         return self.shot(frame).finished()
 
     def shot(self, frame: Frame) -> "Shot":
-        """Draw a frame; the rest of the work on the picture needs the plotter no more, and the next may be drawn
-        meanwhile."""
+        """Render a frame; the rest of the work on the picture needs no plotter, which may draw another meanwhile."""
         self.move(self.operator.at(frame.time))
         for key, pose in frame.ships.items():
             self.ships[key].show(*pose, self.stage.camera.eye)
@@ -231,7 +231,7 @@ class Picture:
         return Shot(self.plotter.screenshot(None, return_img=True), self.stage.samples, bars)
 
     def heights_at(self, frame: Frame, positions: np.ndarray) -> np.ndarray:
-        """(n,) drawn heights of the water at positions x, z (n, 2) [m]; of a tank those of the nearest kept points."""
+        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]; except at sea, of nearest kept points."""
         if isinstance(self.content, Sea):
             return self.content.heights_at(positions)
         share = (positions - self.sides[0]) / np.maximum(self.sides[1] - self.sides[0], 1e-9)
@@ -239,7 +239,7 @@ class Picture:
         return frame.elevation[index[0], index[1]]
 
     def move(self, camera: Camera) -> None:
-        """Look from another position; the sky goes with the eye."""
+        """Look from another camera; the sky moves with the eye."""
         if camera is self.stage.camera:
             return
         self.stage.camera = camera
@@ -253,14 +253,14 @@ class Picture:
 
 
 class Moments:
-    """Collects pictures evenly from a film of unknown length; holds at most twice as many as it shows."""
+    """Collects evenly spaced pictures of a film of unknown length; holds at most twice as many as it shows."""
 
     def __init__(self) -> None:
         self.kept: list[np.ndarray] = []
         self.seen, self.every = 0, 1  # pictures of the film, and how many of them for each that is kept
 
     def see(self, image: np.ndarray) -> None:
-        """The next picture (height, width, 3) of the film."""
+        """Add the next picture (height, width, 3) of the film."""
         if self.seen % self.every == 0:
             if len(self.kept) == 2 * STRIP_PICTURES:
                 self.kept, self.every = self.kept[::2], 2 * self.every
@@ -269,7 +269,7 @@ class Moments:
         self.seen += 1
 
     def row(self) -> np.ndarray:
-        """(height, width, 3) pictures from the beginning to the end, side by side."""
+        """Strip (height, width, 3) of small pictures side by side, from the beginning to the end of the film."""
         chosen = np.unique(
             np.round(np.linspace(0, len(self.kept) - 1, min(STRIP_PICTURES, len(self.kept)))).astype(int)
         )
@@ -277,6 +277,6 @@ class Moments:
 
 
 def picture_row(pictures: Sequence[np.ndarray], gap: int) -> np.ndarray:
-    """Pictures of one height (height, width, 3) in a row, `gap` white pixels between them."""
+    """Strip (height, width, 3) of pictures of one height side by side, `gap` white pixels between them."""
     between = np.full((pictures[0].shape[0], gap, 3), 255, np.uint8)
     return np.concatenate([part for picture in pictures for part in (picture, between)][:-1], axis=1)

@@ -10,10 +10,10 @@ from ocean_sim.pictures.water import water_glsl
 
 
 class Stage:
-    """Handed to everything in a picture, which adds itself to the plotter."""
+    """Plotter and camera of a picture, to which every object in it adds itself."""
 
     def __init__(self, size: tuple[int, int], camera: Camera, samples: int) -> None:
-        """`size`: width and height [pixels]; `samples`: along each side of a pixel."""
+        """`size`: width and height [pixels]; `samples`: number of samples along each side of a pixel."""
         import pyvista
 
         self.pyvista: ModuleType = pyvista
@@ -23,14 +23,14 @@ class Stage:
         self.said = water_glsl.collect_messages()
 
     def empty(self, size: tuple[int, int]) -> Any:
-        """A plotter without light, off screen."""
+        """New off-screen plotter of a size [pixels], without light."""
         plotter = self.pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
         plotter.disable_anti_aliasing()  # PyVista's default multiplies the time of a picture
         plotter.render_window.SetMultiSamples(0)
         return plotter
 
     def render(self) -> None:
-        """Draw; raises RenderFailed where OpenGL refuses a program."""
+        """Draw the picture; raises RenderFailed if OpenGL refuses a shader program."""
         self.plotter.render()
         why = water_glsl.refusal(self.said)
         if why is not None:
@@ -38,11 +38,11 @@ class Stage:
 
 
 class Content:
-    """Main subject of a picture: a sea, a tank, particles."""
+    """Main subject of a picture: interface of a sea, a tank, or particles."""
 
     def show(self, frame: Frame) -> None:
-        """Draw it as it is in a frame."""
+        """Update the subject to its state in a frame."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """Release its own resources."""
+        """Release resources of the subject that the plotter does not."""

@@ -1,4 +1,4 @@
-"""Order for pictures of a run, and the exception for a failed one."""
+"""Options of the pictures of a run, and the exception for a failed one."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,12 +10,12 @@ Quality = Literal["draft", "final"]
 
 
 class RenderFailed(Failed):
-    """No picture came out; the message gives the reason."""
+    """A picture could not be drawn; the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Order:
-    """Pictures to draw of a run, and the folder for them."""
+    """Options of the pictures to draw of a run: folders, camera, size, frames and contents."""
 
     folder: str
     out: str

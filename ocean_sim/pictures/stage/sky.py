@@ -1,4 +1,4 @@
-"""The sky above the water: a quick clear gradient, and a scattered one with clouds and a sun, kept as an image.
+"""The sky above the water: a clear gradient, quick to compute, and an image of scattered light with clouds and sun.
 
 Directions are unit vectors, y up; colours are linear RGB.
 """
@@ -46,7 +46,7 @@ SUN_COSINE = np.cos(np.radians(0.6))  # of the drawn sun, wider than the true 0.
 
 
 def clear_sky(direction: np.ndarray) -> np.ndarray:
-    """Radiance of the clear gradient in unit directions (n, 3); the horizon's below it."""
+    """Radiance (n, 3) of the clear gradient in unit directions (n, 3); below the horizon, that of the horizon."""
     up = np.clip(direction[:, 1], 0.0, 1.0)[:, None]
     towards = np.clip(direction @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     low = (1.0 - up) ** 20
@@ -59,7 +59,7 @@ def clear_sky(direction: np.ndarray) -> np.ndarray:
 
 
 def sky_and_ground(direction: np.ndarray) -> np.ndarray:
-    """The clear gradient, and below the horizon a quiet ground that darkens downwards; for the background."""
+    """Radiance (n, 3) of a background: the clear gradient, and below the horizon a ground that darkens downwards."""
     down = np.clip(-direction[:, 1], 0.0, 1.0)[:, None]
     flat = unit_vector(
         np.column_stack([direction[:, 0] + 1e-12, np.zeros(len(direction)), direction[:, 2]])
@@ -69,7 +69,7 @@ def sky_and_ground(direction: np.ndarray) -> np.ndarray:
 
 
 def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of paint in sun and sky; panes show the sky above instead."""
+    """Linear RGB (n, 3) of painted surfaces in sun and sky; those with gloss, as panes, mirror the sky above."""
     sun = np.clip(normals @ SUN_DIRECTION, 0.0, 1.0)[:, None]
     above = 0.5 + 0.5 * normals[:, 1:2]
     ambient = FROM_BELOW + (FROM_ABOVE - FROM_BELOW) * above
@@ -78,8 +78,8 @@ def painted_light(normals: np.ndarray, paint: np.ndarray, gloss: np.ndarray) -> 
 
 
 class Sky:
-    """An image of radiance from above (side, side, 3) with its smaller copies. Each direction lies where the line from
-    the nadir to it crosses the level plane: a division finds it, and angles are preserved.
+    """Image (side, side, 3) of the sky's radiance, with its mipmaps, in stereographic projection from the nadir: a
+    direction's pixel takes one division, and angles are preserved.
 
     Columns go along x, rows along z, the zenith is in the middle, and the horizon is the circle that touches the sides;
     beyond it the image repeats the horizon. The side is a power of two, as the texture's smaller copies need.
@@ -88,7 +88,7 @@ class Sky:
     def __init__(
         self, image: np.ndarray, sun: np.ndarray = SUN_DIRECTION, sunlight: np.ndarray = SUNLIGHT_COLOUR
     ) -> None:
-        """`sun`: unit direction to it; `sunlight`: its colour at the ground."""
+        """`sun`: unit direction to the sun; `sunlight`: its colour at the ground."""
         self.image, self.sun, self.sunlight = np.asarray(image, np.float32), sun, np.asarray(sunlight, float)
         levels = [self.image.astype(float)]
         while len(levels[-1]) > 1:
@@ -106,8 +106,8 @@ class Sky:
         self.haze = np.minimum(around, MAX_HAZE).astype(np.float32).reshape(*HAZE_SIZE, 3)
 
     def sample(self, direction: np.ndarray, level: np.ndarray | float = 0.0) -> np.ndarray:
-        """Radiance (n, 3) in unit directions (n, 3), between the smaller copies `level` and its next; at or below the
-        horizon that just above it."""
+        """Radiance (n, 3) in unit directions (n, 3), interpolated between mipmap `level` and the next; for directions
+        at or below the horizon, that just above it."""
         d = unit_vector(
             np.column_stack([direction[:, 0], np.maximum(direction[:, 1], MIN_SKY_HEIGHT), direction[:, 2]])
         )
@@ -126,7 +126,8 @@ class Sky:
 
 
 def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(n, 3) from an image at places (n, 2) of its columns and rows, 0 to 1; beyond the outermost as these are."""
+    """Values (n, 3) of an image at places (n, 2), 0 to 1 across its columns and rows, by bilinear interpolation;
+    constant beyond the outermost pixels."""
     last = len(image) - 1
     x, y = np.clip(at.T * len(image) - 0.5, 0.0, last)
     i, j = np.floor(x).astype(int), np.floor(y).astype(int)
@@ -138,7 +139,7 @@ def bilinear_values(image: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def sky_directions(side: int) -> np.ndarray:
-    """(side, side, 3) unit vectors of the middles of the pixels, beyond the horizon those of the horizon there."""
+    """Unit directions (side, side, 3) of the pixels of a sky's image; those beyond the horizon are moved onto it."""
     x, z = np.meshgrid(*2 * [middles_of(-1.0, 1.0, side)])
     beyond = np.maximum(np.hypot(x, z), 1.0)
     x, z = x / beyond, z / beyond
@@ -147,18 +148,18 @@ def sky_directions(side: int) -> np.ndarray:
 
 
 def cloudy_sky(side: int = 1024) -> Sky:
-    """The scattered sky with clouds, from the cache where it was made before."""
+    """Sky of scattered light with clouds, read from the cache if it was computed before."""
     arrays = cached_arrays("sky", str(side).encode(), lambda: make_sky(side))
     return Sky(arrays["image"], SUN_DIRECTION, arrays["sunlight"])
 
 
 def clear_sky_image() -> Sky:
-    """The clear gradient as an image, without clouds."""
+    """Sky of the clear gradient, without clouds."""
     return Sky(clear_sky(sky_directions(CLEAR_SIDE).reshape(-1, 3)).reshape(CLEAR_SIDE, CLEAR_SIDE, 3))
 
 
 def make_sky(side: int) -> dict[str, np.ndarray]:
-    """The image (side, side, 3) of the sky, and the colour of the sun."""
+    """Compute the image (side, side, 3) of the sky with clouds, and the colour of the sunlight."""
     from scipy.ndimage import zoom
 
     sun, coarse = SUN_DIRECTION, sky_directions(128)
@@ -182,8 +183,8 @@ def make_sky(side: int) -> dict[str, np.ndarray]:
 
 
 def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int = 8) -> tuple[np.ndarray, np.ndarray]:
-    """Light scattered once towards an eye at sea level from directions (..., 3), and the share that comes straight
-    through (Nishita et al. 1993): Rayleigh and Mie, densities that fall exponentially with height."""
+    """Light scattered once towards an eye at sea level from unit directions (..., 3), and the share that passes
+    straight through (Nishita et al. 1993): Rayleigh and Mie, with densities that fall exponentially with height."""
     eye = np.array([0.0, GROUND_RADIUS + 2.0, 0.0])
     segment = distance_to_top(eye, d) / steps
     mu = d @ sun
@@ -219,14 +220,14 @@ def scattered_light(d: np.ndarray, sun: np.ndarray, steps: int = 24, inner: int 
 
 
 def distance_to_top(point: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Distance [m] from points inside the air to its top."""
+    """Distance [m] from points in the atmosphere to its top, along unit directions `d`."""
     along, excess = (point * d).sum(axis=-1), (point * point).sum(axis=-1) - TOP_RADIUS**2
     return -along + np.sqrt(np.maximum(along**2 - excess, 0.0))
 
 
 def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The sky with a flat layer of clouds in front of it, and how much of it they hide (..., 1): fractal noise whose
-    domain is warped by itself, brighter at thin edges and towards the sun."""
+    """Sky radiance with a flat layer of clouds in front, and the share of the sky that they hide (..., 1): fractal
+    noise with a warped domain, brighter at thin edges and towards the sun."""
     cover, seed = CLOUD_COVER, CLOUD_SEED
     up = np.maximum(d[..., 1], 1e-3)
     layer = d[..., [0, 2]] / (up + 0.08)[..., None] * 1.15 + [3.1 * seed, 0.7]
@@ -249,7 +250,7 @@ def add_clouds(d: np.ndarray, clear: np.ndarray, sunlight: np.ndarray) -> tuple[
 
 
 def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
-    """Value noise at points (..., 2), octave upon octave, in 0 to 1."""
+    """Noise, 0 to 1, at points (..., 2): a sum of octaves of value noise."""
     total, weight, amplitude = np.zeros(p.shape[:-1]), 0.0, 1.0
     for k in range(octaves):
         total += amplitude * value_noise(p * 2.03**k + 17.3 * k, seed + k)
@@ -259,7 +260,7 @@ def fractal_noise(p: np.ndarray, octaves: int, seed: int) -> np.ndarray:
 
 
 def value_noise(p: np.ndarray, seed: int) -> np.ndarray:
-    """Random values at integer points, smooth between them."""
+    """Noise at points (..., 2): random values at integer points, interpolated smoothly."""
     i = np.floor(p).astype(np.int64)
     f = p - i
     f = f**3 * (f * (f * 6.0 - 15.0) + 10.0)

@@ -1,5 +1,5 @@
-"""A wind in a picture: tinted volumes of its air, on a map their outlines; arrows along it, crosses where it is but
-noise."""
+"""Marks of the wind in a picture: its volumes as tinted walls, or outlines on a map; arrows along it, and crosses where
+it is only noise."""
 
 import numpy as np
 
@@ -25,17 +25,17 @@ MIN_ARROW, CROSS_SIZE = (
 
 
 class WindMarks:
-    """Drawn anew in every picture."""
+    """Volumes, arrows and crosses of the wind, drawn anew in every picture."""
 
     def __init__(self, stage: Stage, lower: np.ndarray, upper: np.ndarray) -> None:
-        """Marks in a basin from `lower` to `upper` [m]."""
+        """`lower`, `upper`: corners of the basin [m]."""
         self.stage, self.length = stage, float(max(upper[0] - lower[0], upper[2] - lower[2]))
         self.arrow = stage.pyvista.Arrow(tip_length=0.3, tip_radius=0.09, shaft_radius=0.032).triangulate()
         arms = [stage.pyvista.Cylinder(direction=axis, radius=0.05, height=1.0) for axis in np.eye(3)]
         self.cross = arms[0].merge(arms[1]).merge(arms[2]).extract_surface().triangulate()
 
     def show(self, frame: Frame, heights: np.ndarray) -> None:
-        """`heights` of the water at the arrows (n,) [m]."""
+        """Draw the wind of a frame; `heights` (n,): of the water at the arrows [m]."""
         self.show_volumes(frame.wind_lines, float(frame.elevation.max()))
         tails = frame.wind_tails.astype(float)
         tails[:, 1] = np.maximum(tails[:, 1], heights) + ARROW_HEIGHT * self.length
@@ -47,7 +47,7 @@ class WindMarks:
         self.copies("crosses", self.cross, tails[~blowing] + [0.0, noise[:1].sum(), 0.0], noise)
 
     def copies(self, name: str, model: object, positions: np.ndarray, along: np.ndarray) -> None:
-        """A model as long as 1 along x, at positions (n, 3), turned along vectors (n, 3) and as long as they."""
+        """Draw a model of length 1 along x at positions (n, 3) [m], turned along and scaled to vectors (n, 3) [m]."""
         plotter = self.stage.plotter
         plotter.remove_actor(name, render=False)
         if not len(positions):
@@ -70,8 +70,8 @@ class WindMarks:
         plotter.add_mesh(made, scalars="colour", rgb=True, lighting=False, name=name, reset_camera=False, render=False)
 
     def show_volumes(self, lines: np.ndarray, crest: float) -> None:
-        """Walls over the outlines of the volumes that lines (n, 2, 3) show; on a map, whose colours are heights, the
-        outlines alone, over the highest crest [m]."""
+        """Draw walls over the outlines of the wind's volumes, given by lines (n, 2, 3) [m]; on a map, whose colours are
+        heights, the outlines alone, above the highest crest [m]."""
         plotter, pyvista = self.stage.plotter, self.stage.pyvista
         on_map = self.stage.camera.from_above
         faces, ends = [], []
@@ -107,8 +107,7 @@ class WindMarks:
 
 
 def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
-    """Length [m] of an arrow that stands for a round number, 0 if none does, and the text at it; in a basin of a length
-    [m]."""
+    """Length [m] of an arrow for a round value of the wind, 0 if none fits, and its text; `length`: of the basin."""
     if not (np.linalg.norm(frame.wind_arrows, axis=1) > MIN_ARROW / MAX_ARROW).any():
         return 0.0, "wind: noise alone" if len(frame.wind_tails) else "no wind"
     if frame.wind_strongest <= 0.0:
@@ -118,7 +117,7 @@ def arrow_legend(frame: Frame, length: float) -> tuple[float, str]:
 
 
 def vector_basis(vector: np.ndarray) -> np.ndarray:
-    """(3, 3) rows: a unit vector along this one, and two across it."""
+    """Rows (3, 3) of an orthonormal basis: along a vector, and two across it."""
     along = vector / np.linalg.norm(vector)
     side = np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)
@@ -126,7 +125,7 @@ def vector_basis(vector: np.ndarray) -> np.ndarray:
 
 
 def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
-    """Lines (n, 2, 3) in groups that are connected at common ends."""
+    """Groups of the lines (n, 2, 3) that are connected at common ends."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -141,7 +140,7 @@ def connected_parts(lines: np.ndarray) -> list[np.ndarray]:
 
 
 def convex_outline(points: np.ndarray) -> np.ndarray:
-    """(m, 2) corners of the convex outline of points (n, 2), in order."""
+    """Corners (m, 2) of the convex hull of points (n, 2), in order."""
     from scipy.spatial import ConvexHull
 
     return points[ConvexHull(points).vertices]

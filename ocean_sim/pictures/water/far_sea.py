@@ -42,21 +42,21 @@ QUARTER_STREAM, PHASE_STREAM, PLACE_STREAM = 0x5_0000, 0x5_0001, 0x5_0002  # str
 
 
 def blend_weight(nodes: np.ndarray, low: float, high: float, margin: float) -> np.ndarray:
-    """1 in the middle, 0 at `low` and `high` and beyond them, smooth in a margin [m] inside."""
+    """Weight (n,) of nodes (n,) [m]: 1 in the middle, smooth in a margin [m] inside `low` and `high`, 0 beyond."""
     inside = np.clip(np.minimum(nodes - low, high - nodes) / margin, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)
 
 
 @dataclass(frozen=True)
 class SeaSample:
-    """A sea at the nodes of a grid (nx, nz)."""
+    """Heights and convergence of a sea at the nodes of a grid (nx, nz) at one time."""
 
     height: np.ndarray  # [m]
     convergence: np.ndarray  # of the water near the surface
 
 
 class PlaneWaves:
-    """A sea at the nodes of a tensor grid, by products of matrices."""
+    """Sum of plane waves at the nodes of a tensor grid, evaluated by products of matrices."""
 
     def __init__(self, sea: Components, x: np.ndarray, z: np.ndarray) -> None:
         self.sea = sea
@@ -65,7 +65,7 @@ class PlaneWaves:
         )
 
     def at(self, turning: np.ndarray) -> SeaSample:
-        """The sea of complex amplitudes (n,) at the nodes' origin (see `complex_amplitudes`)."""
+        """Sea with complex amplitudes (n,) [m] at the nodes' origin (see `complex_amplitudes`)."""
         x, z = self.along_x * turning, self.along_z.T
         # The real part of a product of complex matrices is two products of real ones.
         height = x.real @ z.real - x.imag @ z.imag
@@ -75,18 +75,18 @@ class PlaneWaves:
 
 
 def complex_amplitudes(sea: Components, time: float, origin: np.ndarray) -> np.ndarray:
-    """(n,) complex amplitudes [m] of plane waves at a time [s] around an origin x, z [m]."""
+    """Complex amplitudes (n,) [m] of plane waves at a time [s] around an origin x, z [m]."""
     phase = np.mod(sea.phase + sea.wavevector @ origin - sea.omega * time, 2.0 * pi)
     return sea.amplitude * np.exp(1j * phase)
 
 
 def grown_waves(sea: Components, time: float) -> Components:
-    """Plane waves as high as they are at a time [s]."""
+    """Plane waves with the amplitudes to which their ramp has brought them at a time [s], and no ramp left."""
     return replace(sea, amplitude=sea.ramp_share(time) * sea.amplitude, ramp=0.0)
 
 
 def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
-    """The strongest of many plane waves, with the variance of all."""
+    """The `most` strongest of many plane waves, scaled to the variance of all."""
     if len(sea.amplitude) <= most:
         return sea
     kept = np.sort(np.argsort(sea.amplitude)[::-1][:most])
@@ -95,8 +95,8 @@ def strongest_waves(sea: Components, most: int = MAX_WAVES) -> Components:
 
 
 def shortest_lengths(sea: Components) -> list[float]:
-    """Length [m] of the shortest wave that is drawn to each of WAVE_REACHES, rounded down to a step of a fifth: seas
-    that are alike have the same."""
+    """Length [m] of the shortest wave that is drawn out to each of WAVE_REACHES, rounded down to a quarter of an
+    octave, so that similar seas have the same."""
     order = np.argsort(sea.wavenumber)[::-1]
     held = np.cumsum(sea.amplitude[order] ** 2)
     lengths = 2.0 * pi / np.maximum(sea.wavenumber[order], 1e-9)
@@ -107,8 +107,8 @@ def shortest_lengths(sea: Components) -> list[float]:
 
 
 def ring_distances(lengths: list[float], first: float) -> np.ndarray:
-    """Distances [m] of rings around an eye, out to the horizon: as far as REACHES close enough for waves of these
-    lengths [m]."""
+    """Distances (n,) [m] of rings around an eye, from `first` out to the horizon. Within each of WAVE_REACHES they are
+    close enough for the wave of its length [m]."""
     caps = [length / NODES_PER_WAVE[1] for length in lengths]
     distances = [first]
     step = max(RING_SPACING * first, 0.02)
@@ -120,12 +120,11 @@ def ring_distances(lengths: list[float], first: float) -> np.ndarray:
 
 
 class Fan:
-    """The far sea around an eye: nodes on rays around it and on rings that are close enough for its waves. Heights are
-    whole as far as the rings resolve them; slopes fade if a wave is narrower than a few pixels, and the faded ones
-    widen the glint."""
+    """The far sea around an eye: nodes on rays and rings, close enough for its waves. Heights hold every wave that the
+    rings resolve. Slopes of waves narrower than a few pixels fade, and widen the glint of the sun instead."""
 
     def __init__(self, sea: Components) -> None:
-        """`sea`: its amplitudes may change with time."""
+        """`sea`: plane waves, whose amplitudes may change with time."""
         self.sea = sea
         self.looked: tuple[float, ...] = ()
         self.nodes = np.zeros((0, 2))  # around the eye [m]
@@ -136,7 +135,7 @@ class Fan:
     def look(
         self, height: float, heading: float, half: float, lowest: float, pixel: float, row: float, amplitude: np.ndarray
     ) -> bool:
-        """Turn towards a heading [rad, from +x to +z]; whether the nodes are new ones.
+        """Turn the fan towards a heading [rad, from +x to +z]; True if it has new nodes.
 
         `height`: of the eye over the water [m]; `half`: the angle to either side that it sees, `lowest`: that of its
         lowest ray below the horizon [rad]; `pixel`, `row`: the angles of a pixel, and of a row of samples, of which no
@@ -197,25 +196,24 @@ class Fan:
         return True
 
     def seen(self, height: np.ndarray, eye: float) -> np.ndarray:
-        """(bands, rays) on each ray, of the rings that a row of pixels shows, the number of the one that hides the
-        others; `height` (rings, rays) of the water and of the eye [m]."""
+        """Numbers (bands, rays) of the visible rings: on each ray, among the rings within one row of pixels, the one
+        that hides the others. `height` (rings, rays): of the water; `eye`: of the eye [m]."""
         rise = (height - eye) / self.distance[:, None]
         highest = rise[self.bands].argmax(axis=1)
         return np.take_along_axis(self.bands, highest, axis=1)
 
     def lost(self, amplitude: np.ndarray) -> np.ndarray:
-        """(rings,) variance along each axis of the slopes that are not drawn, of waves of these amplitudes (n,) [m]."""
+        """Variance (rings,), along each axis, of slopes too short to be drawn, of waves with amplitudes (n,) [m]."""
         return 0.25 * (1.0 - self.sloping**2) @ (amplitude * self.sea.wavenumber) ** 2
 
     def gathering(self, amplitude: np.ndarray) -> tuple[float, np.ndarray]:
-        """Standard deviation of the convergence of waves of these amplitudes (n,) [m], and of those that are drawn on
-        each ring (rings,)."""
+        """Standard deviation of the convergence of waves with amplitudes (n,) [m], and of those drawn on each ring."""
         each = 0.5 * (amplitude * self.sea.wavenumber) ** 2
         return max(float(np.sqrt(each.sum())), 1e-12), np.sqrt(self.drawn**2 @ each)
 
     def at(self, turning: np.ndarray) -> np.ndarray:
-        """(rings, rays, 4) height [m], slopes along x and z, and convergence of the sea of complex amplitudes (n,) at
-        the eye (see `complex_amplitudes`)."""
+        """Height [m], slopes along x and z, and convergence (rings, rays, 4) of waves with complex amplitudes (n,) [m]
+        at the eye (see `complex_amplitudes`)."""
         kx, kz = self.sea.wavevector.T
         level, slope = turning * self.drawn, turning * self.sloping
         columns = np.stack([level, 1j * kx * slope, 1j * kz * slope, self.sea.wavenumber * level], axis=-1)
@@ -228,14 +226,15 @@ class Fan:
 
 
 class Modes:
-    """Plane waves that stand for the modes of a basin. Between walls a wave and its mirror images are one: each wave
-    has the mean wavenumber and heading of the modes in a shell and a sector, turned into one of four quarters, the
-    likelier the nearer it is to where the wind goes to, and bears the variance of all of them."""
+    """Plane waves that stand for the modes of a basin. Between walls a wave and its mirror images are one mode. Each
+    plane wave has the mean wavenumber and heading of the modes in a shell and a sector, and the variance of all of
+    them. It is turned at random into one of four quarters, most likely the one towards which the wind blows."""
 
     def __init__(
         self, shape: tuple[int, ...], size: tuple[float, float], depth: float, towards: np.ndarray, seed: int = 0
     ) -> None:
-        """`shape`: of the heights in a basin; `size`: along x and z [m]; `towards` (2,): unit vector of the wind."""
+        """`shape`: of the grid of heights in the basin; `size`: of the basin along x and z [m]; `depth` [m]; `towards`
+        (2,): unit vector x, z of the wind."""
         p, q = np.indices(shape)
         self.kept = (np.hypot(p / shape[0], q / shape[1]) < MAX_MODE) & (p + q > 0)
         p, q = p[self.kept], q[self.kept]
@@ -261,7 +260,7 @@ class Modes:
         self.sea = Components(np.ones(len(n)), np.stack([sign_x * kx, sign_z * kz], axis=1), phase, depth)
 
     def variances(self, elevation: np.ndarray) -> np.ndarray:
-        """(n,) of the waves that stand for heights (nx, nz) in the basin [m2]; their sum is the heights' own."""
+        """Variances (n,) [m2] of the plane waves that stand for heights (nx, nz) [m]; their sum is the heights' own."""
         from scipy.fft import dctn
 
         power = dctn(elevation - elevation.mean(), type=2, norm="ortho") ** 2 / elevation.size
@@ -276,8 +275,8 @@ def wind_speed_from_height(height: float) -> float:
 
 
 def wind_speed_from_sea(sea: Components, time: float) -> float:
-    """Speed [m/s] 10 m over the water of the wind that raises such a random sea, 0 for regular waves; as its growth has
-    come at a time [s].
+    """Speed [m/s], 10 m over the water, of the wind that raises a random sea as high as it has grown at a time [s]; 0
+    for regular waves.
 
     Height and peak grow with the fetch F, g F / U^2 = X, as H g / U^2 = 0.0016 X^(1/2) and omega_p U / g = 22 X^(-1/3)
     (Hasselmann et al. 1973, Dtsch. Hydrogr. Z. A8 12); X is eliminated. A swell, low for its period, tells of none.

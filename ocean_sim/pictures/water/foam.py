@@ -1,4 +1,4 @@
-"""White water: where crests converge, at a wanted cover; along a hull; and how a share of foam breaks into patches."""
+"""White water, or foam: on converging crests, up to a wanted cover; along hulls; and the patches that it forms."""
 
 from itertools import product
 
@@ -45,7 +45,7 @@ EDGE_BENDS = (2.3, 1.3), (1.1, 0.8), (0.6, 0.35)  # cells of a wave that bends t
 
 
 def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np.ndarray:
-    """(nx, nz) how far water near the surface is drawn together, minus the divergence of its displacement.
+    """Convergence (nx, nz) of the water near the surface: minus the divergence of its horizontal displacement.
 
     By linear theory on deep water: the elevation times its wavenumber. Waves stand level at the sides of the grid.
     """
@@ -53,14 +53,14 @@ def convergence(elevation: np.ndarray, spacing_x: float, spacing_z: float) -> np
 
 
 def crest_cover(drawn_together: np.ndarray) -> float:
-    """The share of the sea that crests make white: where they fall faster than they can."""
+    """Share of the sea that breaking crests whiten: convergence above BREAKING_CONVERGENCE, at most MAX_COVER."""
     return float(min((drawn_together > BREAKING_CONVERGENCE).mean(), MAX_COVER))
 
 
 def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | None = None) -> np.ndarray:
-    """Whiteness (n,) of points, 0 to 1, with the wanted cover as their mean: 1 on the strongest convergence.
+    """Whiteness (n,) of points, 0 to 1, by their convergence (n,): 1 where it is strongest, `wanted` in the mean.
 
-    `among` (n,): values in order among which the ranks are counted, by default the points themselves.
+    `among` (n,): sorted convergence of points among which these are ranked, by default of the points themselves.
     """
     known = np.sort(drawn_together, axis=None) if among is None else among
     if wanted * len(known) < 1.0 or known[0] == known[-1]:  # not one of them would be white
@@ -74,15 +74,13 @@ def white_shares(drawn_together: np.ndarray, wanted: float, among: np.ndarray | 
 
 
 def monahan_cover(speed: float) -> float:
-    """Share of the sea that is white in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10,
-    equation 5)."""
+    """White share of the sea in a wind [m/s] at 10 m (Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, (5))."""
     return 3.84e-6 * max(speed, 0.0) ** 3.41
 
 
 def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
-    """(n, m) convergence as a mean over the width of a patch of foam, by which its crests are told. Beside the sides of
-    the grid, where that is a mean of fewer cells, it is made smaller: it would vary more, and most foam be born there.
-    """
+    """Convergence (n, m) averaged over the width of a patch of foam, to choose the crests that break. It is lowered
+    beside the sides of the grid: the mean there is of fewer cells and varies more, and most foam would begin there."""
     from scipy.ndimage import gaussian_filter
 
     whole = np.ones_like(drawn_together)
@@ -91,20 +89,20 @@ def smoothed_convergence(drawn_together: np.ndarray) -> np.ndarray:
 
 
 def wanted_cover(drawn_together: np.ndarray, wind: float) -> float:
-    """White share of the sea by default: by a wind [m/s]; without one, 0, by its crests."""
+    """Default share of white water in the sea: from the wind speed [m/s], or from its breaking crests if that is 0."""
     return min(monahan_cover(wind), MAX_COVER) if wind > 0.0 else crest_cover(drawn_together)
 
 
 class FoamField:
-    """White water that lasts: it is born on converging crests, is carried with the water and fades.
+    """Share of white water on a grid over time: foam is born on converging crests, is carried with the water and fades.
 
-    Its mean over the life of foam is kept at the cover that crests or the wind call for: faded foam is replaced by new
-    patches, each as wide as a white cap. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of
-    the waves': shares on a grid would blur as they are carried.
+    Its mean over the life of foam is kept at a cover that crests or the wind determine: new patches, each as wide as a
+    white cap, replace faded foam. It consists of flecks, each born on one of FLECKS_PER_CELL cells along each of the
+    waves': shares on a grid would blur as they are carried.
     """
 
     def __init__(self, shape: tuple[int, int], cell: np.ndarray) -> None:
-        """`shape` and `cell`: number and sides [m] of the cells of the waves, along x and z."""
+        """`shape` and `cell`: numbers and lengths [m] of the cells of the waves' grid, along x and z."""
         self.cell, self.time = cell, 0.0
         self.origin = np.zeros(2)  # of the grid along x and z [cells of the waves]
         self.flecks = np.zeros((4, 0))  # places along x and z [cells of the waves], thickness, and what that rises to
@@ -117,7 +115,7 @@ class FoamField:
         self.started = False
 
     def due(self, time: float) -> bool:
-        """True if the clock ticks by a time [s], so that breaking crests are looked for."""
+        """True if breaking crests must be looked for at a time [s]: first, and then every BREAKING_INTERVAL."""
         return not self.started or bool(
             np.floor(time / BREAKING_INTERVAL + 1e-6) > np.floor(self.ticked / BREAKING_INTERVAL + 1e-6)
         )
@@ -125,10 +123,10 @@ class FoamField:
     def advance(
         self, time: float, velocity: np.ndarray, source: np.ndarray | None, wanted: float | None = None
     ) -> None:
-        """Advance to a time [s] with the velocity of the surface along x and z (nx, nz, 2) [m/s].
+        """Advance the foam to a time [s], with the velocity of the surface along x and z (nx, nz, 2) [m/s].
 
-        `source` (nx, nz): convergence, of which as much turns white as keeps the mean at `wanted`, None between ticks;
-        or, without `wanted`, the share that is white of itself.
+        `source` (nx, nz): convergence, of which so much turns white that the mean stays at `wanted`, or None between
+        ticks; without `wanted`, the share of white water itself.
         """
         if self.started and time > self.time:
             self.carry(velocity * (time - self.time))
@@ -149,15 +147,15 @@ class FoamField:
         self.time, self.started = time, True
 
     def call(self, wanted: float, fades: float) -> None:
-        """Take a wanted cover into the mean; `fades`: remaining share of the mean before."""
+        """Update the running mean of the wanted cover by a new value; `fades`: remaining weight of the old mean."""
         before = self.called * fades
         self.called = before + 1.0 - fades if before > 0.0 or wanted > 0.0 else 0.0
         if self.called > 0.0:
             self.cover += (wanted - self.cover) * (1.0 - before / self.called)
 
     def gathering(self, shape: tuple[int, ...], time: float) -> np.ndarray:
-        """Readiness (nx, nz) of crests to break at a time [s], here and there: a long one would else break all along in
-        a line too thin to last. The law is ours."""
+        """Readiness (nx, nz) of crests to break at a time [s], 1 in the mean. It varies along a crest, which would
+        otherwise break all along in a line too thin to last. The law is ours."""
         cells = (FLECKS_PER_CELL * (np.arange(n) + first) for n, first in zip(shape, self.origin, strict=True))
         x, z = (
             (at + wanders * time) / (GATHERING_PATCHES * PATCH_CELLS)
@@ -166,8 +164,8 @@ class FoamField:
         return gathering_noise(*np.meshgrid(x, z, indexing="ij"))
 
     def broken(self, drawn_together: np.ndarray, time: float, step: float) -> np.ndarray:
-        """Thickness of the foam that crests of convergence (nx, nz) begin to make at a time after a step [s], so that
-        the mean comes to the wanted cover; 0 where they make none.
+        """Thickness of the foam that breaking crests begin to make on the cells of white water, 0 where none, so that
+        the mean comes to the cover. `drawn_together` (nx, nz): convergence; `step`: time since the last call [s].
 
         A mean over the width of a patch tells crests from anything shorter. White water counts as less steep than it
         is: otherwise foam would be made anew and never age where the same waves stand in the same water, as behind a
@@ -185,7 +183,8 @@ class FoamField:
         return np.where(born > white, born, 0.0)
 
     def add(self, rises_to: np.ndarray, thick: np.ndarray) -> None:
-        """Flecks on the cells of white water where they rise to more than 0, in place of those that lie there."""
+        """Add flecks of thickness `thick` that rise to `rises_to`, on cells where that is not 0, in place of older
+        ones."""
         cells = (np.floor(FLECKS_PER_CELL * (along + 0.5)).astype(int) for along in self.flecks[:2])
         covered = rises_to[tuple(cells)] > 0.0
         i, k = np.nonzero(rises_to)
@@ -196,7 +195,7 @@ class FoamField:
         self.white = self.shown(self.flecks[2])
 
     def fade(self, step: float) -> None:
-        """Let flecks rise or fade for a time [s]; flecks too thin to be seen are left out."""
+        """Let flecks rise or fade for a step of time [s]; remove those too thin to be seen."""
         x, z, thick, rises_to = self.flecks
         rising = rises_to > thick
         thick = np.where(
@@ -206,7 +205,7 @@ class FoamField:
         self.flecks = np.stack([x, z, thick, rises_to])[:, np.maximum(thick, rises_to) > MIN_SHARE]
 
     def shown(self, thick: np.ndarray) -> np.ndarray:
-        """Shares of the cells of white water, of flecks of such a thickness (n,): its mean where they lie close, less
+        """Share of white water in each cell, from flecks of a thickness (n,): their mean where they lie close, less
         where the water has drawn them apart."""
         rows, columns = self.white.shape
         x, z = (FLECKS_PER_CELL * (along + 0.5) - 0.5 for along in self.flecks[:2])
@@ -221,7 +220,7 @@ class FoamField:
         return np.minimum(share, 1.0).reshape(rows, columns)
 
     def carry(self, way: np.ndarray) -> None:
-        """Move flecks and grain by a displacement (nx, nz, 2) [m]; grain that comes in repeats that at the edge."""
+        """Move flecks and grain by a displacement x, z (nx, nz, 2) [m]; grain from outside repeats that at the edge."""
         cells = np.moveaxis(way / self.cell, -1, 0)
         back = read_ways(
             cells, np.indices(cells.shape[1:]) - 0.5 * cells
@@ -251,12 +250,12 @@ class FoamField:
 
 
 def gathering_noise(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness of white water to gather at places, about 1 apart; 1 in the mean."""
+    """Readiness (n,) of white water to gather at places x, z (n,): noise with a period of about 1 and a mean of 1."""
     return 0.5 + value_noise(x, z)[0]
 
 
 def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
-    """Values of a grid that moves by n cells along an axis; new cells are 0."""
+    """Values of a grid that moves by n cells along an axis over a fixed field; its new cells are 0."""
     if n == 0:
         return values
     shifted = np.roll(values, -n, axis)
@@ -267,8 +266,8 @@ def shifted_grid(values: np.ndarray, n: int, axis: int) -> np.ndarray:
 
 
 def refined_cells(values: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) in the middles of cells as (FLECKS_PER_CELL nx, FLECKS_PER_CELL nz) in the middles of their
-    halves: linear between them, and beyond the outermost as these are."""
+    """Values (nx, nz) in the middles of cells, interpolated linearly in those of FLECKS_PER_CELL times as many cells
+    along each axis; constant beyond the outermost middles."""
     (nx, nz), around = values.shape, np.pad(values, 1, mode="edge")
     shares = {(a, b): around * a * b for a, b in product((0.25, 0.75), repeat=2)}
     fine = np.empty((FLECKS_PER_CELL * nx, FLECKS_PER_CELL * nz))
@@ -283,21 +282,21 @@ def refined_cells(values: np.ndarray) -> np.ndarray:
 
 
 def cell_means(white: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """(nx, nz) means of white water over the cells of the waves, of which a frame has this shape."""
+    """Means (nx, nz) of white water over the cells of the waves' grid, whose shape is given."""
     nx, nz = shape
     return white.reshape(nx, white.shape[0] // nx, nz, white.shape[1] // nz).mean(axis=(1, 3))
 
 
 def displaced_values(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values that come in repeat the edge."""
+    """Values (nx, nz) displaced by (2, nx, nz) cells, by a cubic spline; values from outside repeat the edge's."""
     from scipy.ndimage import map_coordinates
 
     return np.asarray(map_coordinates(values, np.indices(values.shape) - cells, mode="nearest"))
 
 
 def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """(nx, nz, 2) how far the grain is moved [m]: where water close to water goes otherwise, as behind a ship, the mean
-    around, since patches would be drawn out to threads."""
+    """Displacement (nx, nz, 2) [m] of the grain of foam, from how far the water has carried it. Where neighbouring
+    water moves apart, as behind a ship, it is averaged: patches would be drawn out to threads."""
     from scipy.ndimage import gaussian_filter
 
     strain = np.abs([np.gradient(carried, along, axis=axis) for axis, along in enumerate(cell)]).max(axis=(0, 3))
@@ -309,7 +308,7 @@ def untorn_displacement(carried: np.ndarray, cell: np.ndarray) -> np.ndarray:
 
 
 def read_ways(ways: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Ways (2, nx, nz) at places (2, ...) in cells, linear between the middles of these."""
+    """Displacements (2, nx, nz) at places (2, ...) [cells], interpolated linearly between the middles of cells."""
     from scipy.ndimage import map_coordinates
 
     return np.stack([map_coordinates(way, places, order=1, mode="nearest") for way in ways])
@@ -335,9 +334,9 @@ def new_foam(white: np.ndarray, drawn_together: np.ndarray, wanted: float) -> np
 
 
 def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
-    """(2, n) by how far the edges of foam are drawn out at positions (n,), all in cells of the grid that it is kept on:
-    a few values apart a cell would make round blobs of it. Most along the wind, which goes to an `angle` [rad] from +x
-    to +z and whose drift at the surface leaves streaks of it."""
+    """Displacements (2, n) that bend the edges of foam at positions x, z (n,), all in cells of the foam's grid, whose
+    few values alone would make round blobs. They are longest along the wind, which blows to an `angle` [rad] from +x to
+    +z."""
     c, s = np.cos(angle), np.sin(angle)
     along, across, way = (c * x + s * z) / STREAK_STRETCH, c * z - s * x, np.zeros((2, len(x)))
     for wave, far in EDGE_BENDS:
@@ -347,15 +346,15 @@ def edge_bends(x: np.ndarray, z: np.ndarray, angle: float) -> np.ndarray:
 
 
 def grain_places(places: np.ndarray, angle: float) -> np.ndarray:
-    """Places (n, 2) [m] by which foam finds its grain, nearer to each other along the wind, which goes to an `angle`
-    [rad] from +x to +z: threads are the longer there."""
+    """Places (n, 2) [m] at which the noise of the foam's grain is read, for places x, z (n, 2) [m] of the water. They
+    lie nearer together along the wind, at an `angle` [rad] from +x to +z, so that threads are longer there."""
     way = np.array([np.cos(angle), np.sin(angle)])
     return places - (1.0 - 1.0 / THREAD_STRETCH) * (places @ way)[:, None] * way
 
 
 def levelled_heights(elevation: np.ndarray, inside: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Heights (nx, nz) whose points inside (nx, nz) of something take the mean of those around it, with a Gaussian's
-    weight as wide as so many cells along x and z."""
+    """Heights (nx, nz) [m] in which points marked `inside` (nx, nz) take the mean of the others around them, with
+    Gaussian weights of standard deviations `reach` along x and z [cells]."""
     from scipy.ndimage import gaussian_filter
 
     outside = (~inside).astype(float)

@@ -23,14 +23,14 @@ GRADIENT_VARIANCE = 0.4204  # of the slopes of an octave of unit height and wave
 
 
 class Wind(NamedTuple):
-    """Wind over the water, as ripples follow it."""
+    """Wind over the water that drives the ripples."""
 
     speed: float  # [m/s]
     angle: float  # [rad] where it goes to, from +x to +z
 
 
 def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Random values at integer points, smooth between them, and their derivatives."""
+    """Noise at points x, z: random values at integer points, smooth between them; and its derivatives along x and z."""
     i, j = np.floor(x), np.floor(z)
     f, g = x - i, z - j
     i, j = i.astype(np.int64), j.astype(np.int64)
@@ -42,7 +42,7 @@ def value_noise(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def hashed_number(i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """A number from 0 to 1 for whole i, j: integers hashed, so that every processor finds the same."""
+    """Pseudorandom numbers, 0 to 1, for integers i, j: an integer hash, so that every processor gives the same."""
     n = (i * 374761393 + j * 668265263) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
     return (n >> 16) / 65535.0

@@ -31,7 +31,7 @@ HULL_PIXELS = (96, 96)  # of the map of distances to a hull and of its foam
 
 
 class Dome:
-    """The sky, wherever the eye is."""
+    """The sky as a sphere around the eye, which moves with it."""
 
     def __init__(self, stage: Stage, image: Any) -> None:
         dome = stage.pyvista.Icosphere(radius=1.0, nsub=3)
@@ -45,10 +45,10 @@ class Dome:
 
 
 class Sea(Content):
-    """A surface that is the basin's inside it, becomes the far sea before its sides, and ends behind the fog."""
+    """The water surface of a picture at sea: the basin's inside it, blended into the far sea, and ended in fog."""
 
     def __init__(self, stage: Stage, order: Order, vessels: dict[str, Vessel], grid: Any, state: SeaState) -> None:
-        """`vessels`: ships by their keys, where they go."""
+        """`vessels`: tracks of ships by key; `grid`: arrays that the run keeps once; `state`: sea around the basin."""
         self.stage, self.order, self.state = stage, order, state
         self.surface = SeaSurface(grid, state, BASIN_NODES[order.quality])
         sky = self.sky = sky_module.cloudy_sky() if order.sky else sky_module.clear_sky_image()
@@ -93,7 +93,7 @@ class Sea(Content):
         self.kelvins = [Kelvin(of, self.hulls[key].beam) for key, of in vessels.items()] if alone else []
 
     def mesh_of(self, nodes: np.ndarray, corners: np.ndarray) -> Any:
-        """Nodes x, z (n, 2) [m] and triangles of a part of the sea, with room for their traits."""
+        """Mesh of nodes x, z (n, 2) [m] and triangles of a part of the sea, with empty arrays for their traits."""
         points = np.insert(nodes, 1, 0.0, axis=1).astype(np.float32)
         mesh = self.stage.pyvista.PolyData.from_regular_faces(points, corners)
         for name in NODE_TRAITS:
@@ -101,31 +101,32 @@ class Sea(Content):
         return mesh
 
     def set(self, **values: Any) -> None:
-        """Numbers for the programs of the basin and of the sea around it."""
+        """Set uniforms of the shaders of the basin and of the sea around it."""
         for part in (self.near, self.far):
             part.set(**values)
 
     def lay(
         self, part: water_glsl.Shaded, points: np.ndarray, normals: np.ndarray, traits: np.ndarray, grain: np.ndarray
     ) -> None:
-        """Points [m], normals, (white, crest, variance) and the places by which foam finds its grain (n, 2) [m]."""
+        """Set the nodes of a part of the sea: points [m], normals, traits (white, crest, variance), and the places x, z
+        (n, 2) [m] at which the grain of foam is read."""
         part.mesh.points = points.astype(np.float32)
         values = normals, traits, np.insert(foam.grain_places(grain, self.state.angle), 1, 0.0, axis=1)
         for name, value in zip(NODE_TRAITS, values, strict=True):
             part.mesh.point_data[name] = value.astype(np.float32)
 
     def ship(self, model: ShipModel) -> ShadedShip:
-        """A ship in the light of this sea, not mirrored yet."""
+        """Add a ship in the light of this sea; `reflect` mirrors her."""
         self.ships.append(ShadedShip(self.stage, model, self.sky, self.above))
         return self.ships[-1]
 
     def appear(self) -> None:
-        """Draw water and sky after the ships from now on, the nearer first: hidden pixels are then never shaded."""
+        """Add water and sky to the plotter after the ships, the nearer first: hidden pixels are then never shaded."""
         for part in (self.near, self.far, self.dome.shaded):
             self.stage.plotter.add_actor(part.actor, reset_camera=False, render=False)
 
     def reflect(self) -> None:
-        """Mirror its ships from now on."""
+        """Mirror the ships in the water from now on."""
         self.mirror = Mirror(self.stage, [ship.shaded for ship in self.ships], self.mirrored)
 
     def show(self, frame: Frame) -> None:
@@ -148,7 +149,7 @@ class Sea(Content):
             self.spray.show(frame.position, self.heights_at(frame.position[:, [0, 2]]))
 
     def darken(self) -> None:
-        """The shadows of its ships, where they are shown."""
+        """Update the shadows that ships cast on the water."""
         for k, ship in enumerate(self.ships):
             self.shadow[k] = ship.depth
             low, high = ship_glsl.shadow_bounds(ship.depth[..., 0], ship.shade.length)
@@ -159,12 +160,12 @@ class Sea(Content):
 
     @property
     def pixel(self) -> float:
-        """Angle of a pixel [rad]."""
+        """Angle that a pixel covers [rad]."""
         angle = np.radians(self.stage.plotter.camera.view_angle)
         return 2.0 * float(np.tan(angle / 2.0)) / self.order.size[1]
 
     def crest(self, height: np.ndarray) -> np.ndarray:
-        """0 at rest, 1 on a crest."""
+        """Heights [m] over the mean level, in shares of half the significant height: 0 at rest, 1 on a crest."""
         return (height - self.now.level) / max(0.5 * self.now.height, 1e-3)
 
     def show_basin(self, frame: Frame) -> None:
@@ -206,19 +207,19 @@ class Sea(Content):
         self.lay(self.near, points, surface.normals(now.height).reshape(-1, 3), traits.reshape(-1, 3), grain)
 
     def wetted_hull(self, key: str, position: np.ndarray, turn: np.ndarray) -> WettedHull:
-        """A ship in the water as it is drawn now."""
+        """Hull of a ship at a position (3,) [m], turned (3, 3) from body to world, in the water as it is drawn now."""
         speed = self.vessels[key].speed(self.frame.time) if key in self.vessels else 0.0
         return self.hulls[key].wetted_hull(position, turn, speed, self.heights_at)
 
     def bow_waves(self, frame: Frame) -> np.ndarray:
-        """(nx, nz) [m] the waves at the bows of all ships, on the water that is there without them."""
+        """Height (nx, nz) [m] that the bow waves of all ships add to the water at the nodes of the basin."""
         places = self.surface.nodes + frame.origin
         ships = [self.wetted_hull(key, *frame.ships[key]) for key in self.vessels]
         raised = sum((ship.raised(places) for ship in ships if ship.wet), np.zeros(len(places)))
         return raised.reshape(self.height.shape)
 
     def show_beyond(self, frame: Frame) -> None:
-        """The sea outside the basin, on a fan around the eye."""
+        """Update the sea outside the basin, on a fan around the eye."""
         surface, camera = self.surface, self.stage.camera
         fan = surface.fan
         aspect = self.order.size[0] / self.order.size[1]
@@ -252,7 +253,7 @@ class Sea(Content):
         self.far.set(innerLow=np.insert(low, 1, 0.0), innerHigh=np.insert(high, 1, 0.0))
 
     def heights_at(self, positions: np.ndarray) -> np.ndarray:
-        """(n,) drawn heights [m] at positions x, z (n, 2) [m]."""
+        """Drawn heights (n,) [m] of the water at positions x, z (n, 2) [m]."""
         from scipy.interpolate import RegularGridInterpolator
 
         surface = self.surface
@@ -263,8 +264,8 @@ class Sea(Content):
         return at
 
     def meet(self, k: int, key: str, position: np.ndarray, turn: np.ndarray) -> float:
-        """Set the water around ship k: foam along its waterline, no water inside it, and the place of its mirror image;
-        returns the height of the water around it [m]."""
+        """Set the water around ship k: foam along its waterline, no water inside its hull, and the place of its mirror
+        image; returns the mean height of the water around it [m]."""
         hull, ship = self.hulls[key], self.wetted_hull(key, position, turn)
         self.set(**{f"useHull{k}": float(ship.wet)})
         if ship.wet:

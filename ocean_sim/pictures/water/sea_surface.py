@@ -15,11 +15,11 @@ GATHERING_LENGTH = 7.0  # [m] apart at which white water gathers along a crest
 
 
 class SeaSurface:
-    """Nodes of an even grid across the basin, and those of a fan around the eye for the sea beyond it: within its last
-    fifth the basin's own waves give way to the far ones. Only heights change, and the origin where ships sail away."""
+    """Surface of the sea around an eye: the nodes of an even grid across the basin, and a fan of nodes beyond it.
+    Within the last fifth of the basin its own waves give way to the far ones. Only heights and the origin change."""
 
     def __init__(self, grid: Any, state: SeaState, nodes: int) -> None:
-        """`nodes`: about how many lie within the basin."""
+        """`nodes`: approximate number of nodes within the basin."""
         self.state = state
         self.lower, self.upper = grid["lower"][[0, 2]], grid["upper"][[0, 2]]
         self.margin = far_sea.BLEND_MARGIN * float((self.upper - self.lower).min())
@@ -37,22 +37,22 @@ class SeaSurface:
         self.wanted = 0.0  # share of white water
 
     def grain_at(self, origin: np.ndarray) -> np.ndarray:
-        """(nx, nz) how readily white water gathers at the nodes around an origin x, z [m]."""
+        """Readiness (nx, nz) of white water to gather at the nodes around an origin x, z [m]; 1 in the mean."""
         return foam_gathering(*(self.nodes + origin).T).reshape(len(self.x), len(self.z))
 
     def blend_weight(self, k: int) -> np.ndarray:
-        """Share of the basin's own waves at the nodes along one side."""
+        """Share, 0 to 1, of the basin's own waves at the nodes along x (k = 0) or z (k = 1)."""
         return far_sea.blend_weight((self.x, self.z)[k], self.lower[k], self.upper[k], self.margin)
 
     def middles(self, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places x and z [m] of the kept heights, around an origin x, z [m]."""
+        """Coordinates x (nx,) and z (nz,) [m] of the heights that frames keep, around an origin x, z [m]."""
         cells = [own.shape[1] for own in self.own]
         step = (self.upper - self.lower) / cells
         x, z = (self.lower[k] + origin[k] + (np.arange(cells[k]) + 0.5) * step[k] for k in range(2))
         return x, z
 
     def at(self, frame: Frame, now: SeaNow, answer: np.ndarray | None = None) -> far_sea.SeaSample:
-        """Heights and convergence at all nodes (nx, nz).
+        """Heights [m] and convergence of a frame at all nodes (nx, nz) of the basin.
 
         `answer`: additions of ships, winds and steepness to the exact waves, at the points of the basin [m].
         """
@@ -76,29 +76,28 @@ class SeaSurface:
         )
 
     def around(self, frame: Frame, eye: np.ndarray, now: SeaNow) -> np.ndarray:
-        """(rings, rays, 4) of the fan as `far_sea.Fan.at`, around an eye [m]."""
+        """Heights, slopes and convergence (rings, rays, 4) of the far sea around an eye [m], as of `far_sea.Fan.at`."""
         found = self.fan.at(far_sea.complex_amplitudes(now.waves, frame.time, eye[[0, 2]]))
         found[..., 0] += now.level
         return found
 
     def normals(self, height: np.ndarray) -> np.ndarray:
-        """(nx, nz, 3) unit normals."""
+        """Unit normals (nx, nz, 3) of a surface of heights (nx, nz) [m] at the nodes of the basin."""
         slope_x, slope_z = np.gradient(height, self.x, axis=0), np.gradient(height, self.z, axis=1)
         normal = np.stack([-slope_x, np.ones_like(height), -slope_z], axis=-1)
         return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def foam(self, drawn_together: np.ndarray, cover: float | None = None) -> np.ndarray:
-        """Share (nx, nz) of white water: its mean over the basin is the cover; None: as crests call for."""
+        """Share (nx, nz) of white water by convergence; its mean is `cover`, by default that of breaking crests."""
         self.wanted = foam.crest_cover(drawn_together) if cover is None else cover
         return foam.white_shares(drawn_together * self.grain, self.wanted)
 
     def beyond(
         self, found: np.ndarray, rings: np.ndarray, nodes: np.ndarray, eye: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
-        """(bands, rays) share of white water at nodes x, z (bands * rays, 2) [m], which lie on `rings` (bands, rays) of
-        the fan around an eye [m], of what is `around` it, waves of these amplitudes (m,) [m]: as much near the eye as
-        in the basin, and as much on each ring, the more evenly the fewer waves are drawn there that would tell
-        where."""
+        """Share (bands, rays) of white water on the far sea, at nodes x, z (bands * rays, 2) [m] of its fan around an
+        eye [m]. `rings` (bands, rays): numbers of their rings; `found`: values from `around`; `amplitude` (m,): of the
+        waves [m]. Its mean is the basin's on each ring; the fewer waves are drawn there, the more even it is."""
         if self.wanted <= 0.0:
             return np.zeros(rings.shape)
         fan = self.fan
@@ -112,19 +111,18 @@ class SeaSurface:
         return self.wanted + told[rings] * (white - self.wanted)
 
     def whole(self, fresh: np.ndarray, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """Share (nx, nz) of white water: the one in frames (see `laced`), and at its end the fresh white on the far
-        sea's crests (nx, nz); as white in the mean as either."""
+        """Share (nx, nz) of white water at the nodes: `kept` foam of a frame within the basin (see `laced`), blended
+        into the fresh foam of the far sea's crests (nx, nz) at its sides."""
         return self.laced(kept, grain) + (1.0 - self.share) * fresh
 
     def carried(self, kept: np.ndarray) -> np.ndarray:
-        """Values that frames keep at the points of the basin, at the nodes (nx, nz); they end with the basin's own
-        waves."""
+        """Values (nx, nz) at the nodes, interpolated from those a frame keeps; they fade to 0 at the basin's sides."""
         x, z = self.own
         return self.share * (x @ kept @ z.T)
 
     def laced(self, kept: np.ndarray, grain: np.ndarray) -> np.ndarray:
-        """(nx, nz) the same of white water, at the nodes, whose grain is that of places (n, 2) [m]: its edges are bent
-        within a cell, and go with the grain."""
+        """Share (nx, nz) of white water at the nodes from the foam of a frame on its own grid, with edges bent by noise
+        within a cell. `grain` (n, 2): places [m] at which the noise is read for each node; they move with the water."""
         from scipy.ndimage import map_coordinates, maximum_filter
 
         cell, white = (self.upper - self.lower) / kept.shape, np.zeros(self.share.shape)
@@ -142,5 +140,5 @@ class SeaSurface:
 
 
 def foam_gathering(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Readiness of white water to gather at positions [m]."""
+    """Readiness (n,) of white water to gather at positions x, z (n,) [m]; 1 in the mean."""
     return foam.gathering_noise(x / GATHERING_LENGTH, z / GATHERING_LENGTH)

@@ -1,4 +1,4 @@
-"""Water that folds, in a tank of glass: clear, with splashes of its own.
+"""Water that folds over, in a tank of glass: clear, with splashes of its own.
 
 Things behind clear water are seen bent and dimmed by the way of light through it. Two pictures come first: one of
 everything but the water, one of the distances of its back faces. The shader takes the difference of both faces as the
@@ -128,11 +128,11 @@ WATER_PROGRAM = f"""
 
 
 class Shell(Content):
-    """A closed surface with drops and folds, smoothed, and as clear as water."""
+    """Closed surface of the water in a tank, with drops and folds, drawn smooth and clear."""
 
     def __init__(self, stage: Stage, grid: Any, upper: np.ndarray, first: Frame, white: bool) -> None:
-        """Shell of the tank that frames keep, drawn up to `upper` [m]; `first`: frame of the run; `white`: with
-        splashes."""
+        """`grid`: arrays that frames keep once; `upper`: top corner of the drawn tank [m]; `first`: first frame of the
+        run; `white`: True to draw splashes."""
         depth = self.depth = float(grid["depth"])
         self.stage, self.first, self.white = stage, first, white
         self.lower, self.upper, self.spacing = tuple(grid["lower"]), tuple(upper), float(grid["spacing"])
@@ -175,7 +175,8 @@ class Shell(Content):
         self.measure.add_actor(self.backs.actor, reset_camera=False, render=False)
 
     def surface(self, frame: Frame) -> tuple[Mesh, np.ndarray, np.ndarray]:
-        """The mesh, and for its vertices state and birthplace (see TRAITS)."""
+        """Surface mesh of a frame, and for its vertices the traits (n, 3) air, torn and rough, and the places (n, 3)
+        [m] at which their water began (see WATER_TRAITS)."""
         assert frame.mesh is not None
         skin = smooth_mesh(Mesh(*frame.mesh), self.lower, self.upper, MAX_SMOOTHING * self.spacing)
         particles, start = (frame.position, frame.velocity, frame.id), (self.first.position, self.first.id)
@@ -237,12 +238,12 @@ class Shell(Content):
         water_glsl.fill_image(self.farther.GetInput(), nearest)
 
     def distances(self) -> np.ndarray:
-        """(height, width, 4) of the back faces, from the lowest row on."""
+        """Distances of the water's back faces as an image (height, width, 4), from the lowest row on."""
         self.measure.render()
         return self.measure.screenshot(None, return_img=True, transparent_background=True)[::-1]
 
     def see(self) -> None:
-        """Take the present picture as the background of water drawn from now on."""
+        """Use the present picture as the background of the water from now on."""
         for mark in self.stage.over:
             mark.VisibilityOff()
         self.stage.plotter.render()

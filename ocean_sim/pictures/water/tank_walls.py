@@ -1,5 +1,4 @@
-"""The vessel of a tank: its bed and walls with lines on them, in soft light; walls that the eye looks through are left
-out."""
+"""Bed and walls of a tank with lines on them, in soft light; walls between the eye and the tank are left out."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -37,7 +36,7 @@ AMBIENT_LIGHT, SUN_LIGHT = 0.84, 0.26  # of light: from all sides, and the sun's
 
 
 class Panel(NamedTuple):
-    """A rectangle that looks along an axis, inwards."""
+    """A rectangle across an axis that faces the inside of the tank."""
 
     axis: int
     at: float  # [m]
@@ -45,14 +44,14 @@ class Panel(NamedTuple):
 
 
 def tank_panels(low: np.ndarray, up: np.ndarray) -> list[Panel]:
-    """Bed and walls of a tank from `low` to `up` [m]."""
+    """Bed and walls of a tank between its corners `low` and `up` [m]."""
     walls = [Panel(axis, end[axis], side) for axis in (0, 2) for end, side in ((low, 1.0), (up, -1.0))]
     return [Panel(1, low[1], 1.0), *walls]
 
 
 def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) places of a panel at these places along its next two axes [m], so far outside of it [m], and rectangles
-    (m, 4) between them that look inwards."""
+    """Points (n, 3) [m] of a panel at coordinates `u`, `v` along its next two axes [m], moved outwards by `out` [m],
+    and quadrilaterals (m, 4) between them that face inwards."""
     points = np.full((len(u) * len(v), 3), panel.at - panel.inwards * out)
     along = np.meshgrid(u, v, indexing="ij")
     for n, places in enumerate(along, 1):
@@ -64,7 +63,7 @@ def panel_sheet(panel: Panel, u: np.ndarray, v: np.ndarray, out: float) -> tuple
 
 
 def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], height: float) -> np.ndarray:
-    """(n,) on places (n, 3) [m] of a panel: less in the nooks where others meet it."""
+    """Brightness (n,) of a panel at points (n, 3) [m], lower near the other panels of a tank of this height [m]."""
     sunny = max(panel.inwards * float(sky.SUN_DIRECTION[panel.axis]), 0.0)
     bright = np.full(len(points), AMBIENT_LIGHT + SUN_LIGHT * sunny)
     for other in all_of_them:
@@ -74,21 +73,21 @@ def panel_light(points: np.ndarray, panel: Panel, all_of_them: list[Panel], heig
 
 
 def line_sides(low: float, up: float, step: float) -> Iterator[np.ndarray]:
-    """Both sides of each line at a multiple of a step along an axis from `low` to `up` [m]."""
+    """Yield both edges [m] of each line drawn at a multiple of `step` along an axis from `low` to `up` [m]."""
     for at in step * np.arange(np.ceil(low / step), np.floor(up / step) + 1.0):
         yield np.clip(at + 0.5 * LINE_BREADTH * step * np.array([-1.0, 1.0]), low, up)
 
 
 def join_sheets(sheets: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Places and rectangles of many sheets as one."""
+    """Points and quadrilaterals of many sheets joined into one."""
     begins = np.cumsum([0] + [len(points) for points, _ in sheets])
     faces = [quads + begin for (_, quads), begin in zip(sheets, begins[:-1], strict=True)]
     return np.concatenate([points for points, _ in sheets]).astype(np.float32), np.concatenate(faces)
 
 
 def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: float) -> None:
-    """Add lines on the ground at a height around a block from `low` to `up` [m], a round number of metres apart: bare,
-    it would not tell how far it goes."""
+    """Add lines to the ground at a height around a block from `low` to `up` [m], a round number of metres apart, to
+    show how far the ground extends."""
     longer, level = max(up[0] - low[0], up[2] - low[2]), Panel(1, height, 1.0)
     reach, step = GROUND_REACH * longer, round_up(longer / GROUND_LINES)
     first, last = low - reach, up + reach
@@ -104,8 +103,8 @@ def add_ground_lines(stage: Stage, low: np.ndarray, up: np.ndarray, height: floa
 
 
 def add_tank(stage: Stage, low: np.ndarray, top: np.ndarray, depth: float) -> None:
-    """Add the vessel from `low` to `top` [m]: its panels, the lines on them, a round number of metres apart that befits
-    a tank of this depth [m], and its edges."""
+    """Add a tank from `low` to `top` [m]: its panels, its edges, and lines a round number of metres apart that suits
+    its depth [m]."""
     pyvista, below, step = stage.pyvista, PANEL_OFFSET * (top[1] - low[1]), round_up(LINE_INTERVAL * depth)
     box = pyvista.Box(np.stack([low, top], axis=1).ravel()).extract_feature_edges(30.0)
     stage.plotter.add_mesh(box, color=EDGE_COLOUR, opacity=0.5, line_width=1.5 * stage.samples, lighting=False)

@@ -1,5 +1,5 @@
-"""Wake of a ship in water that does not resolve it: white along the track of its stern, and Kelvin's waves. Drawn,
-without effect on the run."""
+"""Wake of a ship in water that does not resolve it: foam along the track of its stern, and Kelvin's waves. Both are
+drawn without effect on the run."""
 
 from functools import lru_cache
 
@@ -43,14 +43,14 @@ LIMITED_REACH = (
 
 
 class Wake:
-    """Shares of foam at the nodes of a grid, by how long ago and how far away the stern passed. The laws are ours."""
+    """Foam that a ship leaves along the track of its stern. The laws of its width and fading are ours."""
 
     def __init__(self, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray) -> None:
-        """`breadth` of the ship [m]; `x`, `z`: nodes along the sides [m]."""
+        """`breadth` of the ship [m]; `x`, `z`: coordinates [m] of the nodes of the grid."""
         self.vessel, self.half, self.x, self.z = vessel, 0.5 * breadth, x, z
 
     def share(self, time: float, origin: np.ndarray) -> np.ndarray:
-        """(nx, nz) at a time [s], on nodes around an origin x, z [m]."""
+        """Share (nx, nz) of foam at a time [s], at the nodes around an origin x, z [m]."""
         share = np.zeros((len(self.x), len(self.z)))
         track = self.vessel.track
         if time <= track.time[0]:
@@ -95,9 +95,9 @@ class Wake:
 
 @lru_cache(maxsize=64)
 def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
-    """(n, m) height [m] of the waves of a pressure as wide as a ship that goes steadily over deep water (Havelock 1908,
-    Proc. R. Soc. A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes FINEST breadths
-    apart behind its bow and aside."""
+    """Height (n, m) [m] of the steady waves of a pressure as wide as a ship in deep water (Havelock 1908, Proc. R. Soc.
+    A 81; Darmon, Benzaquen & Raphael 2014, J. Fluid Mech. 738, equation 2.9), at nodes PATTERN_STEP breadths apart
+    behind the bow and to the side."""
     step = PATTERN_STEP * breadth
     x, y = np.arange(0.0, KELVIN_ASTERN * length, step), np.arange(0.0, KELVIN_ABEAM * length, step)
     k0, froude = GRAVITY / speed**2, speed / np.sqrt(GRAVITY * breadth)
@@ -114,14 +114,14 @@ def kelvin_pattern(speed: float, breadth: float, length: float) -> np.ndarray:
 
 
 class Kelvin:
-    """The waves behind a ship."""
+    """Kelvin's waves behind a ship, and the hollow behind its transom."""
 
     def __init__(self, vessel: Vessel, breadth: float) -> None:
         """`breadth` of the ship [m]."""
         self.vessel, self.breadth = vessel, breadth
 
     def height(self, time: float, places: np.ndarray) -> np.ndarray:
-        """(n,) [m] at places x, z (n, 2) [m] at a time [s]."""
+        """Height (n,) [m] of these waves at places x, z (n, 2) [m] at a time [s]; 0 for a ship too slow to make any."""
         from scipy.ndimage import map_coordinates
 
         track, length = self.vessel.track, self.vessel.length
@@ -137,8 +137,8 @@ class Kelvin:
 
 
 def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth: float) -> np.ndarray:
-    """(n,) depth [m] by which water that leaves a transom stands lower than around it, before it rises again into a
-    wave of the ship's own length; at distances astern of it and aside [m]. The law is ours."""
+    """Depth (n,) [m] by which water behind a transom stands below the water around, before it rises into a wave of the
+    ship's own length; `astern`, `aside`: distances from the transom [m]. The law is ours."""
     depth = min(HOLLOW_DEPTH * speed**2 / GRAVITY, MAX_HOLLOW * breadth)
     k = GRAVITY / speed**2
     along = np.where(astern > 0.0, np.cos(k * astern) * np.exp(-0.3 * k * np.maximum(astern, 0.0)), 0.0)
@@ -149,8 +149,8 @@ def transom_hollow(astern: np.ndarray, aside: np.ndarray, speed: float, breadth:
 def limited_answer(
     answer: np.ndarray, vessel: Vessel, breadth: float, x: np.ndarray, z: np.ndarray, time: float
 ) -> np.ndarray:
-    """Response of a water to a ship (nx, nz) [m], at nodes x, z [m], no higher or deeper around her than a flow of her
-    speed can stand, V^2 / 2 g (Bernoulli): linear waves do not break, and leave a hole in the shape of her hull."""
+    """Response (nx, nz) [m] of the water to a ship, at nodes x, z [m], limited around her to V^2 / 2 g, the height at
+    which a flow of her speed stands (Bernoulli): linear waves do not break, and leave a hole of the hull's shape."""
     track = vessel.track
     k = int(np.abs(track.time - time).argmin())
     along, aside = ship_coordinates(x[:, None], z[None, :], track.position[k], track.turn[k])

@@ -180,9 +180,9 @@ vec3 sunGlint(vec3 n, vec3 e, float variance) {{
 
 
 def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
-    """The program of water around so many ships; the maps of distances to their hulls lie one over another in one
-    texture. `grain`: the place by which foam finds its grain: its own, or where it was born; `shadows`: the program
-    that takes its share from `sunlit`."""
+    """GLSL program of the water around a number of ships, whose maps of distances to the hulls are stacked in one
+    texture. `grain`: place at which the grain of foam is read, of the pixel or of its water's origin; `shadows`:
+    program that reduces `sunlit`."""
     hulls = "".join(hull_program(k, ships) for k in range(ships))
     mirrors = "".join(mirror_program(k) for k in range(ships))
     return f"""
@@ -225,7 +225,7 @@ def water_program(ships: int, grain: str = "posW.xz", shadows: str = "") -> str:
 
 
 def hull_program(k: int, ships: int) -> str:
-    """Foam along the waterline of ship k, and no water inside it."""
+    """GLSL program of the foam along the waterline of ship k; it discards water inside the hull."""
     return f"""
   vec2 uv{k} = (posW.xz - hullBox{k}.xy) / hullSize{k}.xy;
   int near{k} = useHull{k} > 0.5 && all(greaterThan(uv{k}, vec2(0.0))) && all(lessThan(uv{k}, vec2(1.0))) ? 1 : 0;
@@ -238,7 +238,7 @@ def hull_program(k: int, ships: int) -> str:
 
 
 def mirror_program(k: int) -> str:
-    """Ship k where the water mirrors her, no farther from her middle than mirrorReach."""
+    """GLSL program of the mirror image of ship k in the water, no farther from her middle than mirrorReach."""
     return f"""
   float reach{k} = dot(mirrorAt{k}.xz - posW.xz, normalize(straight.xz));
   vec3 met{k} = posW + straight * max(reach{k}, 1.0);
@@ -266,12 +266,12 @@ SKY_PROGRAM = "  fragOutput0 = vec4(filmic(skyAt(normalize(posW - eyeW), 0.0)), 
 
 
 def sky_textures(sky: Sky) -> dict[str, Any]:
-    """The textures of a sky and of its haze, by the names that programs know them by."""
+    """Textures of a sky and of its haze, by their sampler names in the shaders."""
     return {"sky": make_texture(sky.image, smaller=True), "haze": make_texture(sky.haze)}
 
 
 def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
-    """A texture of floats, or of 8-bit numbers from 0 to 1; row 0 is at the coordinate 0."""
+    """Texture of an image of floats or 8-bit numbers; row 0 is at the coordinate 0. `smaller`: with mipmaps."""
     from vtkmodules.vtkCommonDataModel import vtkImageData
 
     data = vtkImageData()
@@ -280,7 +280,7 @@ def make_texture(image: np.ndarray, *, smaller: bool = False) -> Any:
 
 
 def image_texture(data: Any, smaller: bool) -> Any:
-    """A texture of VTK's image; one that two windows share would be sent anew to each in every picture."""
+    """Texture of a VTK image. Each window needs its own: a shared one would be sent anew to each in every picture."""
     from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
     made = vtkOpenGLTexture()
@@ -295,7 +295,7 @@ def image_texture(data: Any, smaller: bool) -> Any:
 
 
 def fill_image(data: Any, image: np.ndarray) -> None:
-    """Pixels (height, width, channels) into VTK's image."""
+    """Copy pixels (height, width, channels) into a VTK image."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
     height, width, channels = image.shape
@@ -305,12 +305,12 @@ def fill_image(data: Any, image: np.ndarray) -> None:
 
 
 class Shaded:
-    """An actor of triangles that carries its own fragment program; its points are world coordinates [m]."""
+    """An actor of triangles with a fragment program of its own; its points are world coordinates [m]."""
 
     def __init__(
         self, mesh: Any, body: str, functions: str, textures: dict[str, Any], attributes: Sequence[str] = ()
     ) -> None:
-        """`attributes`: names of three letters of the mesh's vectors that the program reads, as nrmW of nrm."""
+        """`attributes`: three-letter names of the mesh's vectors that the program reads with a W appended, as nrmW."""
         self.mesh, self.attributes, self.textures = mesh, attributes, textures
         self.actor = self.drawn(textures)
         program = self.actor.GetShaderProperty()
@@ -328,7 +328,7 @@ class Shaded:
         self.uniforms = program.GetFragmentCustomUniforms()
 
     def drawn(self, textures: dict[str, Any]) -> Any:
-        """An actor of the mesh with its attributes."""
+        """New actor of the mesh and its attributes, with these textures."""
         from vtkmodules.vtkCommonDataModel import vtkDataObject
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
@@ -344,14 +344,14 @@ class Shaded:
         return actor
 
     def twin(self) -> Any:
-        """An actor of the same mesh and program, for another plotter, whose textures are its own."""
+        """Actor of the same mesh and program for another plotter, with textures of its own."""
         own = {name: image_texture(image.GetInput(), image.GetMipmap()) for name, image in self.textures.items()}
         twin = self.drawn(own)
         twin.SetShaderProperty(self.actor.GetShaderProperty())
         return twin
 
     def set(self, **values: Any) -> None:
-        """Numbers, triples and 4 x 4 matrices for the fragment program."""
+        """Set uniforms of the fragment program: numbers, triples and 4 x 4 matrices."""
         from vtkmodules.vtkCommonMath import vtkMatrix4x4
 
         for name, value in values.items():
@@ -367,7 +367,7 @@ class Shaded:
 
 
 def collect_messages() -> Any:
-    """Collect the messages of VTK from now on, for `refusal`."""
+    """Collect VTK's messages from now on; returns the collector, for `refusal`."""
     from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
     said = vtkStringOutputWindow()
@@ -376,7 +376,7 @@ def collect_messages() -> Any:
 
 
 def refusal(said: Any) -> str | None:
-    """Reason why OpenGL has refused a program since then, or None: VTK leaves its actor out of the picture."""
+    """Reason from collected messages why OpenGL has refused a shader program, or None; VTK then omits its actor."""
     if "vtkShaderProgram" not in (text := said.GetOutput()):
         return None
     why = (line for line in text.splitlines() if "error" in line.lower() and not line.startswith("ERROR: In"))
@@ -384,13 +384,12 @@ def refusal(said: Any) -> str | None:
 
 
 def sky_uniforms(sky: Sky) -> dict[str, Any]:
-    """Uniforms that a sky sets."""
+    """Uniforms of the sun and of the mean light of a sky."""
     return {"sunDir": sky.sun, "sunLight": sky.sunlight, "skyLight": sky.ambient}
 
 
 def neutral_uniforms(ships: int) -> dict[str, Any]:
-    """Uniforms of still, smooth water that ships do not touch yet, with all terms of its colour: every one that its
-    program knows besides light."""
+    """Uniforms of calm, smooth water that touches no ship, with all terms of its colour: all except those of light."""
     nothing = dict.fromkeys(("useMirror", "rippleVariance", "windAngle", "time"), 0.0)
     ones = dict.fromkeys(("rippleLongest", "mirrorPixel", "glintKind"), 1.0)  # the kind of glint is a key of GLINTS
     ones |= dict.fromkeys(("useFresnel", "useReflection", "useBody", "useFoam", "useFog"), 1.0)

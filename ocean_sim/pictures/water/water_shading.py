@@ -1,7 +1,6 @@
-"""The colour of water seen from an eye, at nodes of its surface, and the constants of (3.6) to (3.16), of which
-`water_glsl.py` makes it pixel by pixel. Directions are unit vectors (n, 3), y up; colours are linear RGB (n, 3);
-cosines and shares are (n,).
-"""
+"""Colour of water as seen from an eye, at nodes of its surface, and the constants of equations (3.6) to (3.16), which
+`water_glsl.py` evaluates at each pixel. Directions are unit vectors (n, 3), y up; colours are linear RGB (n, 3);
+cosines and shares are (n,)."""
 
 import numpy as np
 
@@ -40,12 +39,12 @@ FOG_END = 1.2, 2.2  # [of that] between which the sea ends in the horizon's colo
 
 
 def refracted_cosine(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Cosine of the angle in the water by Snell's law (3.7): at most 48.6 degrees for n = 1.333."""
+    """Cosine of the refraction angle in water by Snell's law (3.7); the angle is at most 48.6 degrees for n = 1.333."""
     return np.sqrt(1.0 - (1.0 - np.asarray(cos_incident) ** 2) / n**2)
 
 
 def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray:
-    """Reflected share of unpolarised light (3.8), in cosines: no division of zero by zero at normal incidence."""
+    """Reflected share of unpolarised light (3.8), in cosines, so that it is finite at normal incidence."""
     cos_refracted = refracted_cosine(cos_incident, n)
     across = (cos_incident - n * cos_refracted) / (cos_incident + n * cos_refracted)
     along = (n * cos_incident - cos_refracted) / (n * cos_incident + cos_refracted)
@@ -53,15 +52,15 @@ def fresnel(cos_incident: np.ndarray, n: float = REFRACTIVE_INDEX) -> np.ndarray
 
 
 def beckmann(cos_half: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Density of facets that mirror the sun into the eye, their slopes normally distributed with this variance along
-    each axis (Beckmann & Spizzichino 1963)."""
+    """Density of facets that mirror the sun into the eye, for normally distributed slopes of a variance along each axis
+    (Beckmann & Spizzichino 1963); `cos_half`: cosine between the normal and the direction halfway from sun to eye."""
     c2 = np.maximum(cos_half, 1.0e-3) ** 2
     return np.exp(-(1.0 - c2) / (c2 * 2.0 * variance)) / (2.0 * np.pi * variance * c2**2)
 
 
 def slope_variance(wind_speed: float) -> float:
-    """Variance of the slopes of the sea along and across the wind together, of the speed [m/s] at 12.5 m (Cox & Munk
-    1954, J. Opt. Soc. Am. 44, clean surface)."""
+    """Variance of the slopes of the sea, along plus across the wind, for a wind speed [m/s] at 12.5 m (Cox & Munk 1954,
+    J. Opt. Soc. Am. 44, clean surface)."""
     return 0.003 + 0.00512 * wind_speed
 
 
@@ -81,7 +80,7 @@ def surface_light(position: np.ndarray, normal: np.ndarray, height: np.ndarray, 
 
 
 def sun_glint(normal: np.ndarray, to_eye: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """The sun mirrored by facets with normally distributed slopes, for colours at nodes."""
+    """Brightness (n,), over the sun's, of its glint on nodes, from facets with normally distributed slopes."""
     half = unit_vector(SUN_DIRECTION + to_eye)
     share = fresnel(np.clip((half * to_eye).sum(axis=1), 0.0, 1.0))
     facets = beckmann((half * normal).sum(axis=1), np.full(len(half), NODE_ROUGHNESS))
@@ -99,9 +98,8 @@ def side_light(position: np.ndarray, normal: np.ndarray, depth: np.ndarray, eye:
 
 
 def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Linear RGB (n, 3) of the surface as a map, seen from straight above: dark troughs, pale crests, lit from the
-    upper left, its slopes made steeper until they are seen, and none so steep that it is black; `height` as in
-    `surface_light`."""
+    """Linear RGB (n, 3) of the surface as a relief map seen from above: dark troughs, pale crests, lit from the upper
+    left. Slopes are exaggerated to be visible, and limited so that none is black; `height` as in `surface_light`."""
     slope = -normal[:, [0, 2]] / normal[:, 1:2]
     slope *= MAP_SLOPE / max(float(slope.std()), 1e-3 * MAP_SLOPE)
     slope /= np.hypot(1.0, np.linalg.norm(slope, axis=1, keepdims=True) / MAP_STEEPEST)
@@ -117,12 +115,12 @@ def relief_light(normal: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def filmic_curve(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Linear RGB -> 0 to 1 for a screen: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
+    """Display values, 0 to 1, of linear RGB: a filmic curve (Narkowicz 2015, fit to ACES), then gamma 2.2."""
     c = np.maximum(radiance, 0.0) * exposure
     curve = c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
     return np.clip(curve, 0.0, 1.0) ** (1.0 / 2.2)
 
 
 def display_colours(radiance: np.ndarray, exposure: float = 1.15) -> np.ndarray:
-    """Linear RGB -> 8-bit colour."""
+    """8-bit display colours of linear RGB, by `filmic_curve`."""
     return (255.0 * filmic_curve(radiance, exposure) + 0.5).astype(np.uint8)

@@ -17,7 +17,7 @@ class Water(Content):
     """The surface and the cut sides of the water, coloured at their nodes for the eye of the picture."""
 
     def __init__(self, stage: Stage, grid: Any, nodes: int) -> None:
-        """`nodes`: about how many the drawn surface has."""
+        """`nodes`: approximate number of nodes of the drawn surface."""
         pyvista, self.stage = stage.pyvista, stage
         self.scale = 0.02 * float(grid["depth"])  # [m] the least height that counts as a crest
         self.most = self.scale  # [m] height from which crests have one colour
@@ -52,7 +52,7 @@ class Water(Content):
 
 
 def round_up(value: float) -> float:
-    """The least number of one digit, or of a half more below 2, times a power of ten that is not below a value."""
+    """Smallest round number, one of 1, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten, that is not below a value."""
     power = 10.0 ** floor(log10(value))
     steps = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0
     return next(m * power for m in steps if m * power >= value * (1.0 - 1e-9))

@@ -1,5 +1,5 @@
-"""Hulls in the water of pictures and of files: the waves at their bows, and the white along them. Drawn where the water
-of the run is too coarse for it, without effect on the run."""
+"""Hulls in the water of pictures and of exported files: waves at their bows, and foam along them. They are drawn where
+the water of the run is too coarse for them, without effect on the run."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -29,7 +29,7 @@ FOAM_TRAIL = 0.9  # [breadths] behind the crest in which its white falls to a th
 
 
 class Bow(NamedTuple):
-    """Wave at the bow of a ship that goes at a speed, and the white water that it breaks into.
+    """Bow wave of a ship that goes at a steady speed, and the foam that it breaks into.
 
     Height and place of the crest are those of a wedge (Noblesse, Delhommeau, Guilbaud, Hendrix & Yang 2008, J. Fluid
     Mech. 600); its course aside, and the white, are ours. The height is that by which waves at a bow stand at V^2 / 2 g
@@ -43,12 +43,12 @@ class Bow(NamedTuple):
 
     @property
     def wedge(self) -> float:
-        """Tangent of half the angle of her entrance."""
+        """Tangent of half the entrance angle of the waterline."""
         return 0.5 * self.breadth / (ENTRANCE_LENGTH * self.length)
 
     @property
     def crest(self) -> tuple[float, float]:
-        """Height over the water around, and distance abaft the stem [m]."""
+        """Height of the crest over the water around, and its distance abaft the stem [m]."""
         head = self.speed**2 / GRAVITY
         slowed = 1.0 + self.speed / np.sqrt(GRAVITY * DRAUGHT_SHARE * self.breadth)
         rise = CREST_RISE / slowed * self.wedge * np.hypot(1.0, self.wedge) * head
@@ -56,12 +56,12 @@ class Bow(NamedTuple):
 
     @property
     def breaks(self) -> float:
-        """0 to 1, how white its crest is."""
+        """Whiteness of the crest, 0 to 1."""
         return float(np.clip((self.crest[0] - BREAKING_HEIGHT) / (WHITE_HEIGHT - BREAKING_HEIGHT), 0.0, 1.0))
 
     def across(self, abaft: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of places outside the line of the crest [its own widths], and the remaining share of its height
-        there: places `abaft` the stem and a `gap` off the hull [m]."""
+        """Distance of places outside the line of the crest [widths of the crest], and the share of its height that
+        remains there; `abaft`: distance behind the stem, `gap`: off the hull [m]."""
         back = self.crest[1]
         aft = np.maximum(abaft - back, 0.0)
         width = self.breadth * CREST_WIDTH + CREST_WIDENING * aft + 0.25 * back
@@ -70,25 +70,24 @@ class Bow(NamedTuple):
         return (gap - CREST_SLOPE * aft) / width, left * ahead
 
     def height(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Height [m] of the wave at places abaft the stem and off the hull [m]: a steep face outside, and inside it the
-        water falls back."""
+        """Height [m] of the wave at places abaft the stem and off the hull [m]: steepest outside the crest."""
         off, left = self.across(abaft, gap)
         return self.crest[0] * left * np.exp(-np.square(np.where(off > 0.0, off, 0.6 * off)))
 
     def white(self, abaft: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """Share of foam there: on the face of the crest, and thinner behind it."""
+        """Share of foam at places abaft the stem and off the hull [m]: on the crest's face, and thinner behind it."""
         off, left = self.across(abaft, gap)
         behind = np.exp(np.minimum(off, 0.0) * self.breadth * CREST_WIDTH / (FOAM_TRAIL * self.breadth) * 3.0)
         face = np.exp(-np.square(np.maximum(off, 0.0) / 0.8))
         return self.breaks * np.square(left) * np.where(off > 0.0, face, behind) * (gap > -1.0)
 
     def half_breadth(self, abaft: np.ndarray) -> np.ndarray:
-        """[m] of a wedge that goes on as a wall."""
+        """Half the breadth [m] of a wedge that stands for the bow, at distances abaft the stem [m]; constant behind."""
         return np.clip(self.wedge * abaft, 0.0, 0.5 * self.breadth)
 
 
 class WettedHull(NamedTuple):
-    """A hull in the water at a time."""
+    """A hull at one time, and the line along which it meets the water."""
 
     line: np.ndarray  # (m, 2, 2) segments x, z [m] at which it meets the water
     position: np.ndarray  # (3,) [m]
@@ -97,51 +96,51 @@ class WettedHull(NamedTuple):
 
     @property
     def wet(self) -> bool:
-        """True if it meets the water at all."""
+        """True if the hull meets the water."""
         return len(self.line) > 2
 
     def around(self) -> tuple[np.ndarray, np.ndarray]:
-        """(2,) the least and the greatest x, z [m] at which it is white."""
+        """Least and greatest x, z (2,) [m] of the water that the hull may whiten."""
         return self.line.min(axis=(0, 1)) - FOAM_REACH, self.line.max(axis=(0, 1)) + FOAM_REACH
 
     def places(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) how far places x, z (n, 2) lie abaft the stem and to a side of the middle [m]."""
+        """Distances (n,) [m] of places x, z (n, 2) abaft the stem, and to the side of the ship's middle line."""
         ends = self.line.reshape(-1, 2)
         stem = ship_coordinates(ends[:, 0], ends[:, 1], self.position, self.turn)[0].max()
         along, aside = ship_coordinates(at[:, 0], at[:, 1], self.position, self.turn)
         return stem - along, aside
 
     def raised(self, at: np.ndarray) -> np.ndarray:
-        """(n,) height [m] of the wave at her bow at places x, z (n, 2)."""
+        """Height (n,) [m] of the bow wave at places x, z (n, 2) [m]."""
         abaft, aside = self.places(at)
         return self.bow.height(abaft, np.abs(aside) - self.bow.half_breadth(abaft))
 
     def gap(self, at: np.ndarray) -> np.ndarray:
-        """(n,) [m] from places x, z (n, 2) to the hull, negative inside it."""
+        """Distance (n,) [m] from places x, z (n, 2) [m] to the hull, negative inside it."""
         return distance_to_line(at, self.line)
 
     def breaking(self, at: np.ndarray, gap: np.ndarray) -> np.ndarray:
-        """(n,) share of foam of the wave at her bow, at places x, z (n, 2) that lie a gap off the hull [m]."""
+        """Share (n,) of foam of the bow wave at places x, z (n, 2) [m] that lie a gap (n,) [m] off the hull."""
         return self.bow.white(self.places(at)[0], gap) * np.clip((FOAM_REACH - gap) / FOAM_FADE_WIDTH, 0.0, 1.0)
 
     def white(self, at: np.ndarray) -> np.ndarray:
-        """(n,) share of foam at places x, z (n, 2): of that wave, and of all the hull."""
+        """Share (n,) of foam at places x, z (n, 2) [m]: of the bow wave, and along the whole hull."""
         gap = self.gap(at)
         return np.maximum(self.breaking(at, gap), RESTING_FOAM * np.exp(-np.maximum(gap, 0.0) / CONTACT_WIDTH))
 
 
 class Hull:
-    """Hull of a ship that meets the water."""
+    """Surface mesh of a ship's hull, to be cut by the water."""
 
     def __init__(self, grid: Any, key: str) -> None:
-        """Hull of the ship that frames keep under a key."""
+        """Read the hull of the ship with this key from the arrays that a run keeps once."""
         self.vertices, self.triangles = grid[f"{key}_vertices"].astype(float), grid[f"{key}_triangles"].astype(int)
         self.beam, _, self.length = (float(size) for size in np.ptp(self.vertices, axis=0))  # [m]
 
     def wetted_hull(
         self, position: np.ndarray, turn: np.ndarray, speed: float, heights_at: Callable[[np.ndarray], np.ndarray]
     ) -> WettedHull:
-        """Hull in the water at a speed [m/s]; `heights_at`: of the water [m] at places x, z (n, 2)."""
+        """Hull in the water at a pose and speed [m/s]; `heights_at`: heights of the water [m] at places x, z (n, 2)."""
         vertices = self.vertices @ turn.T + position
         above = vertices[:, 1] - heights_at(vertices[:, [0, 2]])
         line = waterline_segments(vertices, self.triangles, above)
@@ -151,14 +150,14 @@ class Hull:
 def ship_coordinates(
     x: np.ndarray, z: np.ndarray, position: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distances of places x, z ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
+    """Distances of places x, z [m] ahead of a ship's middle and to her side [m]; `turn`: (3, 3) from body to world."""
     ahead = turn[[0, 2], 2] / np.linalg.norm(turn[[0, 2], 2])
     to_x, to_z = x - position[0], z - position[2]
     return to_x * ahead[0] + to_z * ahead[1], to_z * ahead[0] - to_x * ahead[1]
 
 
 def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """(m, 2, 2) segments x, z at which a hull (n, 3) meets the water; `above`: (n,) height over it [m]."""
+    """Segments x, z (m, 2, 2) [m] where the water cuts a hull (n, 3) [m]; `above` (n,): height of its vertices [m]."""
     a = above[triangles]
     cut = triangles[(a.min(axis=1) < 0.0) & (a.max(axis=1) >= 0.0)]
     ends = []
@@ -174,13 +173,13 @@ def waterline_segments(vertices: np.ndarray, triangles: np.ndarray, above: np.nd
 
 
 def distance_to_line(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """(n,) from points (n, 2) to the nearest segment [m], negative inside the closed line that they make."""
+    """Distance (n,) [m] from points x, z (n, 2) to the nearest segment, negative inside the closed line they form."""
     batches = [points[k : k + POINTS_PER_BATCH] for k in range(0, len(points), POINTS_PER_BATCH)]
     return np.concatenate([batch_distance(batch, segments) for batch in batches])
 
 
 def batch_distance(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Distances as `distance_to_line`, of a few points."""
+    """Distances as from `distance_to_line`, for few points at once."""
     (x, z), (along_x, along_z) = segments[:, 0].T, (segments[:, 1] - segments[:, 0]).T
     to_x, to_z = points[:, 0, None] - x, points[:, 1, None] - z
     share = np.clip((to_x * along_x + to_z * along_z) / np.maximum(along_x**2 + along_z**2, 1e-12), 0.0, 1.0)

@@ -57,7 +57,7 @@ class Jet:
 
     @property
     def velocity(self) -> np.ndarray:
-        """(3,) [m/s]"""
+        """Velocity (3,) of the water that leaves [m/s]."""
         return in_space(self.config.velocity)
 
     @property
@@ -93,7 +93,7 @@ class Jet:
         return len(self.sites) * self.volume / self.config.rate
 
     def particle_count(self, time: float) -> int:
-        """Number of particles at a time [s]."""
+        """Number of all particles in the basin at a time [s], at most the cap."""
         layers = int(time / self.interval + LAYER_ROUNDING) + 1
         return min(self.config.cap, self.first + layers * len(self.sites))
 

@@ -70,7 +70,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True whether they are read or not: no observer changes a step."""
+        """True if impulses are summed, whether they are read or not: no observer changes a step."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -189,7 +189,7 @@ def falling_warnings(basin: Basin) -> Iterator[str]:
 
 
 def rounding_warnings(preflight: Preflight) -> Iterator[str]:
-    """Positions far from the origin have few digits left in single precision."""
+    """Warn of positions so far from the origin that single precision leaves them few digits."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)

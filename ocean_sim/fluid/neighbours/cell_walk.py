@@ -67,8 +67,9 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """Keep those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
-        their code, from `first` on; their number. First all are judged, several at a time, then they are listed."""
+        """List those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
+        their code, from `first` on; return their number. First all are judged, several at a time, then they are
+        listed."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -88,8 +89,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """Keep the particles near the box, and their code, from `first` on; their number, or -1 where they do not find
-        `room`."""
+        """List the particles near the box, and their code, from `first` on; return their number, or -1 where they do
+        not find `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -104,8 +105,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """Keep the particles near the box next to a periodic side. A candidate is a particle and a code of the period
-        through which it is seen."""
+        """List the particles near a box next to a periodic side, as `find_candidates` does. A candidate is a particle
+        and a code of the period through which it is seen."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -134,12 +135,12 @@ class CellWalk:
 
     @ti.func
     def code_shift(self, code):
-        """Shift [m] from the particles of a code to their repeats."""
+        """Shift [m] from particles to their repeats in the period with this code."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
+        """List those of the m candidates so far whose image is near the box, from `first` on; return their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)

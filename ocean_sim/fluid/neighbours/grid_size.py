@@ -74,11 +74,11 @@ class Plan:
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the accounts of n particles; 0 where they are too few to list."""
+        """Bytes of the accounts of n particles; 0 where they are too few to be stated."""
         return 0
 
     def tasks(self, particles: Count, groups: int) -> Tasks:
-        """The particles in as many groups as there are rows of accounts."""
+        """Division of the particles into so many groups, each a task."""
         return Tasks(particles, groups, self.stride)
 
 
@@ -118,7 +118,7 @@ class GridSize:
 
     @property
     def count_numbers(self) -> int:
-        """Numbers in which the particles of every part and chunk are counted."""
+        """Number of counters for the sort: one for every part of a cell and chunk of particles."""
         return self.cell_count * self.parts * self.chunks
 
     @property
@@ -128,12 +128,13 @@ class GridSize:
 
     @property
     def halves(self) -> int:
-        """Parts of a cell along each axis."""
+        """Number of parts of a cell along each axis."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
-        """Parts of a cell, in whose order its particles are sorted: fewer are near one of them than near all of it."""
+        """Number of parts of a cell, in whose order its particles are sorted: fewer are near a part than near all of
+        it."""
         return int(self.halves**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
@@ -144,12 +145,12 @@ class GridSize:
 
     @property
     def chunks(self) -> int:
-        """Chunks in which the particles are counted and sorted."""
+        """Number of chunks in which the particles are counted and sorted."""
         return self.plan.chunk_count(self.lattice.n)
 
     @property
     def groups(self) -> int:
-        """Groups of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
+        """Number of groups of cells or particles, each a task: set by the scene, never by the number of threads."""
         return self.plan.task_count(self.lattice.n)
 
     @property
@@ -198,7 +199,7 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Shapes of a group beyond those, the last `width` of them those of a particle that found no room."""
+        """Kept shapes of a group beyond those of its particles; the last `width` serve a particle without room."""
         return 4 * self.capacity + self.width
 
     @property

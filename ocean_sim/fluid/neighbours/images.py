@@ -55,7 +55,7 @@ class Images:
 
     @ti.func
     def is_adjacent(self, s, cell):
-        """True if a cell lies next to this side."""
+        """True if a cell lies next to side s."""
         layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
         return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
             self.side[s, SIDE_COLUMNS.last_layer]
@@ -63,8 +63,8 @@ class Images:
 
     @ti.func
     def mirror(self, s):
-        """Mirror of this side: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN *
-        v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
+        """Mirror of side s: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN * v +
+        VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
             across = int(self.side[s, SIDE_COLUMNS.axis]) == k
@@ -85,8 +85,8 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the way
-    there."""
+    """Midpoint between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the
+    way there."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 

@@ -30,7 +30,7 @@ def slot_count(neighbours: int) -> int:
 
 
 def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the Pairs of n particles, where `word` is the size of a `float` [bytes]."""
+    """Bytes of the PairSlots of n particles, where `word` is the size of a `float` [bytes]."""
     return n * (8 + slot_count(neighbours) * (4 + 3 * word))
 
 
@@ -50,7 +50,7 @@ class KeptLaw(Law):
 
 @in_kernels
 class KeptPairs(ABC):
-    """Neighbours and images of each particle."""
+    """Interface of the kept pairs of each particle with its neighbours and their images."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -63,12 +63,12 @@ class KeptPairs(ABC):
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """Row of particle j."""
+        """Row that a law reads of particle j."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Row of an image."""
+        """Row that a law reads of the image with this name; `away` leads from the image into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
@@ -164,7 +164,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Keep the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
+        """Store the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
         their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
         one, and 1 if the candidates have room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
@@ -187,7 +187,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Keep the shape of a pair that is so far apart."""
+        """Store the shape of grad W of a pair `away` [m] apart at index `to`."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
@@ -235,7 +235,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def recompute_shapes(self, place, k, begun):
-        """Find the shapes of a particle at `place` that found no room, for the moment."""
+        """Compute, from index `begun` on, the shapes of a particle at `place` for which there was no room."""
         first = self.first[k]
         for a in range(self.seen[k]):
             self.keep_shape(place - place_at(self.place, first + a), begun + a)
@@ -253,5 +253,5 @@ class PairBlocks(KeptPairs):
 
 @ti.func
 def place_at(places: Template, i):
-    """A place of Components [m]."""
+    """Entry i of three component fields, a position [m]."""
     return tm.vec3(places.x[i], places.y[i], places.z[i])

@@ -236,7 +236,7 @@ class FromFile(Start):
                 yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
 
     def positions(self, basin: Basin) -> np.ndarray:
-        """(n, 3) [m]; z is 0 in 2-D."""
+        """Positions (n, 3) [m] of the particles of the file; z is 0 in 2-D."""
         return column_vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
@@ -286,7 +286,7 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """State of water that rests at (n, 3), in these waves at time 0."""
+    """State at time 0, in these waves, of water that would rest at positions (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -330,7 +330,7 @@ def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
 
 
 def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
-    """Reason why a wave cannot travel this way: its water would start inside a wall."""
+    """Yield the reasons why a wave cannot travel this way: its water would start inside a wall."""
     for axis, k in zip((0, 2), wavevector):
         walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
         if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:
@@ -349,11 +349,11 @@ def wrap_positions(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def mean_spacing(positions: np.ndarray, basin: Basin) -> float:
-    """Distance of neighbours [m] where so many particles fill the basin."""
+    """Distance between neighbours [m] if so many particles fill the basin evenly."""
     return (basin.volume / len(positions)) ** (1.0 / basin.dimension)
 
 
 def column_vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
-    """(n, 3) of three columns; in 2-D the third is 0."""
+    """Vectors (n, 3) of the columns with these one-letter names; in 2-D the third component is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

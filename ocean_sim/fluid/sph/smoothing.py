@@ -52,7 +52,7 @@ class Kernel:
     shortest waves are that they resolve, so that the same steps and constants are stable."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """grad W over -slope x."""
+        """Shape of the gradient, grad W over -slope x, at t = 1 - r/support."""
         return t**self.power * np.polynomial.Polynomial(self.terms)(t)
 
     @property
@@ -63,11 +63,11 @@ class Kernel:
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """W over slope support^2."""
+        """Shape of the kernel, W over slope support^2, at t = 1 - r/support."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
     def curvature(self, t: np.ndarray) -> np.ndarray:
-        """W'' over slope: with r = h (1 - t), W' is -r `gradient`."""
+        """Shape of the second derivative, W'' over slope, at t: with r = h (1 - t), W' is -r `gradient`."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
@@ -103,17 +103,17 @@ class Smoothing:
 
     @property
     def poly6_constant(self) -> float:
-        """W_poly6 = constant (h^2 - r^2)^3; integrates to 1 [m^-9 in 3-D]."""
+        """Constant of W_poly6 = constant (h^2 - r^2)^3, which integrates to 1 [m^-9 in 3-D]."""
         return {2: 4.0 / (pi * self.support**8), 3: 315.0 / (64.0 * pi * self.support**9)}[self.dimension]
 
     @property
     def spiky_constant(self) -> float:
-        """W_spiky = constant (h - r)^3; integrates to 1 [m^-6 in 3-D]."""
+        """Constant of W_spiky = constant (h - r)^3, which integrates to 1 [m^-6 in 3-D]."""
         return {2: 10.0 / (pi * self.support**5), 3: 15.0 / (pi * self.support**6)}[self.dimension]
 
     @property
     def viscosity_constant(self) -> float:
-        """Laplacian of W_viscosity = constant (h - r) [m^-6 in 3-D]."""
+        """Constant of the Laplacian of W_viscosity, constant (h - r) [m^-6 in 3-D]."""
         return {2: 40.0 / (pi * self.support**5), 3: 45.0 / (pi * self.support**6)}[self.dimension]
 
     @property
@@ -123,7 +123,7 @@ class Smoothing:
 
     @property
     def slope(self) -> float:
-        """grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
+        """Constant of grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
         return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
@@ -140,13 +140,13 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """grad W over -slope x_ij, of the distance: no division by r, so two particles in one position are no
+        """grad W over -slope x_ij at a distance r [m]: no division by r, so two particles in one position are no
         trouble."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """W over slope support^2."""
+        """W over slope support^2 at a distance r [m]."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
@@ -181,17 +181,17 @@ class Stencil:
 
     @cached_property
     def t(self) -> np.ndarray:
-        """1 - r/support of each of them, where it is positive."""
+        """1 - r/support of each place in `offsets`; 0 beyond the support."""
         return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
 
     @cached_property
     def value(self) -> np.ndarray:
-        """W over slope support^2."""
+        """W over slope support^2 at each place in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """grad W over -slope x."""
+        """grad W over -slope x at each place in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -201,7 +201,7 @@ class Stencil:
 
     @property
     def slope(self) -> float:
-        """grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
+        """Slope of the kernel on the lattice, grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
@@ -232,17 +232,18 @@ class Stencil:
 
     @property
     def neighbours(self) -> int:
-        """Number of neighbours."""
+        """Number of neighbours of a particle within its support."""
         return int((self.t > 0.0).sum()) - 1
 
     @property
     def gradient_squares(self) -> float:
-        """Sum of the squared gradients [m^-8], in 2-D [m^-6]."""
+        """Sum of grad W squared over the neighbours [m^-8], in 2-D [m^-6]."""
         return self.slope**2 * float(self.gradient**2 @ (self.offsets**2).sum(axis=1))
 
     @property
     def stiffest_mode(self) -> float:
-        """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
+        """Largest eigenvalue of A / A_ii of the pressure solver, of plane waves along axes and diagonals of the
+        lattice."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets

@@ -236,7 +236,7 @@ class Fluid(Protocol):
         return None
 
     def limits(self) -> Limits:
-        """Time scales that the next step must stay a fraction of."""
+        """Limits of the next step: the time scales of which it must stay a fraction."""
         ...
 
     def internal_energy(self) -> float:
@@ -261,7 +261,7 @@ class Arriving(NamedTuple):
 
 
 class ClosedForm(Fluid, Protocol):
-    """Water without particles. A kernel can read its motion below the surface."""
+    """Interface of water without particles. A kernel can read its motion below the surface."""
 
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
@@ -284,7 +284,7 @@ class ClosedForm(Fluid, Protocol):
 
 
 class ParticleFluid(Fluid, Protocol):
-    """Water made of particles."""
+    """Interface of water made of particles."""
 
     particles: Particles
     around: PointSum

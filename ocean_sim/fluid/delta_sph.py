@@ -7,7 +7,7 @@ is kept to rounding. Two dissipations belong to the scheme and leave smooth flow
 sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 2023, J. Comput. Phys. 483, 112177), and
 under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
-What is stored is the deviation from the rest density, which single precision would lose in the density itself.
+Stored is the deviation from the rest density, which single precision would lose in the density itself.
 
 The kernel is one under which a lattice of particles behaves as water does (smoothing.NEUTRAL_KERNEL): where a lattice
 bears shear waves run fast, however fine it is, and where it is unstable still water stirs. Where the surface cuts the
@@ -178,36 +178,38 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has divided."""
+        """Pressure term of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has
+        divided."""
         return p_i + p_j
 
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
-        """0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1
-        and 3.2): keeps water under tension from clumping."""
+        """Stress that keeps water under tension from clumping: 0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| /
+        rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1 and 3.2)."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
     @ti.func
     def viscosity(self, closing):
-        """2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2, whose free surface is free
-        of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
+        """Viscous term of a pair: 2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2,
+        whose free surface is free of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
         return self.laminar * self.per_component * closing
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """-2 nu v_ij / rho0, a vector, of Morris, Fox & Zhu (1997, eq. 22), which has no error on a lattice."""
+        """Viscous term of a pair, a vector: -2 nu v_ij / rho0 of Morris, Fox & Zhu (1997, eq. 22), which has no error
+        on a lattice."""
         return -self.laminar * v_ij
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """alpha h c u_ij / rho0 of particles that approach (Monaghan 1992, eq. 4.2)."""
+        """Artificial viscosity of particles that approach: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """beta u / rho0 of particles that approach at u = r u_ij, with beta = min(u / 2, c) (Zhang, Hu & Adams 2017,
-        whose factor is 3 and not a half), over r."""
+        """Dissipation of particles that approach at u = r u_ij: beta u / rho0 over r, with beta = min(u / 2, c) (Zhang,
+        Hu & Adams 2017, whose factor is 3 and not a half)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
@@ -310,19 +312,19 @@ class Continuity(Law):
 
     @ti.func
     def continuity(self, v_ij, x_ij):
-        """-v_ij . x_ij: d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
+        """Compression term of a pair: -v_ij . x_ij, for d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
         return -v_ij.dot(x_ij)
 
     @ti.func
     def density_diffusion(self, own, other, x_ij):
-        """rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2 delta h c / rho0 (Molteni
-        & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        """Diffusion term of a pair: rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2
+        delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
     @ti.func
     def crowding(self, r):
-        """1 + 0.2 (W(r) / W(spacing))^4: weight of a neighbour in the shift (Sun et al. 2017, eq. 16)."""
+        """Weight of a neighbour in the shift: 1 + 0.2 (W(r) / W(spacing))^4 (Sun et al. 2017, eq. 16)."""
         near = self.fluid.closeness(r)
         return 1.0 + CROWDING_WEIGHT * near * near * near * near
 

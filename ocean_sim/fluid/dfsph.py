@@ -8,8 +8,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
 reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
-within its tolerance and, in calm water and in brief steps, half of what it was, so that it comes to rest; in water that
-breaks that would be half of the work, and changes nothing that is seen.
+within its tolerance and, in calm water and in brief steps, half of its first value, so that it comes to rest; in water
+that breaks that would be half of the work, and changes nothing that is seen.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -251,17 +251,17 @@ class Forces(Force):
 
     @ti.func
     def pressure(self, p_i, p_j, gradient):
-        """-(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
+        """Pressure term of a pair: -(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
         return (p_i + p_j) * gradient
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """(d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983), times 2 nu V."""
+        """Viscous term of a pair, to be times 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983)."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22), times 2 nu V."""
+        """Viscous term of a pair, to be times 2 nu V: v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -439,13 +439,13 @@ class Dfsph(Sph):
 
     @ti.kernel
     def book_pressures(self, solver: Template):
-        """Book the impulses of a solver's pressures."""
+        """Add the impulses of the pressures that a solver has gained to the budget."""
         self.pairs.walk(solver.account)
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict the density from these velocities and from shifts of particles as fast as `speed`. Without shifts the
-        solver for the divergence has left it."""
+        """Predict the density from the predicted velocities and from shifts of particles as fast as `speed` [m/s].
+        Without shifts the solver for the divergence has left it."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)

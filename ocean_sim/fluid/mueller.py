@@ -59,7 +59,7 @@ class Config(SphConfig):
         return self
 
     def sound_speed(self, basin: Basin) -> float:
-        """c [m/s]: the square root of k of (2.15)."""
+        """Sound speed c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -159,17 +159,19 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """(p_i + p_j) (h - r) / r along x_ij: (2.16), the gradient of the spiky kernel over its constant and q."""
+        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, the gradient of the spiky kernel over its
+        constant and q."""
         return (p_i + p_j) * q / r
 
     @ti.func
     def viscosity(self, v_ji):
-        """mu v_ji (2.18), the Laplacian of the viscosity kernel over its constant and q, by the prefactor here."""
+        """Viscous term of a pair (2.18): mu v_ji, the Laplacian of the viscosity kernel over its constant and q, by the
+        prefactor of this law."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func
     def pair(self, own, other):
-        """Terms of (2.16) and (2.18), times q = h - r and 1 / rho_j."""
+        """Row of the terms (2.16) and (2.18) of a pair, times q = h - r and 1 / rho_j."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)

@@ -324,7 +324,7 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
+        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to sample s, seen at d [m] in a
         mirror."""
         n, a_s = (
             mirror_direction(mirror, vector(self.normal, s)),
@@ -368,7 +368,7 @@ class Boundary:
 
     @ti.func
     def particle_equivalent(self, s):
-        """Number of particles for which sample s counts."""
+        """Number of particles for which sample s counts in the water's laws."""
         share = self.share[s]
         if ti.static(self.moving):
             share *= self.strength[self.owner[self.name[s]]]

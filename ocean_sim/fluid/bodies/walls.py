@@ -75,7 +75,7 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Reason for which it absorbs badly, or None."""
+        """Sentence on why it absorbs badly, or None."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.sent_back
@@ -127,7 +127,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Warn of zones that are short or crowded."""
+    """Yield warnings of zones that are short or crowded."""
     for one in found:
         if one.warning is not None:
             yield one.warning
@@ -189,8 +189,8 @@ class Walls:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Put the faces of obstacles that move where they are at a time [s], and the targets of zones; an obstacle that
-        has left stops nothing."""
+        """Move the faces of obstacles and the targets of zones to a time [s]; an obstacle that has left stops
+        nothing."""
         for *_, target in self.zones:
             target.turn(time)
         for b, gate in self.gates:
@@ -203,8 +203,8 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position and velocity after the walls: stopped at the wall, normal velocity returned with the restitution,
-        tangential velocity reduced by Coulomb friction, at most to rest."""
+        """Position [m] and velocity [m/s] after the walls: stopped at the wall, normal velocity returned with the
+        restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
@@ -225,8 +225,8 @@ class Walls:
 
     @ti.func
     def reflect(self, v, k: Template, wall, outward):
-        """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops motion
-        up the axis, -1 where it stops motion down."""
+        """Velocity after a collision with a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it
+        stops motion up the axis, -1 where it stops motion down."""
         speed = outward * (v[k] - wall)
         if speed > 0.0:
             returned = wall - self.restitution * (v[k] - wall)
@@ -240,7 +240,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position and velocity after obstacle b: out through its nearest face that lies in the basin."""
+        """Position [m] and velocity [m/s] after obstacle b: out through its nearest face that lies in the basin."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]

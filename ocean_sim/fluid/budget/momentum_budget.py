@@ -42,9 +42,8 @@ class Accounts:
     threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
-        scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
-        them."""
+        """`impulses`: True if impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
+        scene has not; `apart`: numbers from one row to the next, ROW_PADDING where threads write to few of them."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))

@@ -84,7 +84,7 @@ class Grid:
 
     @ti.func
     def part_at(self, x):
-        """Number of the part of a cell that a point is in."""
+        """Number of the part of a cell that holds x [m]."""
         place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
@@ -96,8 +96,8 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of the first occupied part of a group; of the group after the last, the number of all. Groups have as
-        many each."""
+        """Number of the first occupied part of a group; of the group after the last, the number of all occupied parts.
+        Groups have equally many."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
@@ -126,8 +126,7 @@ class Grid:
 
     @ti.func
     def stage_state(self, i, x, v):
-        """Store the next state of particle i, and the part of a cell that it belongs to, until the sort moves it
-        there."""
+        """Store the next state of particle i, and the part of a cell that it belongs to, for the sort."""
         x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
         self.stage_motion(i, x, v)
@@ -142,8 +141,8 @@ class Grid:
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Whole quanta of a way [m] of particle i and of the rest of its last one. The new rest is kept for the next
-        step."""
+        """Round the move `way` [m] of particle i, with the rest of its last one, to whole quanta [m], and store the new
+        rest for the next step."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]

@@ -40,8 +40,8 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Row of a neighbour, `other`, as the sides show it that its name tells; `away` leads from there into the
-        water."""
+        """Row of the image of a neighbour, `other`, in the sides that its name tells; `away` leads from the image into
+        the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -120,7 +120,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code in a name of the axes along which a mirror reverses."""
+    """Code, in the name of an image, of the axes along which a mirror reverses."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -149,7 +149,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def begin(self, group):
-        """Start the lists of a group empty."""
+        """Empty the lists of a group."""
         self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func
@@ -206,7 +206,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Put the fields that the law reads of the candidates of part k into the scratch."""
+        """Copy the fields that the law reads, of the candidates of part k, into the scratch."""
         first, near = self.first[k], self.near[k]
         own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):

@@ -37,8 +37,7 @@ def level_sizes(cells: int) -> list[int]:
 
 @in_kernels
 class WideGrid(Grid):
-    """The cells, sorted into by as many threads as there are particles: a counting sort whose sums are those of blocks
-    of blocks of cells.
+    """Grid sorted by a thread for each particle: a counting sort whose sums are those of blocks of blocks of cells.
 
     Threads put particles down in their cells in any order; then each particle counts those of its cell that were stored
     before it. So the sort is stable, whatever the order was.
@@ -86,7 +85,7 @@ class WideGrid(Grid):
 
     @ti.func
     def place_particle(self, i):
-        """Put particle i where it belongs: after those of its cell that were stored before it."""
+        """Move particle i to its place in the order: after those of its cell that were stored before it."""
         c = self.part[i]
         to = self.start[c]
         for k in range(self.start[c], self.start[c + 1]):
@@ -97,7 +96,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Each particle writes its own row; rows are added up in blocks, and the blocks in their order."""
+    """Accounts with a row for each particle; rows are added up in blocks, and the blocks in their order."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -164,7 +163,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """Keeps the pairs of a particle, number `own`, that a PointLaw is shown."""
+    """PointLaw that stores the pairs of a particle, number `own`."""
 
     sums = 1
 
@@ -230,7 +229,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum over all images for a particle at x [m]."""
+        """Sum of the terms of all images for a particle at x [m]."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)

@@ -65,7 +65,7 @@ class Breaking:
 
     @cached_property
     def mode_signs(self) -> np.ndarray:
-        """1 for each mode that goes along with the waves, -1 for one against them, 0 where the direction is unknown."""
+        """Direction of each mode: 1 along the waves, -1 against them, 0 where it is unknown."""
         along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
         return np.sign(along) * self.tile.directed_modes
 
@@ -107,7 +107,7 @@ class Breaking:
         return k, speed, np.where(crest, u / speed, 0.0)
 
     def start_breaking(self, i: int, j: int, reach: float) -> None:
-        """Start the clock of all cells within a reach [m] of a crest that begins to break."""
+        """Let all cells within a reach [m] of cell i, j, a crest that begins to break, break for BREAKING_PERIODS."""
         n = max(1, round(reach / self.tile.cell))
         rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
         at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
@@ -137,7 +137,7 @@ class HighOrder:
 
     @cached_property
     def resolved_modes(self) -> np.ndarray:
-        """1 for each resolved mode, 0 for the others."""
+        """Mask of the modes: 1 for each that is resolved, 0 for the others."""
         most = RESOLVED_SHARE * np.pi / self.tile.cell * ROUNDING_FACTOR
         return ((np.abs(self.tile.kx) < most) & (self.tile.kz < most)).astype(float)
 

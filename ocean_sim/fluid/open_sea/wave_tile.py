@@ -71,7 +71,7 @@ class Tile:
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """(cells, columns) frequencies [rad/s]."""
+        """(cells, columns) angular frequencies of linear waves [rad/s]."""
         return np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth))
 
     @cached_property
@@ -81,11 +81,12 @@ class Tile:
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """cos omega dt, and sin omega dt times omega / g and g / omega, of the last step dt [s]."""
+        """Factors of `evolve`, by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g /
+        omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of elevation and potential dt [s] later where nothing acts; the mean level stays."""
+        """Modes of elevation and potential dt [s] later without any pressure on the surface; the mean level stays."""
         if dt not in self.turn_cache:
             self.turn_cache.clear()
             omega, g = self.omega, self.gravity
@@ -97,7 +98,8 @@ class Tile:
 
     @cached_property
     def directed_modes(self) -> np.ndarray:
-        """1 for every mode that has a direction, 0 for the shortest along either axis, whose slope is unknown."""
+        """Mask of the modes: 1 for each that has a direction, 0 for the shortest along either axis, of unknown
+        slope."""
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
             clear[self.cells // 2] = 0.0
@@ -275,7 +277,8 @@ class Layer:
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Factor (cells, rows) by which the rim around the origin damps waves in a step, by the last step [s]."""
+        """Factor (cells, rows) by which the rim around the origin damps waves in a step, by the last step's length
+        [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:

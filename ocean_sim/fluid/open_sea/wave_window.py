@@ -19,7 +19,7 @@ ANGLE_FIRST, ANGLE_LATER, ANGLE_ALONG, ANGLE_ACROSS = range(4)  # of the first n
 
 
 class Moving(Protocol):
-    """Water with plane waves on it."""
+    """Interface of water with plane waves on it."""
 
     waves: PlaneWaves
     current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
@@ -90,7 +90,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Sum the waves, from now on, on a lattice around x, z [m] whose first axis is a unit vector in x and z."""
+        """Sum the waves anew on a lattice around x, z [m] whose first axis points along the unit vector `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -150,6 +150,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite's cubic between two values with their rates [1/s]."""
+        """Value at the share `late` of Hermite's cubic between two values with their rates [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -254,7 +254,7 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
 
 
 def tile_cells(band: RelaxationBand) -> tuple[int, int]:
-    """Cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
+    """Numbers of cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
     basin = band.lattice.basin
     share = width_over_length(basin.periods)
     assert share is not None

@@ -204,7 +204,7 @@ class SeaRim:
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
 
     def contains(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(m,) true for points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
+        """Mask (m,) of the points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
         return rim_depth(points - self.centre_at(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:

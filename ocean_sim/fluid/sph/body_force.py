@@ -34,7 +34,7 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """(3,) [m/s2] acceleration of water that has just left an emitter, without the terms of a turning tank."""
+        """Acceleration (3,) [m/s2] of water that has just left an emitter, without the terms of a turning tank."""
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:

@@ -259,8 +259,8 @@ def start_state(
     rest_density: float,
     surface: float | np.ndarray = 0.0,
 ) -> State:
-    """The state that water on a lattice (n, 3) [m] starts from. `surface`: height of still water [m], one number or one
-    a particle, where the water does not fill the basin."""
+    """State (positions, velocities, pressures) from which water on a lattice (n, 3) [m] starts. `surface`: height of
+    still water [m], one number or one a particle, where the water does not fill the basin."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -275,7 +275,7 @@ def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...
 
 
 def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
-    """(n, 3) positions [m] that take the place of a lattice, or None."""
+    """Positions (n, 3) [m] of particles from a file, which replace a lattice; None without a file."""
     return initial.positions(basin) if isinstance(initial, FromFile) else None
 
 
@@ -300,9 +300,9 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m] that water bears, none as short as `shortest` [m]. Waves beyond k = 2 /
-    Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest
-    carry their variance."""
+    """Random waves of a significant height [m] that can exist on water, none as short as `shortest` [m]. Waves beyond k
+    = 2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
+    rest carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -310,7 +310,7 @@ def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) 
 
 
 def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
-    """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin."""
+    """Waves of a sea, each moved to the nearest wavevector that repeats itself in a periodic basin."""
     return waves.fit_periods(sea, basin.periods[::2])
 
 

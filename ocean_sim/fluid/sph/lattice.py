@@ -99,7 +99,7 @@ class Lattice:
 
     @cached_property
     def given(self) -> np.ndarray | None:
-        """(n, 3) positions [m] from a file, in place of a lattice."""
+        """Positions (n, 3) [m] of particles from a file, in place of a lattice; None without a file."""
         return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
@@ -217,7 +217,7 @@ class Lattice:
 
     @property
     def wet_mask(self) -> np.ndarray:
-        """(m,) mask of the particles that are water."""
+        """Mask (m,) of the points of the full lattice that are water, see `room_for_bodies`."""
         return self.room_for_bodies[0]
 
     def positions(self) -> np.ndarray:

@@ -78,7 +78,7 @@ class Law(ABC):
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Put the sums of particle i to use: `total`, and `beyond` of images where these are summed apart."""
+        """Use the sums of particle i: `total`, and `beyond`, that of images, where these are summed apart."""
 
     @ti.func
     def with_bodies(self, total, x, own):

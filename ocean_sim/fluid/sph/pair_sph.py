@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """A sum of forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have `push`,
-    and `rub` where friction is summed apart."""
+    """Law that sums forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have
+    `push`, and `rub` where friction is summed apart."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""

@@ -43,8 +43,8 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Particles between steps, sorted by cell, with all fields current. A kind adds its motion (`step`) and the update
-    of its fields (`arrive`)."""
+    """Base class of particle water. Between steps particles are sorted by cell and all fields current. A kind adds its
+    motion (`step`) and the update of its fields (`arrive`)."""
 
     particles: Particles
     around: PointSum

@@ -88,7 +88,7 @@ class Components:
     """A vector per particle as three fields of one number each."""
 
     def __init__(self, n: int, count: Count | None = None) -> None:
-        """`count`: how many of the n are there, where that changes."""
+        """`count`: number of particles now, where it changes; n is then the most there will be."""
         self.x, self.y, self.z = (staggered_field(float, n) for _ in range(3))
         self.count = count
 

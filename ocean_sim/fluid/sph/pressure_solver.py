@@ -90,7 +90,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body."""
+        """Term of a sample of a solid body: v_ij . x_ij times the shape of grad W."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
@@ -155,7 +155,7 @@ class Push(KeptLaw):
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample of a solid body."""
+        """Term of a sample of a solid body: the sum of both pressures times x_ij and the shape of grad W."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
@@ -220,8 +220,8 @@ class Solver:
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
     def error_goal(self, first: float, dt: float, calm: bool) -> float:
-        """Error to stop at, in a step of dt [s] that begins with the error `first`. Water that is not calm stops at the
-        tolerance, except in brief steps: pressing out the compression at once would add speed."""
+        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`. Water that is not
+        calm stops at the tolerance, except in brief steps: pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance

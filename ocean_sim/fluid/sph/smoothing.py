@@ -32,7 +32,7 @@ def lesser(a, b):
 
 @ti.func
 def polynomial(t, power: Template, terms: Template):
-    """t^power (terms[0] + terms[1] t + ...)."""
+    """Value of t^power (terms[0] + terms[1] t + ...)."""
     total = float(terms[-1])
     for term in ti.static(terms[-2::-1]):
         total = total * t + term
@@ -128,7 +128,8 @@ class Smoothing:
 
     @ti.func
     def difference(self, own, other, first: Template):
-        """own - other of the three components from `first` on; in 2-D nothing is spent on the third, which is 0."""
+        """Difference own - other of three components from `first` on; in 2-D nothing is spent on the third, which is
+        0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )
@@ -140,23 +141,23 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """grad W over -slope x_ij at a distance r [m]: no division by r, so two particles in one position are no
-        trouble."""
+        """Shape of grad W, over -slope x_ij, at a distance r [m]: without division by r, so two particles in one
+        position are no trouble."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """W over slope support^2 at a distance r [m]."""
+        """Shape of W, over slope support^2, at a distance r [m]."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """x_ij times the shape of grad W."""
+        """Vector x_ij times the shape of grad W."""
         return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
     def shape_poly6(self, r2):
-        """(h^2 - r^2)^3 of the squared distance."""
+        """Shape of W_poly6, (h^2 - r^2)^3, at a squared distance r2 [m2]."""
         w = positive(self.support * self.support - r2)
         return w * w * w
 
@@ -186,12 +187,12 @@ class Stencil:
 
     @cached_property
     def value(self) -> np.ndarray:
-        """W over slope support^2 at each place in `offsets`."""
+        """Shape of W, over slope support^2, at each place in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """grad W over -slope x at each place in `offsets`."""
+        """Shape of grad W, over -slope x, at each place in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -206,12 +207,13 @@ class Stencil:
 
     @property
     def filled_gain(self) -> float:
-        """Gradient on the lattice of a unit gradient if W integrates to 1: about 1, and less next to a surface."""
+        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1, less next to a
+        surface."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """Gradient on the lattice of a unit gradient; forces are divided by it."""
+        """Gradient that the lattice's sum gives for a unit gradient; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property

@@ -162,7 +162,7 @@ class SphConfig(WaterConfig):
         return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Warn of too few particles for the depth or for the waves of a scene, and of waves that break."""
+        """Yield warnings of too few particles for the depth or for the waves of a scene, and of waves that break."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -246,7 +246,7 @@ class SphConfig(WaterConfig):
         )
 
     def viscosity_scale(self, basin: Basin) -> float:
-        """h c [m2/s], over which the scheme's own viscosity is stated."""
+        """Product h c of smoothing length and sound speed [m2/s], over which the scheme's own viscosity is stated."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
     def viscosity(self, basin: Basin) -> float:
@@ -280,7 +280,7 @@ class SphConfig(WaterConfig):
         return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
-        """State the height that waves of a scene lose by the scheme."""
+        """Yield sentences on the height that waves of a scene lose by the scheme."""
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
@@ -437,7 +437,7 @@ class Sph(ParticleWater):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Positions of the particles [m], x, y and z as the lists of candidates know them."""
+        """Fields x, y and z of the positions [m] from which the lists of candidates are made."""
         return tuple(self.particles.position)
 
     def advance_boundaries(self, dt: float) -> None:
@@ -479,7 +479,8 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the remembered push of particle i, which would add up where solid bodies fill `share` of its kernel."""
+        """Limit the acceleration of particle i that solid bodies read, which would grow where they fill `share` of its
+        kernel."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 

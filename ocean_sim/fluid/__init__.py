@@ -245,7 +245,7 @@ class Fluid(Protocol):
 
 
 class Arriving(NamedTuple):
-    """The n plane waves at one place at the time of the bodies, which is that when the last step began."""
+    """The n plane waves at one place, at the time of the bodies: the beginning of the water's last step."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation

@@ -60,8 +60,8 @@ class Body:
     floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Factor of the weight of its samples in the water's laws: 1, but for a gate thinner than the support so much
-        more that the gate holds the first row of water as solid ground does."""
+        """Factor of the weight of its samples in the water's laws: 1, but larger for a gate thinner than the support,
+        so that it holds the first row of water as solid ground does."""
         count, apart = self.across
         if count == 0:
             return 1.0

@@ -84,7 +84,7 @@ class SeaTable:
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """Bring the table to a time [s]."""
+        """Interpolate the table to a time [s]; write later slots when they are due."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0

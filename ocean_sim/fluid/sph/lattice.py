@@ -179,8 +179,8 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mask (m,) of the particles in no obstacle and no floating body, and positions (m, 3) [m] of all, moved so as
-        to make room for floating bodies."""
+        """Mask (m,) of the lattice's particles that obstacles and floating bodies leave in the water, and positions (m,
+        3) [m] of all, moved to make room for floating bodies."""
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)

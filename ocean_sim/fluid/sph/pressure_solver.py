@@ -227,7 +227,7 @@ class Solver:
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance
 
     def record_step(self, iterations: int, error: float) -> None:
-        """Count the iterations of a step and the error that it ends with."""
+        """Add the iterations of a step, and the error that it ends with, to the record of the run."""
         self.last_iterations, self.last_error = iterations, error
         self.iterations, self.error = self.iterations + iterations, max(self.error, error)
         self.unsolved += not error <= self.tolerance

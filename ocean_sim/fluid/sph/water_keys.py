@@ -70,7 +70,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True if impulses are summed, whether they are read or not: no observer changes a step."""
+        """True if impulses are summed; independent of `read`, since no observer changes a step."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:

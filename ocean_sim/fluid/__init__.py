@@ -36,14 +36,14 @@ class Limits:
     force: float = inf
 
     def and_of(self, other: Limits) -> Limits:
-        """Shorter of each pair of limits."""
+        """Limits each of which is the shorter of this one's and the other's."""
         viscous, force = min(self.viscous, other.viscous), min(self.force, other.force)
         return Limits(min(self.acoustic, other.acoustic), viscous, force)
 
 
 @dataclass(frozen=True)
 class Status:
-    """Extremes of the last step over all particles."""
+    """Extremes of speed, acceleration and density over all particles in the last step."""
 
     max_speed: float  # [m/s]
     max_acceleration: float  # [m/s2]
@@ -54,7 +54,7 @@ class Status:
 
 
 class Totals(NamedTuple):
-    """Sums over all particles, in float64, and the box that they lie in."""
+    """Sums over all particles, in float64, and the bounding box of their positions."""
 
     density: float  # [kg/m3]
     compression: float  # sum of max(density / rest density - 1, 0)
@@ -83,7 +83,7 @@ class Stops(Protocol):
 
 
 class Hull(Protocol):
-    """A hull among particles, where it is now."""
+    """Hull of a ship among particles, at its present position."""
 
     distance: Any  # signed distance of a point
 
@@ -92,12 +92,12 @@ class Hull(Protocol):
         ...
 
     def push(self, x: Any, ahead: Any) -> Any:
-        """ti.func: acceleration [m/s2] of water at x [m], `ahead` [s] of the beginning of the step."""
+        """ti.func: acceleration [m/s2] by which the hull pushes water at x [m], `ahead` [s] after the step began."""
         ...
 
 
 class Contact(Protocol):
-    """A ship that the water meets."""
+    """Ship that pushes particles: her hull, and the impulse and work of collisions with it."""
 
     @property
     def hull(self) -> Hull:
@@ -109,7 +109,7 @@ class Contact(Protocol):
 
 
 class Displacing(Protocol):
-    """A floating body in water that its displacement disturbs."""
+    """A floating body whose displacement disturbs the water."""
 
     body: Any  # `position` (3,) of its centre of mass [m]
 
@@ -120,7 +120,8 @@ class Displacing(Protocol):
 
 
 class Fluid(Protocol):
-    """Water. `elevation` is callable from a Taichi kernel; between steps everything is current and in cell order.
+    """Interface of water. A Taichi kernel can call `elevation`; between steps all fields are current, and particles are
+    sorted by cell.
 
     Kinds of water derive from this class. A default stands for a property that a kind lacks.
     """
@@ -149,7 +150,7 @@ class Fluid(Protocol):
 
     @property
     def plane_waves(self) -> Components | None:
-        """Plane waves whose sum is this water (a closed form), or whose sea it is a patch of."""
+        """Plane waves whose sum is this water (a closed form) or the sea around it (a patch); None without waves."""
         return None
 
     @property
@@ -174,12 +175,12 @@ class Fluid(Protocol):
 
     @property
     def impulse(self) -> dict[str, np.ndarray]:
-        """Impulse of each term since the start [N s], (3,) each; empty where no accounts are kept."""
+        """Impulse on the water by each term, by its name, since the start [N s], (3,) each; empty if not summed."""
         return {}
 
     @property
     def work(self) -> dict[str, float]:
-        """Work of each term since the start [J]; empty where no accounts are kept.
+        """Work on the water by each term, by its name, since the start [J]; empty if not summed.
 
         Gravity includes the body force. The work of diffusion is the energy of its compression; that of breaking is the
         energy lost by a tile of nonlinear sea.
@@ -192,7 +193,7 @@ class Fluid(Protocol):
         return {}
 
     def adjust(self, **values: float) -> None:
-        """Set `adjustable` settings; no kernel is compiled anew."""
+        """Change settings named in `adjustable` during a run; no kernel is compiled anew."""
         return
 
     def add_ships(self, ships: Sequence[Displacing]) -> tuple[Fluid, ...]:
@@ -235,7 +236,7 @@ class Fluid(Protocol):
         return None
 
     def limits(self) -> Limits:
-        """Time scales that the next step must stay a fraction of."""
+        """Limits of the next step: the time scales of which it must stay a fraction."""
         ...
 
     def internal_energy(self) -> float:
@@ -244,7 +245,7 @@ class Fluid(Protocol):
 
 
 class Arriving(NamedTuple):
-    """The n plane waves at one place when the last step began: the time of bodies, which step after the water."""
+    """The n plane waves at one place, at the time of the bodies: the beginning of the water's last step."""
 
     amplitude: np.ndarray  # [m]
     angle: np.ndarray  # phase [rad]: amplitude cos(angle) is the elevation
@@ -260,7 +261,7 @@ class Arriving(NamedTuple):
 
 
 class ClosedForm(Fluid, Protocol):
-    """Water without particles. A kernel can read its motion below the surface."""
+    """Interface of water without particles. A kernel can read its motion below the surface."""
 
     current: tuple[float, float]  # velocity of all the water along x and z [m/s]
 
@@ -269,21 +270,21 @@ class ClosedForm(Fluid, Protocol):
         ...
 
     def rise(self, x: Any, z: Any) -> Any:
-        """ti.func: elevation beyond that of the plane waves [m]."""
+        """ti.func: elevation at x, z [m] beyond that of the plane waves [m], at the time of the bodies."""
         ...
 
     def moving(self, x: Any, z: Any, depth: Any) -> Any:
-        """ti.func: velocity [m/s] and acceleration [m/s2] beyond the plane waves, at a depth of the unstretched
-        column [m]."""
+        """ti.func: velocity [m/s] and acceleration [m/s2] at x, z [m] beyond those of the plane waves, at a depth [m]
+        of the unstretched column."""
         ...
 
     def window(self, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]) -> Window:
-        """Plane waves at `size` nodes along and across, `step` [m] apart, and on levels at `depths` [m]."""
+        """Lattice of sums of the plane waves: `size` nodes along and across, `step` [m] apart, at `depths` [m]."""
         ...
 
 
 class ParticleFluid(Fluid, Protocol):
-    """Water made of particles."""
+    """Interface of water made of particles."""
 
     particles: Particles
     around: PointSum

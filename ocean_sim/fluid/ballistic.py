@@ -43,7 +43,7 @@ class Config(WaterConfig):
         return GridSize(lattice, self.ratio(basin) * lattice.spacing, PLANS[arch])
 
     def ratio(self, basin: Basin) -> float:
-        """Support over spacing."""
+        """Kernel support over particle spacing."""
         return SUPPORT_RATIO
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
@@ -64,7 +64,7 @@ class Config(WaterConfig):
 
 
 def force_limit(support: float, acceleration: float) -> Limits:
-    """Parabolas are exact for any step; this one only keeps wind and walls from being stepped over."""
+    """Limits of the time step: parabolas are exact for any step, but none may step over wind and walls."""
     return Limits(force=(0.5 * support / acceleration) ** 0.5) if acceleration > 0.0 else Limits()
 
 
@@ -105,7 +105,7 @@ class Ballistic(ParticleWater):
 
     @ti.func
     def advance_particle(self, i, dt, group):
-        """Move particle i."""
+        """Move particle i for dt [s], and add its extremes and impulses to those of its group."""
         p, u, m = self.particles.position, self.particles.velocity, ti.static(self.particles.mass)
         x, v = tm.vec3(p.x[i], p.y[i], p.z[i]), tm.vec3(u.x[i], u.y[i], u.z[i])
         a_wind, a_pull, a_hull = self.wind_acceleration(i, x, v), self.pull.at(x, v), self.hull_push(x, 0.0)
@@ -122,7 +122,7 @@ class Ballistic(ParticleWater):
 
     @ti.kernel
     def advance_all(self, dt: float, since: float, summary: Array):
-        """Move and sort."""
+        """Move all particles for dt [s], sort them, and sum up the step."""
         self.wind.set_clock(since, dt)
         for t in range(self.tasks.iterations):
             if t % self.tasks.stride == 0:
@@ -138,5 +138,5 @@ class Ballistic(ParticleWater):
         return force_limit(self.grid.support, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """0: nothing is compressed [J]."""
+        """0 [J]: nothing is compressed."""
         return 0.0

@@ -7,7 +7,7 @@ is kept to rounding. Two dissipations belong to the scheme and leave smooth flow
 sound and nothing that keeps its volume (Sun, Pilloton, Antuono & Colagrossi 2023, J. Comput. Phys. 483, 112177), and
 under a free surface that of a Riemann problem between particles that meet (Zhang, Hu & Adams 2017, J. Comput. Phys.
 335, 605), which is quadratic in their speed. Steps are drift, kick, drift.
-What is stored is the deviation from the rest density, which single precision would lose in the density itself.
+Stored is the deviation from the rest density, which single precision would lose in the density itself.
 
 The kernel is one under which a lattice of particles behaves as water does (smoothing.NEUTRAL_KERNEL): where a lattice
 bears shear waves run fast, however fine it is, and where it is unstable still water stirs. Where the surface cuts the
@@ -98,14 +98,14 @@ class Config(SphConfig):
         return step_limits(smoothing, sound_speed, nu, speed, acceleration)
 
     def artificial_nu(self, smoothing: Smoothing, sound_speed: float) -> float:
-        """Kinematic viscosity that the artificial one is, of water that is compressed [m2/s]."""
+        """Kinematic viscosity [m2/s] to which the artificial one amounts in water that is compressed."""
         return self.artificial_viscosity * smoothing.length * sound_speed / (2.0 * (smoothing.dimension + 2.0))
 
     def viscosity(self, basin: Basin) -> float:
         return self.kinematic_viscosity + self.artificial_nu(self.smoothing(basin), self.sound_speed(basin))
 
     def settling(self, preflight: Preflight) -> float:
-        """Settlement of the deepest column [m], g h^2 / (2 c^2)."""
+        """Settlement [m] of the deepest column under its own weight, g h^2 / (2 c^2)."""
         tank, lattice, pull = preflight.tank, preflight.untouched, -preflight.tank.gravity[1]
         if lattice is None or self.is_enclosed(tank) or pull <= 0.0:
             return 0.0
@@ -178,36 +178,38 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def pressure(self, p_i, p_j):
-        """p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has divided."""
+        """Pressure term of a pair: p_i / rho_i^2 + p_j / rho_j^2 (Monaghan 1992, eq. 3.3), which the row has
+        divided."""
         return p_i + p_j
 
     @ti.func
     def artificial_stress(self, p_i, p_j, r):
-        """0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| / rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1
-        and 3.2): keeps water under tension from clumping."""
+        """Stress that keeps water under tension from clumping: 0.3 (W(r) / W(spacing))^4 (|p_i| / rho_i^2 + |p_j| /
+        rho_j^2) of negative pressures (Monaghan 2000, eqs. 3.1 and 3.2)."""
         near = self.fluid.closeness(r)
         return ARTIFICIAL_STRESS * near * near * near * near * (positive(-p_i) + positive(-p_j))
 
     @ti.func
     def viscosity(self, closing):
-        """2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2, whose free surface is free
-        of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
+        """Viscous term of a pair: 2 (d + 2) nu u_ij / rho0 of Monaghan & Gingold (1983), u_ij = -v_ij . x_ij / r^2,
+        whose free surface is free of stress (Colagrossi, Antuono, Souto-Iglesias & Le Touze 2011, Phys. Rev. E 84)."""
         return self.laminar * self.per_component * closing
 
     @ti.func
     def viscosity_without_surface(self, v_ij):
-        """-2 nu v_ij / rho0, a vector, of Morris, Fox & Zhu (1997, eq. 22), which has no error on a lattice."""
+        """Viscous term of a pair, a vector: -2 nu v_ij / rho0 of Morris, Fox & Zhu (1997, eq. 22), which has no error
+        on a lattice."""
         return -self.laminar * v_ij
 
     @ti.func
     def artificial_viscosity(self, closing):
-        """alpha h c u_ij / rho0 of particles that approach (Monaghan 1992, eq. 4.2)."""
+        """Artificial viscosity of particles that approach: alpha h c u_ij / rho0 (Monaghan 1992, eq. 4.2)."""
         return self.artificial * positive(closing)
 
     @ti.func
     def riemann_dissipation(self, closing, r):
-        """beta u / rho0 of particles that approach at u = r u_ij, with beta = min(u / 2, c) (Zhang, Hu & Adams 2017,
-        whose factor is 3 and not a half), over r."""
+        """Dissipation of particles that approach at u = r u_ij: beta u / rho0 over r, with beta = min(u / 2, c) (Zhang,
+        Hu & Adams 2017, whose factor is 3 and not a half)."""
         met = positive(closing)
         return lesser(r * met, self.fluid.sound_speed / IMPACT_DISSIPATION) * r * self.impact * met
 
@@ -221,7 +223,7 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def sum_of_terms(self, own, other, tense: Template):
-        """All terms of a pair; `tense`: whether a pressure may be negative."""
+        """Row of all terms of a pair; `tense`: True if a pressure may be negative."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         r2 = x_ij.dot(x_ij)
         r = ti.sqrt(r2)
@@ -285,7 +287,7 @@ class Continuity(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity across it turned round, its density continued
+        """Row of a neighbour's image in a side: its velocity across the side reversed, its density continued
         hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row_free_slip(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
@@ -294,9 +296,10 @@ class Continuity(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body: it moves with the body, and nothing diffuses into it. Only so does water that comes
-        to a face gain what the samples add to its sum, and lose it as it goes: moved against the water, as an image
-        moves, a sample that stays where it is would add twice that, and press twice as hard on what streams by."""
+        """Row of sample s of a solid body: it moves with the body, and no density diffuses into it. Only so does water
+        that comes to a face gain the density that the samples add to its sum, and lose it as it goes: moved against the
+        water, as an image moves, a sample that stays where it is would add twice that, and press twice as hard on water
+        that streams by."""
         other = row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
         still = self.still_gradient(vec3(own, self.row.position) + 0.5 * d)
         other[self.row.deviation] = own[self.row.deviation] + still.dot(d)
@@ -309,19 +312,19 @@ class Continuity(Law):
 
     @ti.func
     def continuity(self, v_ij, x_ij):
-        """-v_ij . x_ij: d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
+        """Compression term of a pair: -v_ij . x_ij, for d rho_i / dt = sum m v_ij . grad W (Monaghan 1994, eq. 2.4)."""
         return -v_ij.dot(x_ij)
 
     @ti.func
     def density_diffusion(self, own, other, x_ij):
-        """rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2 delta h c / rho0 (Molteni
-        & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
+        """Diffusion term of a pair: rho_j - rho_i beyond the hydrostatic (Fourtakas et al. 2019, eq. 9), to be times 2
+        delta h c / rho0 (Molteni & Colagrossi 2009; Antuono et al. 2010, eq. 1)."""
         still = self.still_gradient(vec3(own, self.row.position) - 0.5 * x_ij)
         return other[self.row.deviation] - own[self.row.deviation] + still.dot(x_ij)
 
     @ti.func
     def crowding(self, r):
-        """1 + 0.2 (W(r) / W(spacing))^4: weight of a neighbour in the shift (Sun et al. 2017, eq. 16)."""
+        """Weight of a neighbour in the shift: 1 + 0.2 (W(r) / W(spacing))^4 (Sun et al. 2017, eq. 16)."""
         near = self.fluid.closeness(r)
         return 1.0 + CROWDING_WEIGHT * near * near * near * near
 
@@ -348,7 +351,7 @@ class Continuity(Law):
 
     @ti.func
     def grade_diffusion(self, i, own, total):
-        """Find the share of the diffusion in which particle i takes part: all if its kernel is filled. Next to a free
+        """Store the share of the diffusion in which particle i takes part: all if its kernel is filled. Next to a free
         surface it is none, unless the water is sheared (spin as great as strain) and not merely stretched, as by waves
         (a switch as that of Balsara 1995, J. Comput. Phys. 121)."""
         fluid, spin, strain = self.fluid, self.fluid.spin[i], self.fluid.strain[i]
@@ -362,8 +365,8 @@ class Continuity(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Take the density of particle i to the end of the step, and with it its pressure; grade it, or find where to
-        shift it."""
+        """Advance density and pressure of particle i to the end of the step; store its share of diffusion or its
+        shift."""
         fluid, particles, rho_0 = self.fluid, self.fluid.particles, ti.static(self.fluid.rest_density)
         dt, deviation = fluid.dt[None], own[self.row.deviation]
         if ti.static(fluid.bodies):
@@ -393,7 +396,7 @@ class Continuity(Law):
 
     @ti.func
     def book_work(self, i, own, compressed, diffused, group):
-        """Put the work of compression and of diffusion to the budget; that of the damped part is friction's."""
+        """Add the work of compression and of diffusion to the budget; that of bulk damping counts as viscosity."""
         fluid, deviation = self.fluid, own[self.row.deviation]
         closer = fluid.particles.mass * fluid.dt[None] * self.prefactor(own)
         p = fluid.equation_of_state(deviation) / (fluid.rest_density + deviation) ** 2
@@ -405,8 +408,8 @@ class Continuity(Law):
 
 @in_kernels
 class Shear(Law):
-    """Spin and strain of the water around each particle, remembered over a while: seldom looked at, since they are
-    dear."""
+    """Squared spin and strain of the water around each particle, averaged over past time; updated seldom, since the
+    sums are expensive."""
 
     row, options = Columns(position=3, velocity=3), WalkOptions(padded=True)
 
@@ -425,12 +428,12 @@ class Shear(Law):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body moves with it."""
+        """Row of sample s of a solid body, which moves with the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """x_ij v_ij, to be times -m grad W / x_ij."""
+        """Products of the components of x_ij and v_ij, to be times -m grad W / x_ij."""
         x_ij = self.fluid.smoothing.difference(own, other, self.row.position)
         v_ij = self.fluid.smoothing.difference(own, other, self.row.velocity)
         lever, total = self.fluid.smoothing.pair_gradient(x_ij), ti.Vector.zero(float, self.terms.size)
@@ -440,7 +443,7 @@ class Shear(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Remember spin and strain, both squared: in shear they are the same."""
+        """Update the averages of squared spin and strain of particle i; in simple shear both are equal."""
         fluid, both = self.fluid, self.with_bodies(total, vec3(own, self.row.position), own)
         gradient = ti.Matrix.zero(float, self.dimension, self.dimension)  # of velocity k along axis j [1/s]
         for j, k in ti.static(ti.ndrange(self.dimension, self.dimension)):
@@ -512,7 +515,7 @@ class DeltaSph(Sph):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Positions at the end of the step, in the order of its middle, not wrapped into the period since."""
+        """Positions at the end of the step [m], in the order of mid-step, not wrapped into the period since."""
         return self.grid.moved[: STATE_COLUMNS.velocity]
 
     def arrive(self) -> None:
@@ -529,12 +532,12 @@ class DeltaSph(Sph):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Keep the next position and velocity of particle i, which stays in the cell that it was in in mid-step."""
+        """Store the next position and velocity of particle i, which stays in the cell that it was in in mid-step."""
         self.grid.stage_motion(i, x, v)
 
     @ti.func
     def closeness(self, r):
-        """W(r) / W(spacing), of Wendland's kernel NEAR spacings wide: a narrow one makes near neighbours explode."""
+        """W(r) / W(spacing) of Wendland's kernel NEAR_SUPPORT_SPACINGS wide: a narrow one lets neighbours explode."""
         q = positive(1.0 - r * self.per_reach)
         return self.per_W_spacing * q * q * q * q * (5.0 - 4.0 * q)
 
@@ -552,7 +555,7 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort, and find the rate of the density as it is now."""
+        """Sort the particles, and compute the rate of the density as it is now, without a step."""
         self.dt[None] = 0.0
         for i in range(self.particles.count.there()):
             self.next_deviation[i] = self.excess_of(self.particles.pressure[i])
@@ -567,13 +570,13 @@ class DeltaSph(Sph):
 
     @ti.func
     def excess_of(self, pressure):
-        """Inverse of the equation of state [kg/m3]."""
+        """Excess of density [kg/m3] under a pressure [Pa]: inverse of the equation of state."""
         gamma, rho_0 = ti.static(self.config.exponent, self.particles.rest_density)
         return rho_0 * ((1.0 + gamma * pressure / (rho_0 * self.sound_speed**2)) ** (1.0 / gamma) - 1.0)
 
     @ti.kernel
     def drift_kick_drift(self, dt: float, speed: float, since: float):
-        """Drift half a step, sort, kick, drift to the end."""
+        """Move the particles by a step of dt [s]: drift half of it, sort, kick, drift to the end."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         h = self.smoothing.length
@@ -601,14 +604,14 @@ class DeltaSph(Sph):
 
     @ti.kernel
     def find_density_rate(self, summary: Array):
-        """Find the rate of the density at the end: a kernel of its own, since Taichi 1.7 cannot make one of both walks
-        for Vulkan."""
+        """Compute the rate of the density at the end of a step: a kernel of its own, since Taichi 1.7 cannot make one
+        of both walks for Vulkan."""
         self.neighbours.walk(self.continuity, False)
         self.accounts.summarise(summary)
 
     @ti.kernel
     def update_shear(self, lately: float):
-        """Let the spin and strain of now count with this weight among those remembered."""
+        """Update the averages of squared spin and strain; `lately`: weight of their present values."""
         self.lately[None] = lately
         self.neighbours.walk(self.shear, False)
 

@@ -8,8 +8,8 @@ under which the particles arrive at its rest density (density). Each solver iter
 by relaxed Jacobi steps p = max(p + omega r / A_ii, 0) (their kappa is p / density), carried on along the way of the
 last ones (Nesterov 1983) unless that leads uphill (O'Donoghue & Candes 2015, Found. Comput. Math. 15). An iteration
 reads the kept pairs twice. The pressures of a step are where the next begins; iterations go on until the error is
-within its tolerance and, in calm water and in brief steps, half of what it was, so that it comes to rest; in water that
-breaks that would be half of the work, and changes nothing that is seen.
+within its tolerance and, in calm water and in brief steps, half of its first value, so that it comes to rest; in water
+that breaks that would be half of the work, and changes nothing that is seen.
 
 Where there is a free surface both pressures are forces, and never negative: with them the step is symplectic (it is
 SHAKE; Leimkuhler & Skeel 1994, J. Comput. Phys. 112), and still water stays still. A gap inside the water may close
@@ -110,8 +110,8 @@ class Config(SphConfig):
         return artificial + super().viscosity_added(preflight, length, height, standing)
 
     def limits_at(self, basin: Basin, speed: float, acceleration: float) -> Limits:
-        """Nothing has to wait for sound, but a particle under a pressure p is held by its neighbours as by springs,
-        whose frequency is about sqrt(p / density) / spacing. Pairs rub at up to twice the rate of the sum."""
+        """Limits of the time step. None is for sound, but a particle under a pressure p is held by its neighbours as by
+        springs, whose frequency is about sqrt(p / density) / spacing. Pairs rub at up to twice the rate of the sum."""
         speed = max(speed, MIN_LIMIT_SPEED * self.speed(basin))
         return step_limits(self.smoothing(basin), 0.0, 2.0 * self.viscosity(basin), speed, acceleration)
 
@@ -231,13 +231,13 @@ class Forces(Force):
 
     @ti.func
     def prefactor(self, own):
-        """Factor of the pressures: m / rho0^2 and the constant of grad W, over the lattice's gradient of a unit
+        """Factor of the sum of pressures: m / rho0^2 and the constant of grad W, over the lattice's gradient of a unit
         gradient."""
         return self.fluid.pressing
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body, which has no pressure of its own (2017, section 5)."""
+        """Row of sample s of a solid body, which has no pressure of its own (2017, section 5)."""
         other = self.rubbing_sample(own, s, d, mirror)
         other[self.row.pressure] = 0.0
         return other
@@ -251,17 +251,17 @@ class Forces(Force):
 
     @ti.func
     def pressure(self, p_i, p_j, gradient):
-        """-(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
+        """Pressure term of a pair: -(p_i + p_j) grad W (2017, eq. 3), `gradient` being -grad W over its constant."""
         return (p_i + p_j) * gradient
 
     @ti.func
     def viscosity(self, v_ij, x_ij, r2, gradient):
-        """(d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983), times 2 nu V."""
+        """Viscous term of a pair, to be times 2 nu V: (d + 2) v_ij . x_ij / r^2 grad W of Monaghan & Gingold (1983)."""
         return self.per_component * v_ij.dot(x_ij) / (r2 + self.squared_gap) * gradient
 
     @ti.func
     def viscosity_without_surface(self, v_ij, r2):
-        """v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22), times 2 nu V."""
+        """Viscous term of a pair, to be times 2 nu V: v_ij W' / r of Morris, Fox & Zhu (1997, eq. 22)."""
         return self.fluid.smoothing.shape_gradient(ti.sqrt(r2)) * v_ij
 
     @ti.func
@@ -397,8 +397,8 @@ class Dfsph(Sph):
         self.arrive()
 
     def solve(self, solver: Solver, dt: float, calm: bool) -> None:
-        """Iterate until a step of dt [s] presses the water neither together nor apart by more than is allowed in the
-        mean, at most so often."""
+        """Iterate a solver until a step of dt [s] compresses or expands the water by no more in the mean than its
+        tolerance, or its most iterations are used; then record the step. `calm`: True if the water hardly moves."""
         solver.record_step(*self.iterate_to(solver, solver.error_goal(self.error, dt, calm)))
         if self.accounts.impulses and solver.forces:
             self.book_pressures(solver)
@@ -416,13 +416,13 @@ class Dfsph(Sph):
 
     @property
     def error(self) -> float:
-        """Mean relative error of the density, of particles pressed together or apart."""
+        """Mean error of the density over the rest density: of particles too dense, or too thin if that is more."""
         scale = 1.0 / (self.particles.count.now * self.particles.rest_density)
         return scale * float(self.report[:UPHILL_SLOPE].max())
 
     @ti.kernel
     def predict(self, dt: float, since: float, report: Array):
-        """Velocities under all forces and the last pressures, and how far they compress the water."""
+        """Predict velocities under all forces and the last pressures, and sum up how far they compress the water."""
         self.dt[None], self.momentum[None] = dt, 0.0
         self.wind.set_clock(since, dt)
         self.neighbours.walk(self.forces, False)
@@ -431,7 +431,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def iterate(self, solver: Template, momentum: float, report: Array):
-        """One iteration of a solver."""
+        """Run one iteration of a solver: velocities by its pressures, then the errors left and the next pressures."""
         self.momentum[None] = momentum
         self.pairs.walk(solver.push)
         self.pairs.walk(solver.compression)
@@ -439,13 +439,13 @@ class Dfsph(Sph):
 
     @ti.kernel
     def book_pressures(self, solver: Template):
-        """Book the impulses of a solver's pressures."""
+        """Add the impulses of the pressures that a solver has gained to the budget."""
         self.pairs.walk(solver.account)
 
     @ti.kernel
     def predict_density(self, speed: float, report: Array):
-        """Predict the density from these velocities and from shifts of particles as fast as `speed`. Without shifts the
-        solver for the divergence has left it."""
+        """Predict the density from the predicted velocities and from shifts of particles as fast as `speed` [m/s].
+        Without shifts the solver for the divergence has left it."""
         self.momentum[None] = 0.0
         for i in range(self.particles.count.there()):
             self.incompressible.begin(i)
@@ -466,14 +466,14 @@ class Dfsph(Sph):
 
     @ti.func
     def judge_group(self, group):
-        """Judge a group's particles by the compression that the solver for the divergence has left."""
+        """Compute errors and next pressures of a group by the compression that the divergence solver has left."""
         self.incompressible.compression.begin(group)
         for i in range(self.tasks.first_particle(group), self.tasks.first_particle(group + 1)):
             self.incompressible.compression.judge_particle(i, self.rate[i], group)
 
     @ti.kernel
     def displace_and_react(self):
-        """Displace the particles, and take over their velocities and, where they were forces, all pressures."""
+        """Displace the particles, store their new velocities and the pressures that are forces, and push the bodies."""
         for i in range(self.particles.count.there()):
             self.held_pressure[i] = self.held_pressure[i] + self.divergence.gain[i]
             if ti.static(not self.closed):
@@ -487,7 +487,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def displace_all(self):
-        """Displace the particles, as far as the walls let them."""
+        """Displace all particles, as far as the walls let them, and leave their velocities."""
         for i in range(self.particles.count.there()):
             u, way = self.particles.velocity, tm.vec3([component[i] for component in ti.static(tuple(self.way))])
             v = tm.vec3(u.x[i], u.y[i], u.z[i])
@@ -496,13 +496,13 @@ class Dfsph(Sph):
 
     @ti.func
     def landing(self, i, way, u):
-        """Place [m] of particle i after a way [m] at velocity u, and its velocity there, limited by the walls."""
+        """Place [m] of particle i after a way [m] at velocity u [m/s], and its velocity there, limited by the walls."""
         p = self.particles.position
         return self.walls.bounce(tm.vec3(p.x[i], p.y[i], p.z[i]) + self.grid.whole_quanta(i, way), u)
 
     @ti.func
     def displace(self, i, dt, group):
-        """Move particle i as far as walls and the motion limit let it."""
+        """Move particle i for dt [s] as far as walls and the motion limit let it, and book the impulses of its step."""
         way = tm.vec3([component[i] for component in ti.static(tuple(self.way))])
         u = way
         if ti.static(self.closed):
@@ -521,7 +521,7 @@ class Dfsph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array, report: Array):
-        """Sort, and find the new density."""
+        """Sort the particles, and compute their density."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.rows.sum_into(report)
@@ -537,7 +537,7 @@ class Dfsph(Sph):
 
     @ti.func
     def admissible_pressure(self, pressure):
-        """A pressure as the water can have it: under a free surface it does not pull."""
+        """Pressure [Pa] that the water can have, nearest to this one: under a free surface it is not negative."""
         p = pressure
         if ti.static(not self.closed):
             p = tm.max(p, 0.0)
@@ -545,28 +545,28 @@ class Dfsph(Sph):
 
     @ti.func
     def apply_pressures(self, i, dt, total, beyond):
-        """Change of velocity of particle i by the pressures of the water and of the walls, kept for the accounts."""
+        """Change of velocity [m/s] of particle i by the pressures of water and walls, recorded for the budget."""
         scale = dt * self.pressing
         return self.change_velocity(i, PRESSURE, scale * total) + self.change_velocity(i, WALLS, scale * beyond)
 
     @ti.func
     def begin_changes(self, i):
-        """No term has changed the velocity of particle i in this step."""
+        """Reset the changes of velocity of particle i by each term in this step to 0."""
         for change in ti.static(self.changes):
             for component in ti.static(change):
                 component[i] = 0.0
 
     @ti.func
     def change_velocity(self, i, term: Template, change):
-        """A change of velocity of particle i by a term, kept for the accounts."""
+        """Record a change of velocity [m/s] of particle i by a term for the budget, and return it."""
         for k, component in ti.static(enumerate(self.changes[term])):
             component[i] = component[i] + change[k]
         return change
 
     def limits(self) -> Limits:
-        """The acceleration is that of all forces but pressure."""
+        """Limits of the next step; the acceleration is that of all forces but pressure."""
         return self.config.limits_at(self.basin, self.max_speed, self.status.max_acceleration)
 
     def internal_energy(self) -> float:
-        """0: nothing is compressed [J]."""
+        """0 [J]: nothing is compressed."""
         return 0.0

@@ -59,15 +59,15 @@ class Config(waves.GrowingTrain, FluidConfig):
 
     @property
     def smooth(self) -> Limits:
-        """A closed form is right at any step; this one keeps the straight lines between steps, by which files are
-        sampled, within 0.05 % of the waves."""
+        """Limits of the time step. A closed form is exact at any step; this limit keeps the straight lines between
+        steps, by which files are sampled, within 0.05 % of the waves."""
         return Limits(force=SMOOTH_STEP_PERIODS * self.scale[1])
 
     def point_spacing(self, preflight: Preflight) -> float:
         return self.apart(preflight.tank)
 
     def apart(self, tank: waves.Tank) -> float:
-        """Distance [m] of points that show the waves."""
+        """Distance [m] between points that resolve the waves, POINTS_PER_WAVE to a wavelength."""
         k = waves.wavenumber(2.0 * np.pi / self.scale[1], tank.depth, waves.downward_gravity(tank))
         return 2.0 * np.pi / float(k) / POINTS_PER_WAVE
 
@@ -91,7 +91,7 @@ class Config(waves.GrowingTrain, FluidConfig):
 
 @in_kernels
 class LinearWaves(OpenWater):
-    """Linear waves at one time."""
+    """Water without particles: the sum of linear plane waves at the present time."""
 
     def __init__(self, config: Config, basin: Basin) -> None:
         self.config, sea = config, config.with_ramp(config.sea(basin))
@@ -108,12 +108,12 @@ class LinearWaves(OpenWater):
         return self.waves.sea
 
     def begin(self, sea: waves.Components) -> None:
-        """These waves, grown as the config says, from time 0 on; as many as there were, of the same depth."""
+        """Restart at time 0 with other waves, as many as before and of the same depth; they grow as the config says."""
         self.time = self.before = 0.0
         self.waves.begin(self.config.with_ramp(sea))
 
     def advance(self, dt: float) -> None:
-        """One step of dt [s]."""
+        """Advance the waves by a step of dt [s]."""
         self.before, self.time = self.time, self.time + dt
         self.waves.set_time(self.time)
 

@@ -59,7 +59,7 @@ class Config(SphConfig):
         return self
 
     def sound_speed(self, basin: Basin) -> float:
-        """c [m/s]: the square root of k of (2.15)."""
+        """Sound speed c [m/s]: the square root of k of (2.15)."""
         return sqrt(self.stiffness) if self.stiffness else super().sound_speed(basin)
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -85,7 +85,7 @@ class Config(SphConfig):
 
 @in_kernels
 class Density(Law):
-    """(2.13) with the poly6 kernel, then (2.15)."""
+    """Density (2.13) with the poly6 kernel, then pressure (2.15)."""
 
     terms = Columns(density=1)
 
@@ -98,7 +98,7 @@ class Density(Law):
 
     @ti.func
     def prefactor(self, own):
-        """Mass and the constant of the poly6 kernel."""
+        """Factor of the sum: mass and the constant of the poly6 kernel."""
         return self.constant
 
     @ti.func
@@ -107,13 +107,13 @@ class Density(Law):
 
     @ti.func
     def pair(self, own, other):
-        """W_poly6 (2.13)."""
+        """Shape of W_poly6 for a neighbour (2.13)."""
         x_ij = own - other
         return ti.Vector([self.fluid.smoothing.shape_poly6(x_ij.dot(x_ij))])
 
     @ti.func
     def equation_of_state(self, density_sum):
-        """k (rho - rho0) (2.15), of the sum without its prefactor, and no less than the minimum [Pa]."""
+        """Pressure k (rho - rho0) (2.15), of the density's sum without prefactor, and no less than the minimum [Pa]."""
         p = self.fluid.factors[SLOPE_FACTOR] * density_sum - self.fluid.factors[OFFSET_FACTOR]
         if ti.static(self.clamped):
             p = tm.max(p, self.minimum)
@@ -134,7 +134,7 @@ class Density(Law):
 
 @in_kernels
 class Momentum(MomentumLaw):
-    """Pressure (2.16) with the spiky kernel, viscosity (2.18) with the viscosity kernel."""
+    """Accelerations by pressure (2.16) with the spiky kernel, and by viscosity (2.18) with the viscosity kernel."""
 
     fluid: "Mueller"
     row = Columns(position=3, velocity=3, pressure=1, volume=1)
@@ -147,29 +147,31 @@ class Momentum(MomentumLaw):
 
     @ti.func
     def prefactor(self, own):
-        """1 / rho_i, mass and the constant of the spiky kernel."""
+        """Factor of the sum: 1 / rho_i, mass and the constant of the spiky kernel."""
         return self.constant * own[self.row.volume]
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body has the rest density."""
+        """Row of sample s of a solid body, which has the rest density."""
         other = self.continued_sample(own, s, d, mirror)
         other[self.row.volume] = 1.0 / self.fluid.rest_density
         return other
 
     @ti.func
     def pressure(self, p_i, p_j, r, q):
-        """(p_i + p_j) (h - r) / r along x_ij: (2.16), the gradient of the spiky kernel over its constant and q."""
+        """Pressure term of a pair (2.16): (p_i + p_j) (h - r) / r along x_ij, the gradient of the spiky kernel over its
+        constant and q."""
         return (p_i + p_j) * q / r
 
     @ti.func
     def viscosity(self, v_ji):
-        """mu v_ji (2.18), the Laplacian of the viscosity kernel over its constant and q, by the prefactor here."""
+        """Viscous term of a pair (2.18): mu v_ji, the Laplacian of the viscosity kernel over its constant and q, by the
+        prefactor of this law."""
         return self.fluid.factors[VISCOUS_FACTOR] * v_ji
 
     @ti.func
     def pair(self, own, other):
-        """Terms of (2.16) and (2.18), times q = h - r and 1 / rho_j."""
+        """Row of the terms (2.16) and (2.18) of a pair, times q = h - r and 1 / rho_j."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ji = vec3(other, self.row.velocity) - vec3(own, self.row.velocity)
         r = ti.sqrt(x_ij.dot(x_ij) + SQUARED_GAP)
@@ -183,7 +185,7 @@ class Momentum(MomentumLaw):
 
 @in_kernels
 class Mueller(PairSph):
-    """Particles that press and rub on each other."""
+    """Water by the scheme of the thesis: particles that press and rub on each other."""
 
     config: Config
     density: Density

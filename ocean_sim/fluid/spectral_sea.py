@@ -66,7 +66,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
     """Density of the water."""
 
     def tiled(self, basin: waves.Tank, length: float, width: float) -> Tile:
-        """The tile, over a basin of this length and width [m]."""
+        """Tile for waves on a basin of this length and width [m]."""
         side, g = self.tile, waves.downward_gravity(basin)
         if side is None and self.highest is not None:
             side = PER_TILE * 2.0 * pi / float(waves.wavenumber(2.0 * pi / self.highest[1], basin.depth, g))
@@ -74,7 +74,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return Tile(side, self.cells, self.cells if basin.dimension == 3 else 1, basin.depth, g)
 
     def tile_of(self, basin: Basin) -> Tile:
-        """The tile of a basin."""
+        """Tile for waves on a basin."""
         return self.tiled(basin, basin.config.length, basin.config.width or 0.0)
 
     def tile_step(self, tile: Tile) -> float:
@@ -98,7 +98,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def unfitted(self, basin: Basin) -> Problems:
-        """Regular waves that a tile which repeats itself does not hold."""
+        """Faults of waves that do not fit a periodic tile, or of a tile that holds too little of the sea's energy."""
         tile, found = self.tile_of(basin), Problems()
         for _, train in self.trains:
             if train.spectrum is not None or not train.scale[0]:
@@ -121,7 +121,7 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return found
 
     def energy_share(self, basin: Basin) -> float:
-        """Part of the sea's energy in waves that a tile which repeats itself holds; 1 in calm water."""
+        """Share of the sea's energy in waves that a periodic tile holds; 1 in calm water."""
         whole = self.sea_of(basin, SPECTRUM_COMPONENTS)
         energy = float((whole.amplitude**2).sum())
         return float((snapped(whole, self.tile_of(basin)).amplitude ** 2).sum()) / energy if energy else 1.0
@@ -182,8 +182,8 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
         return self.smooth(self.tile_of(preflight.tank))
 
     def smooth(self, tile: Tile) -> Limits:
-        """The sea is right at any step; this one keeps the straight lines between steps, by which files are sampled,
-        within 0.05 % of the waves, and no step of a tile left out."""
+        """Limits of the time step. The sea is exact at any step; this limit keeps the straight lines between steps, by
+        which files are sampled, within 0.05 % of the waves, and leaves out no step of a tile."""
         period = self.highest[1] if self.highest is not None else np.inf
         return Limits(force=min(SMOOTH_STEP_PERIODS * period, 4.0 * self.tile_step(tile)))
 
@@ -221,10 +221,10 @@ class Config(Seas, waves.GrowingTrain, Steepening, FluidConfig):
 
 
 class Made(OnTile):
-    """Linear waves that something makes, on a tile of its own."""
+    """Linear waves made by one ship or by the winds, on a tile of their own."""
 
     def __init__(self, tile: Tile, ship: Displacing | None = None) -> None:
-        """`ship`: who makes them; None: winds."""
+        """`ship`: the ship that makes the waves; None: the winds do."""
         self.tile, self.ship, self.layer, self.time, self.begun = tile, ship, Layer(tile), 0.0, False
 
     def covers(self, points: np.ndarray) -> np.ndarray:
@@ -236,23 +236,23 @@ class Made(OnTile):
 
 
 class Steep(OnTile):
-    """The nonlinear sea a step ahead of the present time, and one step before that."""
+    """Nonlinear sea at two steps of its tile, the later of them ahead of the present time; interpolated in between."""
 
     def __init__(self, sea: HighOrder, step: float, ramp: float) -> None:
-        """`ramp`: time [s] in which it grows, as others see it."""
+        """`ramp`: time [s] over which the waves that are read grow; those computed are of full height."""
         self.sea, self.tile, self.step, self.ramp, self.number = sea, sea.tile, step, ramp, 0
         self.slots = [np.array(sea.potentials()), np.array(sea.potentials())]
         """Modes of the elevation, of the potential and of its growth, (3, cells, rows // 2 + 1) each."""
         self.ahead()
 
     def ahead(self) -> None:
-        """Take another step."""
+        """Advance the nonlinear sea by a step, and keep its modes as the later of the two states."""
         self.sea.advance(self.step)
         self.number += 1
         self.slots = [self.slots[1], np.array(self.sea.potentials())]
 
     def share(self, time: float) -> float:
-        """Share of the way of a time [s] from the state before to the state ahead."""
+        """Position of a time [s] between the two states: 0 at the earlier, 1 at the later one."""
         return time / self.step - (self.number - 1)
 
     def modes_at(self, time: float) -> TileModes:
@@ -260,13 +260,13 @@ class Steep(OnTile):
         return TileModes(*(grown * ((1.0 - late) * a + late * b) for a, b in zip(*self.slots)))
 
     def grown(self, slot: int) -> np.ndarray:
-        """The modes of the state before (0) or of the one that is ahead (1), as far as they have grown."""
+        """Modes of the earlier (0) or later (1) state, times the ramp's share of the height at its time."""
         return waves.ramp_share(self.step * (self.number - 1 + slot), self.ramp) * self.slots[slot]
 
 
 @in_kernels
 class SpectralSea(OpenWater):
-    """The open sea. Its kernels read the waves from afar and those of winds, all that a single ship feels."""
+    """Open sea without particles. Kernels read the waves from afar and those of winds, all that a single ship feels."""
 
     def __init__(self, config: Config, basin: Basin, wind: Wind, accounts: bool = False) -> None:
         self.config, self.tile, self.accounts = config, config.tile_of(basin), accounts
@@ -300,7 +300,7 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def nonlinear(self, sea: waves.Components) -> HighOrder:
-        """The nonlinear sea that these waves grow into."""
+        """Nonlinear sea that starts from these linear waves."""
         period = self.config.highest[1] if self.config.highest is not None else 0.0
         return nonlinear_sea(sea, self.tile, self.config.onset_in(period), self.config.breaking, period)
 
@@ -311,7 +311,7 @@ class SpectralSea(OpenWater):
 
     @property
     def breaking(self) -> Breaking | None:
-        """Breaking crests of a nonlinear sea, if the scene asks for them."""
+        """Breaking crests of a nonlinear sea; None if the scene does not ask for them."""
         return self.steep.sea.breaking if self.steep is not None else None
 
     @property
@@ -337,7 +337,7 @@ class SpectralSea(OpenWater):
         return bool(self.tiles) or any(self.current)
 
     def begin(self, sea: waves.Components) -> None:
-        """These waves from afar from time 0 on; as many as there were, of the same depth."""
+        """Restart at time 0 with other waves from afar, as many as before and of the same depth."""
         self.time = self.before = self.then = 0.0
         for made in self.made:
             made.time, made.begun = 0.0, False
@@ -361,7 +361,7 @@ class SpectralSea(OpenWater):
         )
 
     def advance(self, dt: float) -> None:
-        """One step of dt [s]; the tiles take theirs when it is due."""
+        """Advance by a step of dt [s]; tiles take steps of their own when these are due."""
         if self.made and (self.time == 0.0 or self.time - self.then > self.step - 0.5 * dt):
             self.push()
         if self.air is not None and self.raised is not None:
@@ -376,7 +376,7 @@ class SpectralSea(OpenWater):
         self.set_clocks()
 
     def push(self) -> None:
-        """Push the tiles by ships and winds, and bring them to the present time."""
+        """Advance the tiles of ships and winds to the present time, under their pressure on the surface."""
         dt = self.time - self.then
         for made in self.made:
             made.time = self.time
@@ -416,7 +416,7 @@ class SpectralSea(OpenWater):
         return along, across
 
     def displace(self, made: Made, ship: Displacing, dt: float) -> None:
-        """Press on a ship's own tile where she is now, and take its step."""
+        """Advance a ship's own tile by dt [s] under the pressure of her displacement where she is now."""
         points, volumes = ship.displaced()
         centre = np.array([ship.body.position[0], ship.body.position[2]]) - self.drift
         pressure = self.tile.gravity * self.tile.spread_modes(points - self.drift, volumes)
@@ -435,16 +435,16 @@ class SpectralSea(OpenWater):
         return at - self.drift
 
     def show(self, made: Made, sheet: Sheet) -> None:
-        """Write waves for kernels, as they are now and as they will be a step later."""
+        """Write the waves of a tile, at the present time and a step later, to the sheet that kernels read."""
         for slot, time in enumerate((self.time, self.time + self.step)):
             sheet.write_modes(slot, *made.modes_at(time))
 
     def show_steep(self, steep: Steep) -> None:
-        """Write the nonlinear sea ahead for kernels, over the older of its two states."""
+        """Write the later state of the nonlinear sea to the sheet that kernels read, over the older one."""
         self.sheets[0].write_modes(steep.number % 2, *steep.grown(1))
 
     def set_clocks(self) -> None:
-        """Set the places of the sheets and the shares between their two times, now and before."""
+        """Set for each sheet its place and the position between its two times, now and when the last step began."""
         drifts = np.outer((self.time, self.before), self.current)
         if self.steep is not None:
             first, last = self.steep.share(self.time), self.steep.share(self.before)
@@ -461,7 +461,7 @@ class SpectralSea(OpenWater):
 
 
 def spacing(sea: waves.Components, tile: Tile) -> float:
-    """Distance of points that show the highest waves [m]; in calm water two cells."""
+    """Distance [m] between points that resolve the highest waves; in calm water two cells."""
     return sea.wavelength / POINTS_PER_WAVE if sea.amplitude.any() else 2.0 * tile.cell
 
 

@@ -41,7 +41,7 @@ class Tree:
             node.place, node.read = source.place_of(node), node_reader(node.__class__)
 
     def clear(self) -> None:
-        """Remove the results of Taichi, which hold on to simulations."""
+        """Remove the results of Taichi from the nodes: they hold on to simulations."""
         for node in self.nodes:
             node.ptr = None
         for node in self.attributes:
@@ -161,7 +161,7 @@ class FailingReader:
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Read one node; after an error, Taichi's own way adds the place."""
+    """Read one node of a tree; after an error, let Taichi raise it again with the place."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
@@ -173,7 +173,7 @@ def read_node(builder: Any, context: Any, node: Any) -> Any:
 
 
 def node_place(context: Any, node: Any) -> Any:
-    """Place of a node in a tree of ours."""
+    """Place of a node in one of our trees, for messages of the compiler."""
     return node.place
 
 

@@ -60,8 +60,8 @@ class Body:
     floats: bool = False  # whether it answers to the water
 
     def strength(self, smoothing: Smoothing, spacing: float) -> float:
-        """Weight of its samples in the water's laws over their volume. It is 1, but for a gate thinner than the support
-        so much more that the gate holds the first row of water as solid ground does."""
+        """Factor of the weight of its samples in the water's laws: 1, but larger for a gate thinner than the support,
+        so that it holds the first row of water as solid ground does."""
         count, apart = self.across
         if count == 0:
             return 1.0
@@ -81,7 +81,7 @@ def plane_pressure(away: np.ndarray, smoothing: Smoothing, spacing: float) -> fl
 
 
 def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
-    """The obstacles of the basin, sampled about as densely as the water, no deeper than it can feel."""
+    """The obstacles of the basin, sampled about as densely as the water, down to one `support` [m] below faces."""
     basin, bodies = lattice.basin, []
     for obstacle in basin.config.obstacles:
         d = basin.dimension
@@ -105,7 +105,7 @@ def obstacle_bodies(lattice: Lattice, support: float) -> list[Body]:
 
 
 def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
-    """Bodies that float in the basin, by name, sampled in the same way."""
+    """Floating bodies of the basin that the water feels, by name, sampled in the same way as obstacles."""
     bodies = {}
     for name, solid in lattice.basin.afloat.items():
         if solid.is_sampled:
@@ -114,7 +114,7 @@ def floating_bodies(lattice: Lattice, support: float) -> dict[str, Body]:
 
 
 def any_moves(bodies: Sequence[Body]) -> bool:
-    """True if some of them move, and so work on the water."""
+    """True if any of these bodies moves, and so works on the water."""
     return any(body.floats or body.gate is not None for body in bodies)
 
 
@@ -125,26 +125,26 @@ def memory(samples: int, bodies: int, cells: int, word: int, working: bool) -> i
 
 @ti.func
 def vector(components: Template, s):
-    """Number s of three fields, as one vector."""
+    """Vector of entry s of three component fields."""
     return tm.vec3(components.x[s], components.y[s], components.z[s])
 
 
 @ti.func
 def store(components: Template, s, values):
-    """Write one vector as number s of three fields."""
+    """Write a vector to entry s of three component fields."""
     for k, component in ti.static(enumerate(components)):
         component[s] = ti.cast(values[k], float)
 
 
 @ti.func
 def three(rows: Template, body, first: Template):
-    """Three columns of the row of a body, from `first` on."""
+    """Vector of three columns, from `first` on, of the row of a body."""
     return ti.Vector([rows[body, first + k] for k in ti.static(range(3))])
 
 
 @in_kernels
 class Boundary:
-    """All solid bodies in the water: `place` them, `sort`, `react`; then `forces` are those on them."""
+    """All solid bodies in the water: `place`, `sort` and `react` in a step; then `forces` are those on them."""
 
     def __init__(
         self,
@@ -203,7 +203,7 @@ class Boundary:
         self.sort()
 
     def advance(self, time: float) -> None:
-        """Put gates where they are at a time [s], that at which the next step ends, and take those away that have
+        """Move gates to where they are at a time [s], that at which the next step ends, and remove those that have
         left."""
         self.speed = 0.0
         for k, gate in self.gates:
@@ -236,7 +236,7 @@ class Boundary:
         self.motion[body] = row
 
     def sort(self) -> None:
-        """Take over where the bodies are, if they have moved."""
+        """Sort the samples by cell at the present places of the bodies, if any has moved."""
         if self.moved:
             self.moved = False
             self.sort_samples(self.motion)
@@ -275,7 +275,7 @@ class Boundary:
 
     @ti.func
     def turn_arm(self, s, motion: Template):
-        """Turn the arm of sample s with its body."""
+        """Turn the position of sample s from its body's origin (its arm) with the body; extend the body's box to it."""
         b, local = self.owner[s], vector(self.local, s)
         for k, arm in ti.static(enumerate(self.arm)):
             along = ti.cast(three(motion, b, MOTION_COLUMNS.rotation + 3 * k).dot(local), float)
@@ -292,7 +292,7 @@ class Boundary:
 
     @ti.func
     def store_sample(self, s, to, motion: Template):
-        """Put sample s where it belongs in the order of the cells."""
+        """Store place, velocity, acceleration and normal of sample s as number `to` in the order of the cells."""
         b, arm, x, facing = self.owner[s], vector(self.arm, s), self.sample_position(s, motion), vector(self.facing, s)
         spin = three(motion, b, MOTION_COLUMNS.angular_velocity)
         swept = spin.cross(arm)
@@ -310,7 +310,7 @@ class Boundary:
 
     @ti.func
     def near(self, x):
-        """True if x lies within one support of a body."""
+        """True if x [m] lies in a box one support around a body."""
         found = False
         for b in range(ti.static(len(self.bodies))):
             away = tm.vec3(0.0)
@@ -324,7 +324,7 @@ class Boundary:
 
     @ti.func
     def head(self, x, a, s, d, mirror):
-        """Rise of p / rho [m2/s2] from a particle at x that accelerates by a [m/s2] to sample s, seen at d [m] in a
+        """Rise of p / rho [m2/s2] from a particle at x [m] with acceleration a [m/s2] to sample s, seen at d [m] in a
         mirror."""
         n, a_s = (
             mirror_direction(mirror, vector(self.normal, s)),
@@ -349,7 +349,7 @@ class Boundary:
 
     @ti.func
     def react(self, law: Template, dt):
-        """Forces on the samples; call it at the top of a kernel."""
+        """Sum the forces of a law on all samples for a step of dt [s]; call it at the top of a kernel."""
         for t in range(self.blocks * self.stride):
             if t % self.stride == 0:
                 b = t // self.stride
@@ -368,7 +368,7 @@ class Boundary:
 
     @ti.func
     def particle_equivalent(self, s):
-        """Number of particles for which sample s counts."""
+        """Number of particles for which sample s counts in the water's laws."""
         share = self.share[s]
         if ti.static(self.moving):
             share *= self.strength[self.owner[self.name[s]]]
@@ -384,7 +384,7 @@ class Boundary:
 
     @ti.func
     def solid(self, x):
-        """Smoothed share of solid bodies around x; 1 inside, one half on a face."""
+        """Smoothed share of solid bodies around x [m]; 1 inside, one half on a face."""
         share = 0.0
         if self.near(x):
             share = self.around.total(x, self.volume, 0.0)[0]
@@ -422,14 +422,14 @@ class Boundary:
         return self.sum_by_body(self.impulse)
 
     def sum_by_body(self, summed: ti.Field) -> np.ndarray:
-        """Sum over the samples of each body."""
+        """Sums of a field over the samples of each body, one row a body."""
         each = summed.to_numpy()
         return np.array([each[self.owners == k].sum(axis=0) for k in range(len(self.bodies))])
 
 
 @in_kernels
 class Volume:
-    """Smoothed share of solid bodies."""
+    """Sum over samples: smoothed share of solid bodies at a point."""
 
     sums = 1
 

@@ -36,7 +36,7 @@ class Emitter(Model):
     """Largest number of particles in all, those of `fill` included; then the inflow stops."""
 
     def problems(self, basin: Basin) -> Iterator[tuple[tuple[str, ...], str]]:
-        """Faults of these numbers in this basin, before a lattice can be made of them."""
+        """Yield faults of the emitter in this basin (key, sentence), before a lattice can be made for it."""
         for key in ("position", "velocity"):
             numbers = getattr(self, key)
             if len(numbers) != basin.dimension and (basin.dimension == 3 or numbers[2] != 0.0):
@@ -57,7 +57,7 @@ class Jet:
 
     @property
     def velocity(self) -> np.ndarray:
-        """(3,) [m/s]"""
+        """Velocity (3,) of the water that leaves [m/s]."""
         return in_space(self.config.velocity)
 
     @property
@@ -67,7 +67,8 @@ class Jet:
 
     @cached_property
     def sites(self) -> np.ndarray:
-        """(k, 3) positions of a layer [m]: the nearest to the middle of a square lattice, around it."""
+        """Positions (k, 3) [m] of the particles of a layer: the nearest to the middle of a square lattice, around
+        it."""
         ahead = self.velocity / np.linalg.norm(self.velocity)
         apart = self.spacing ** (self.dimension - 1)
         k = max(1, round(self.area / apart))
@@ -93,7 +94,7 @@ class Jet:
         return len(self.sites) * self.volume / self.config.rate
 
     def particle_count(self, time: float) -> int:
-        """Number of particles at a time [s]."""
+        """Number of all particles in the basin at a time [s], at most the cap."""
         layers = int(time / self.interval + LAYER_ROUNDING) + 1
         return min(self.config.cap, self.first + layers * len(self.sites))
 
@@ -106,7 +107,7 @@ class Jet:
 
 
 def problems(basin: Basin, jet: Jet) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Faults of a jet in this basin: (path below `fluid.emitter`, sentence)."""
+    """Yield faults of a jet in this basin: (path below `fluid.emitter`, sentence)."""
     config = jet.config
     if config.cap <= jet.first:
         yield ("cap",), f"{config.cap} particles in all, but `fill` makes {jet.first}: nothing would be left to emit"

@@ -66,7 +66,7 @@ class Exposure(Law):
         self.add_bodies(boundary)
 
     def renew_if_due(self, dt: float, speed: float) -> None:
-        """Find the areas anew, if they may be out of date in a step of dt [s] of water and crests of such a speed
+        """Compute the areas anew if they may be out of date in a step of dt [s] of water and crests of such a speed
         [m/s]."""
         if self.left <= 0.0:
             self.find_areas()
@@ -75,9 +75,9 @@ class Exposure(Law):
 
     @ti.kernel
     def find_areas(self):
-        """Find all areas, then scale them so that, seen from above, they sum to the plan area of the water, where that
-        is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on the
-        surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
+        """Compute all areas, then scale them so that, seen from above, they sum to the plan area of the water, where
+        that is known: whatever the order of the particles, and however many of them count as exposed, a stress acts on
+        the surface once. The sum alone is the area of the bed that the water presses on, but for the order of the
         particles."""
         self.neighbours.walk(self, False)
         if ti.static(self.bends):
@@ -108,7 +108,7 @@ class Exposure(Law):
 
     @ti.func
     def prefactor(self, own):
-        """2 V^2, and the constant of grad W."""
+        """Factor of the sum: 2 V^2, with V the volume of a particle, times the constant of grad W."""
         return self.constant
 
     @ti.func
@@ -118,8 +118,9 @@ class Exposure(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Twice the volume of i times the gradient [1/m] of the smoothed share of water, turned outwards: the share
-        falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so water at them is not exposed."""
+        """Store the exposed area of particle i: twice its volume times the gradient [1/m] of the smoothed share of
+        water, turned outwards. The share falls from 1 to 1/2 on the water's side of a surface; walls are mirrors, so
+        water at them is not exposed."""
         area = self.prefactor(own) * self.with_bodies(total, own, own)
         if area.norm() < self.least:
             area = tm.vec3(0.0)
@@ -132,8 +133,8 @@ class Exposure(Law):
 
     @ti.func
     def bend_of(self, i):
-        """Change over a way `skin` of the slope along x in going along x, of that along x along z, and of that along z
-        along z, at particle i [1]; zero inside the water."""
+        """Change, over a way `skin`, of the slope along x in going along x, of that along x in going along z, and of
+        that along z in going along z, at particle i [1]; zero inside the water."""
         bend = tm.vec3(0.0)
         if ti.static(self.bends):
             bend = self.bending.of(i)
@@ -156,13 +157,13 @@ class Bend(Law):
 
     @ti.func
     def of(self, i):
-        """See Exposure.bend_of."""
+        """Changes of the slopes at particle i over a way `skin`, see Exposure.bend_of."""
         name = self.particles.id[i]
         return tm.vec3(self.bend.x[name], self.bend.y[name], self.bend.z[name])
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it: its slope across the side turned round."""
+        """Row of a neighbour's image in a side: its slope across the side is reversed."""
         x, image = mirror_position(mirror, vec3(other, self.row.position)), other
         for k in ti.static(range(3)):
             image[self.row.position + k] = x[k]
@@ -181,7 +182,8 @@ class Bend(Law):
 
     @ti.func
     def finish(self, i, own, total, beyond, group):
-        """Slopes that change by H x make the sums H M + M H of twice these, M that of x x: solved for a symmetric H."""
+        """Store the bend at particle i. Slopes that change by H x make the sums H M + M H of twice these, M that of x
+        x: solved for a symmetric H."""
         xx, xz, zz = total[self.terms.xx], total[self.terms.xz], total[self.terms.zz]
         along_x, along_z = total[self.terms.x_along_x], total[self.terms.z_along_z]
         bend, narrow = tm.vec3(0.0), xx * zz - xz * xz < MIN_DETERMINANT * xx * zz

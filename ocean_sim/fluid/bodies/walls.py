@@ -29,7 +29,7 @@ GONE_FACES = np.array([3 * [OPEN], 3 * [-OPEN]])  # lowest and highest corner [m
 
 @dataclass(frozen=True)
 class Zone:
-    """Water that is relaxed towards a motion, the faster the nearer to its side."""
+    """Absorbing zone: water that is relaxed towards a motion, the faster the nearer to its side."""
 
     side: str
     axis: int
@@ -43,17 +43,17 @@ class Zone:
 
     @property
     def length(self) -> float:
-        """[m]"""
+        """Length of the zone along its axis [m]."""
         return abs(self.end - self.begin)
 
     @property
     def wavelength(self) -> float:
-        """Length of the highest wave [m]."""
+        """Length of the highest waves that it is for [m]; infinite where the scene names none."""
         return inf if self.coming is None else self.coming.wavelength
 
     @cached_property
     def sent_back(self) -> tuple[float, float]:
-        """Reflected height over that of the waves by linear theory: of the highest, and of all of them."""
+        """Share of the wave height that it reflects by linear theory: of the highest waves, and of the whole sea."""
         assert self.coming is not None
         return sea_reflection(self.coming, self.length, self.rate)
 
@@ -75,7 +75,7 @@ class Zone:
 
     @property
     def warning(self) -> str | None:
-        """Reason for which it absorbs badly, or None."""
+        """Sentence on why it absorbs badly, or None."""
         if self.coming is None or self.length >= MIN_ZONE_WAVES * self.wavelength:
             return None
         peak, _ = self.sent_back
@@ -96,7 +96,7 @@ def scene_waves(basin: Basin, initial: Initial | None) -> waves.Components | Non
 
 
 def zones(lattice: Lattice) -> tuple[Zone, ...]:
-    """Zone before each absorbing side of the water on a lattice, in the order of the sides."""
+    """Absorbing zone before each absorbing side of the water on a lattice, in the order of the sides."""
     basin = lattice.basin
     absorbing = [side for side in basin.sides if side.absorbing is not None]
     of_scene = scene_waves(basin, lattice.config.initial) if absorbing else None
@@ -104,7 +104,7 @@ def zones(lattice: Lattice) -> tuple[Zone, ...]:
 
 
 def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing: list[Side], spacing: float) -> Zone:
-    """The zone before a side; a sea that it is to let pass comes before those of the scene."""
+    """Absorbing zone before a side, for the waves that the side lets pass, else for those of the scene."""
     asked, axis = side.absorbing, side.axis
     assert asked is not None
     target, given = asked.target, None
@@ -127,7 +127,7 @@ def zone(side: Side, basin: Basin, of_scene: waves.Components | None, absorbing:
 
 
 def warnings(found: tuple[Zone, ...]) -> Iterator[str]:
-    """Warn of zones that are short or crowded."""
+    """Yield warnings of zones that are short or crowded."""
     for one in found:
         if one.warning is not None:
             yield one.warning
@@ -149,13 +149,13 @@ class Target:
             self.waves = PlaneWaves(zone.given)
 
     def turn(self, time: float) -> None:
-        """Take it at a time [s]."""
+        """Set the target to a time [s]."""
         if self.waving:
             self.waves.set_time(time)
 
     @ti.func
     def velocity(self, x):
-        """[m/s] at x [m]."""
+        """Velocity of the target [m/s] at x [m]."""
         v = self.current
         if ti.static(self.waving):
             v += self.waves.velocity(x)
@@ -164,7 +164,7 @@ class Target:
 
 @in_kernels
 class Walls:
-    """Flat walls and floor, met half a spacing (`collision_distance`) before them."""
+    """Walls, floor and obstacles, which stop particles `collision_distance` before them, and absorbing zones."""
 
     def __init__(self, lattice: Lattice, images: Images) -> None:
         gap = lattice.config.collision_distance * lattice.spacing
@@ -189,8 +189,8 @@ class Walls:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Put the faces of obstacles that move where they are at a time [s], and the targets of zones; an obstacle that
-        has left stops nothing."""
+        """Move the faces of obstacles and the targets of zones to a time [s]; an obstacle that has left stops
+        nothing."""
         for *_, target in self.zones:
             target.turn(time)
         for b, gate in self.gates:
@@ -203,8 +203,8 @@ class Walls:
 
     @ti.func
     def bounce(self, x, v):
-        """Position and velocity after the walls: stopped at the wall, normal velocity returned with the restitution,
-        tangential velocity reduced by Coulomb friction, at most to rest."""
+        """Position [m] and velocity [m/s] after the walls: stopped at the wall, normal velocity returned with the
+        restitution, tangential velocity reduced by Coulomb friction, at most to rest."""
         for k in ti.static(self.axes):
             low, up, wall = self.low[k], self.up[k], 0.0
             for s, axis, upper in ti.static(self.pistons):
@@ -225,8 +225,8 @@ class Walls:
 
     @ti.func
     def reflect(self, v, k: Template, wall, outward):
-        """Velocity after meeting a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it stops motion
-        up the axis, -1 where it stops motion down."""
+        """Velocity after a collision with a wall across axis k that moves with `wall` [m/s]; `outward`: 1 where it
+        stops motion up the axis, -1 where it stops motion down."""
         speed = outward * (v[k] - wall)
         if speed > 0.0:
             returned = wall - self.restitution * (v[k] - wall)
@@ -240,7 +240,7 @@ class Walls:
 
     @ti.func
     def leave_obstacle(self, b, x, v):
-        """Position and velocity after obstacle b: out through its nearest face that lies in the basin."""
+        """Position [m] and velocity [m/s] after obstacle b: out through its nearest face that lies in the basin."""
         least, face, across = OPEN, -1, 0.0
         for k in ti.static(self.axes):
             below, above = x[k] - self.faces[b, 0, k], self.faces[b, 1, k] - x[k]
@@ -272,7 +272,7 @@ class Walls:
 
     @ti.func
     def limit_motion(self, v, dt):
-        """Velocity that moves no further than the motion limit in dt, and whether it was too fast."""
+        """Velocity that moves no further than the motion limit in dt [s], and 1 if it was too fast, else 0."""
         fast = 0
         if ti.static(self.limited):
             way = v.norm() * dt

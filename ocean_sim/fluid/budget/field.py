@@ -1,7 +1,7 @@
 """Pressure and velocity of the water at any point, smoothed from the particles around it.
 
-A normalised sum over neighbours (Shepard 1968), corrected so that it also returns what grows linearly with position
-(moving least squares; Liu & Liu 2006, Appl. Numer. Math. 56). Pressures are summed without the weight of still water,
+A normalised sum over neighbours (Shepard 1968), corrected so that it is exact for fields linear in position (moving
+least squares; Liu & Liu 2006, Appl. Numer. Math. 56). Pressures are summed without the weight of still water,
 p - rho0 g . x, so a pressure of rho0 g . x is exact at every point, also at walls. Walls are mirrors, for velocities
 free slip or no slip. Where the smoothed share of water is below one half, which is how the free surface is found, it is
 dry: pressure and velocity are 0 there.
@@ -36,7 +36,7 @@ SURFACE_HALVINGS = 4
 
 @in_kernels
 class Spread:
-    """Share of water around a point, and its first and second moments."""
+    """Sum over particles: share of water around a point, and its first and second moments."""
 
     sums = MOMENT_COLUMNS.size
 
@@ -51,7 +51,8 @@ class Spread:
 
 @in_kernels
 class DynamicPressure:
-    """p - rho0 g . x [Pa]: the same in the image of a wall, but for what the wall and a moving tank accelerate."""
+    """Sum over particles of p - rho0 g . x [Pa]. An image in a wall has that of its particle, and the pressure by which
+    the wall and a moving tank accelerate the water."""
 
     sums = 1
 
@@ -70,7 +71,7 @@ class DynamicPressure:
 
 @in_kernels
 class Velocity:
-    """Velocity [m/s], as the walls' slip turns it round."""
+    """Sum over particles of their velocity [m/s]; that of an image follows from the wall's slip."""
 
     sums = 3
 
@@ -87,7 +88,7 @@ class Velocity:
 
 @in_kernels
 class Field:
-    """The water as a field in space."""
+    """Pressure and velocity of the water at any point."""
 
     def __init__(
         self,
@@ -119,7 +120,7 @@ class Field:
 
     @ti.func
     def still_pressure(self, x):
-        """Pressure of still water at x, but for a constant [Pa]."""
+        """Pressure of still water at x, up to a constant [Pa]."""
         return self.head.dot(x)
 
     @ti.func
@@ -140,7 +141,7 @@ class Field:
 
     @ti.func
     def factor(self, own, d):
-        """Factor of a neighbour besides its weight; linear in its position."""
+        """Factor of a neighbour's weight, linear in its distance d [m]; `own`: constant and slope (`fit_plane`)."""
         return own[FACTOR_COLUMNS.constant] - vec3(own, FACTOR_COLUMNS.slope).dot(d / self.smoothing.support)
 
     @ti.func
@@ -205,7 +206,7 @@ class Field:
 
 @in_kernels
 class Share:
-    """Smoothed share of water, 0 to about 1."""
+    """Sum over particles: smoothed share of water at a point, 0 to about 1."""
 
     sums = 1
 
@@ -232,7 +233,7 @@ class FreeSurface:
 
     @ti.func
     def ceiling(self, x, z):
-        """A height above which no particle reaches the vertical through x, z, or that of the lid."""
+        """Height [m] above which no particle reaches the vertical through x, z, or that of the lid."""
         p, grid = self.particles.position, self.grid
         h = self.smoothing.support
         home = grid.indices_at(grid.wrap_position(tm.vec3(x, self.bed, z)))
@@ -251,7 +252,8 @@ class FreeSurface:
 
     @ti.func
     def elevation(self, x, z):
-        """Search down from above in steps, then halve the step that holds the surface, then interpolate in it [m]."""
+        """Height [m] of the surface at x, z, the bed where it is dry. Search down from above in steps, then halve the
+        step that holds the surface, then interpolate in it."""
         high = self.ceiling(x, z)
         low, share_low, share_high, halvings = high, 0.0, 0.0, 0
         while halvings <= SURFACE_HALVINGS and high > self.bed:

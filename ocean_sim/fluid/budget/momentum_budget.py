@@ -27,23 +27,23 @@ FAR_COORDINATE = 1.0e30  # [m]
 
 
 def absent_terms(basin: Basin) -> tuple[int, ...]:
-    """The terms that water in a basin has not."""
+    """Numbers of the terms that cannot act in a basin: friction of a smooth bed, a sea where there is none."""
     return (*(() if basin.rough_bed is not None else (BED,)), *(() if basin.sea is not None else (SEA,)))
 
 
 def impulse_terms(absent: tuple[int, ...]) -> tuple[int, ...]:
-    """The terms that give impulses, but for those that are absent: diffusion moves nothing."""
+    """Numbers of the terms that give impulses, without the absent ones: diffusion moves nothing."""
     return tuple(term for term in range(len(TERM_NAMES)) if term not in (*absent, DIFFUSION))
 
 
 @in_kernels
 class Accounts:
-    """Each group of cells writes its own row, so nothing depends on the order of threads."""
+    """Extremes, impulse and work of steps: a row for each group of cells, so no result depends on the order of
+    threads."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...], apart: int = ROW_PADDING) -> None:
-        """`impulses`: whether impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
-        scene has not; `apart`: numbers from one row to the next, LINE where threads write to few of
-        them."""
+        """`impulses`: True if impulse and work of each term are summed (f64), for `accuracy`; `absent`: terms that the
+        scene has not; `apart`: numbers from one row to the next, ROW_PADDING where threads write to few of them."""
         self.groups, self.impulses = groups, impulses
         self.idle = absent  # terms that nothing in the scene gives
         self.overflow, self.clipped = (ti.field(int, shape=(groups, apart)) for _ in range(2))
@@ -83,7 +83,8 @@ class Accounts:
 
     @ti.func
     def count_impulse(self, group, term: Template, impulse, v):
-        """Impulse [N s] of a term on a particle whose mean velocity of the step is v: v . impulse is its work [J]."""
+        """Add the impulse [N s] of a term on a particle to the sums of a group, and its work v . impulse [J]; v is the
+        particle's mean velocity in the step."""
         if ti.static(self.has_term(term)):
             four = ti.Vector([impulse.x, impulse.y, impulse.z, impulse.dot(v)])
             for k in ti.static(range(WORK_COLUMN + 1)):
@@ -136,7 +137,7 @@ class Accounts:
 
     @ti.kernel
     def copy_sums(self, to: Doubles3):
-        """Impulse and work of each term, group by group."""
+        """Copy impulse and work of each term, group by group, to an array."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for group, term, k in self.given:
             to[group, term, k] = self.given[group, term, k]

@@ -25,7 +25,8 @@ UNSHIFTED_CODE = 13  # code of what is seen where it is, through no periodic sid
 
 @in_kernels
 class CellWalk:
-    """The candidates of every occupied part of a cell, in segments of one list, one a group of parts."""
+    """List of the candidates (possible neighbours) of every occupied part of a cell, and sums of pair laws over
+    them."""
 
     def __init__(self, particles: Particles, grid: Grid, accounts: Accounts, size: GridSize) -> None:
         self.position, self.grid, self.accounts = particles.position, grid, accounts
@@ -58,7 +59,7 @@ class CellWalk:
 
     @ti.func
     def is_near(self, x, middle, half):
-        """1 within one support of a box, else 0."""
+        """1 if x [m] lies within one support of a box of this middle and half its sides, else 0."""
         squared = 0.0
         for k in ti.static(self.grid.axes):
             away = positive(ti.abs(x[k] - middle[k]) - half[k])
@@ -67,8 +68,9 @@ class CellWalk:
 
     @ti.func
     def list_near(self, begin, end, code, shift, middle, half, first):
-        """Keep those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
-        their code, from `first` on; their number. First all are judged, several at a time, then they are listed."""
+        """List those of the particles from `begin` to `end` that are near the box where a shift [m] shows them, and
+        their code, from `first` on; return their number. First all are judged, several at a time, then they are
+        listed."""
         x, y, z = ti.static(self.position.x, self.position.y, self.position.z)
         for a in range(end - begin):
             at = begin + a
@@ -77,8 +79,8 @@ class CellWalk:
 
     @ti.func
     def compact(self, names: Template, first, n, name):
-        """Keep of the n numbers from `name` on those marked with 1 from `first` on, in place of the marks; return their
-        number."""
+        """Replace n marks, 0 or 1, from `first` on by the numbers, counted from `name`, of those that are 1; return how
+        many."""
         kept = 0
         for a in range(n):
             marked = names[first + a]
@@ -88,8 +90,8 @@ class CellWalk:
 
     @ti.func
     def find_candidates(self, c, code, middle, half, first, room):
-        """Keep the particles near the box, and their code, from `first` on; their number, or -1 where they do not find
-        `room`."""
+        """List the particles near the box, and their code, from `first` on; return their number, or -1 where they do
+        not find `room`."""
         grid = self.grid
         m, full = 0, 0
         for dz in range(-1, 2):
@@ -104,8 +106,8 @@ class CellWalk:
 
     @ti.func
     def find_periodic_candidates(self, indices, middle, half, first, room):
-        """Keep the particles near the box next to a periodic side. A candidate is a particle and a code of the period
-        through which it is seen."""
+        """List the particles near a box next to a periodic side, as `find_candidates` does. A candidate is a particle
+        and a code of the period through which it is seen."""
         grid = self.grid
         m, full = 0, 0
         for d in range(27):
@@ -134,12 +136,12 @@ class CellWalk:
 
     @ti.func
     def code_shift(self, code):
-        """Shift [m] from the particles of a code to their repeats."""
+        """Shift [m] from particles to their repeats in the period with this code."""
         return self.periods * (tm.ivec3(code % 3, code // 3 % 3, code // 9) - 1)
 
     @ti.func
     def find_images(self, mirror, middle, half, scratch, n, gap, m, first):
-        """Keep those of the m candidates so far whose image is near the box, from `first` on; their number."""
+        """List those of the m candidates so far whose image is near the box, from `first` on; return their number."""
         x, y, z = ti.static(self.scratch[0], self.scratch[1], self.scratch[2])
         for a in range(m):
             at = scratch + a + ti.select(a < n, 0, gap)
@@ -161,7 +163,7 @@ class CellWalk:
 
     @ti.func
     def walk_group(self, group, law: Template, find: Template):
-        """Walk the particles of the parts of cells of one group."""
+        """Sum a law for the particles of the parts of cells of one group, and finish it."""
         kept = group * self.segment  # where the list of the next part begins
         if ti.static(find):
             self.accounts.overflow[group, 0] = 0
@@ -225,8 +227,8 @@ class CellWalk:
 
     @ti.func
     def append_images(self, k, law: Template, find: Template, middle, half, group, n, entry, room):
-        """Put the images of the n candidates in the scratch after them, behind the gap; how many there are then, and
-        where the list of the next part begins.
+        """Append the images of the n candidates to the scratch, behind a gap; return the number of candidates with
+        them, and the index at which the list of the next part begins.
 
         From `entry` on the list holds, for each side next to the cell, how many images there are and of which of them.
         """
@@ -273,19 +275,19 @@ class CellWalk:
 
     @ti.func
     def image_gap(self, law: Template, n):
-        """Numbers of the scratch between n particles and their images, where these are summed apart."""
+        """Number of places in the scratch between n particles and their images, where these are summed apart."""
         return self.padded_count(law, n) - n if ti.static(law.options.apart) else 0
 
     @ti.func
     def fill_up(self, law: Template, scratch, begin, end):
-        """Put candidates that are out of reach, and add nothing, from `begin` to `end` in the scratch."""
+        """Fill the scratch from `begin` to `end` with candidates that are out of reach, and add nothing."""
         for a in range(begin, end):
             for t in ti.static(range(law.row.size)):
                 self.scratch[t][a] = FILLER_X if ti.static(t == law.row.position) else self.scratch[t][scratch]
 
     @ti.func
     def has_tension(self, column: Template, begin, end):
-        """1 where one of these numbers of a column of the scratch is negative, else 0."""
+        """1 if a number of this column of the scratch from `begin` to `end` is negative, else 0."""
         least = 0.0
         for a in range(begin, end):
             least = ti.min(least, column[a])
@@ -305,7 +307,7 @@ class CellWalk:
 
     @ti.func
     def candidate_term(self, law: Template, pair: Template, own, a, find: Template, to):
-        """Term of candidate a in the scratch."""
+        """Term of candidate a in the scratch; if pairs are kept, its shape is stored at `to`."""
         other = ti.Vector([self.scratch[t][a] for t in ti.static(range(law.row.size))])
         if ti.static(find and self.keeps):
             self.blocks.keep_shape(vec3(own, law.row.position) - vec3(other, law.row.position), to)

@@ -25,7 +25,7 @@ STATE_COLUMNS = Columns(position=3, velocity=3, id=1)  # what `state` and `moved
 
 @in_kernels
 class Grid:
-    """The cells, and the particles sorted by cell."""
+    """Cells of the basin, and the particles sorted by cell."""
 
     def __init__(self, particles: Particles, size: GridSize, carried: tuple[ti.Field, ...] = ()) -> None:
         """`carried`: fields of a number each that a scheme keeps from step to step, besides the particles' own."""
@@ -69,7 +69,7 @@ class Grid:
 
     @ti.func
     def cell_coordinates(self, x):
-        """A point, counted in cells from the outermost padding on; one above the grid is folded into its sky."""
+        """Coordinates of x in cells, from the outermost padding on; a point above the grid is folded into its `sky`."""
         place = (x - self.lower) * self.per_width + 1.0
         above = place.y - self.top
         if above > 0.0:
@@ -79,12 +79,12 @@ class Grid:
 
     @ti.func
     def cell_of(self, place):
-        """Indices of the cell in which a point lies that is counted in cells."""
+        """Indices of the cell that holds a point, from its coordinates in cells."""
         return tm.clamp(ti.cast(place, int), 1, tm.ivec3(self.cells) - 2)
 
     @ti.func
     def part_at(self, x):
-        """Number of the part of a cell that a point is in."""
+        """Number of the part of a cell that holds x [m]."""
         place = self.cell_coordinates(x)
         indices = self.cell_of(place)
         part = self.cell_at(indices)
@@ -96,17 +96,18 @@ class Grid:
 
     @ti.func
     def first_part(self, group):
-        """Number of the first occupied part of a group, or of the last and one more: groups have as many each."""
+        """Number of the first occupied part of a group; of the group after the last, the number of all occupied parts.
+        Groups have equally many."""
         return group * self.occupied_count[None] // ti.static(self.size.groups)
 
     @ti.func
     def cell_at(self, indices):
-        """Number of a cell."""
+        """Number of the cell with these indices."""
         return (indices.z * self.cells[1] + indices.y) * self.cells[0] + indices.x
 
     @ti.func
     def indices_of(self, c):
-        """The inverse of cell_at."""
+        """Indices of cell c: the inverse of cell_at."""
         nx, ny = ti.static(self.cells[0], self.cells[1])
         return tm.ivec3(c % nx, c // nx % ny, c // (nx * ny))
 
@@ -117,7 +118,7 @@ class Grid:
 
     @ti.func
     def wrap_position(self, x):
-        """The position of x in the one period that the basin holds [m]."""
+        """Image of x [m] in the one period that the basin holds."""
         for k, period in ti.static(enumerate(self.basin.periods)):
             if ti.static(period > 0.0):
                 x[k] -= period * ti.floor((x[k] - self.lower[k]) / period)
@@ -125,7 +126,7 @@ class Grid:
 
     @ti.func
     def stage_state(self, i, x, v):
-        """Keep the next state of particle i, and where it belongs, until the sort puts it there."""
+        """Store the next state of particle i, and the part of a cell that it belongs to, for the sort."""
         x = self.wrap_position(x)
         self.part[i] = self.part_at(x)
         self.stage_motion(i, x, v)
@@ -134,14 +135,14 @@ class Grid:
 
     @ti.func
     def stage_motion(self, i, x, v):
-        """Keep the next position and velocity of particle i, which stays in its cell."""
+        """Store the next position and velocity of particle i, which stays in its cell."""
         for k in ti.static(range(3)):
             self.moved[STATE_COLUMNS.position + k][i], self.moved[STATE_COLUMNS.velocity + k][i] = x[k], v[k]
 
     @ti.func
     def whole_quanta(self, i, way):
-        """Whole quanta of a way [m] of particle i and of the rest of its last one. The new rest is kept for the next
-        step."""
+        """Round the move `way` [m] of particle i, with the rest of its last one, to whole quanta [m], and store the new
+        rest for the next step."""
         now = tm.vec3(0.0)
         for k in ti.static(self.axes):
             whole = way[k] + self.left[k][i]
@@ -182,7 +183,7 @@ class Grid:
 
     @ti.func
     def scan_counts(self):
-        """First particle of every cell, part and chunk, and the list of occupied parts."""
+        """Turn counts into the first particle of every cell, part and chunk, and list the occupied parts."""
         total, occupied = 0, 0
         for c in range(self.cell_count):
             self.start[c] = total

@@ -46,19 +46,19 @@ class Plan:
     """Samples of solid bodies of a task."""
 
     def task_count(self, n: int) -> int:
-        """Tasks of n particles, and rows of their accounts."""
+        """Number of tasks for n particles, and of the rows of their accounts."""
         return FEW_TASKS if n <= MAX_SERIAL_PARTICLES else MANY_TASKS
 
     def chunk_count(self, n: int) -> int:
-        """Chunks in which n particles are counted and sorted."""
+        """Number of chunks in which n particles are counted and sorted."""
         return 1 if n <= MAX_SERIAL_PARTICLES else SORT_CHUNKS
 
     def parts_per_axis(self, full: float, dimension: int) -> int:
-        """Parts of a cell along each axis, where a cell of water at rest holds `cell_particles` particles."""
+        """Number of parts of a cell along each axis; `full`: particles in a cell of water at rest."""
         return 2 if full >= MIN_PART_PARTICLES * 2**dimension else 1
 
     def sorting_integers(self, n: int, cells: int) -> int:
-        """Integers that sorting n particles needs besides a count for each cell and chunk."""
+        """Number of integers that sorting n particles needs besides a count for each cell and chunk."""
         return 0
 
     def list_bytes(self, size: "GridSize", word: int) -> int:
@@ -74,11 +74,11 @@ class Plan:
         return size.groups * max(size.lattice.n, size.kept_candidates if neighbours else size.segment)
 
     def account_bytes(self, n: int, word: int, impulses: bool) -> int:
-        """Bytes of the accounts of n particles; 0 where they are too few to list."""
+        """Bytes of the accounts of n particles; 0 where they are too few to be stated."""
         return 0
 
     def tasks(self, particles: Count, groups: int) -> Tasks:
-        """The particles in as many groups as there are rows of accounts."""
+        """Division of the particles into so many groups, each a task."""
         return Tasks(particles, groups, self.stride)
 
 
@@ -94,21 +94,21 @@ class GridSize:
 
     @property
     def inner_cells(self) -> list[tuple[int, float]]:
-        """Cells between the sides of the basin and their width [m], on each axis; at least a support wide."""
+        """Number of cells between the sides of the basin and their width [m], at least a support, on each axis."""
         extents = np.subtract(self.lattice.basin.upper, self.lattice.basin.lower)
         counts = [max(1, int(extent / self.support + 1e-9)) for extent in extents]
         return [(n, float(extent) / n or self.support) for n, extent in zip(counts, extents, strict=True)]
 
     @property
     def cells(self) -> tuple[int, int, int]:
-        """Cells along x, y, z with one empty cell of padding all round."""
+        """Numbers of cells along x, y, z with one empty cell of padding all round."""
         nx, ny, nz = (n + 2 for n, _ in self.inner_cells)
         return nx, ny, nz
 
     @property
     def sky(self) -> int:
-        """Layers of cells over still water, at least the uppermost one. They also hold particles that fly above the
-        grid."""
+        """Number of layers of cells over still water, at least the uppermost one. They also hold particles that fly
+        above the grid."""
         return max(1, self.inner_cells[1][0] // 2)
 
     @property
@@ -118,22 +118,23 @@ class GridSize:
 
     @property
     def count_numbers(self) -> int:
-        """Numbers in which the particles of every part and chunk are counted."""
+        """Number of counters for the sort: one for every part of a cell and chunk of particles."""
         return self.cell_count * self.parts * self.chunks
 
     @property
     def cell_particles(self) -> float:
-        """Particles in a cube of the support (in 2-D a square), in water at rest."""
+        """Number of particles in a cube of the support (in 2-D a square), in water at rest."""
         return float((self.support / self.lattice.spacing) ** self.lattice.basin.dimension)
 
     @property
     def halves(self) -> int:
-        """Parts of a cell along each axis."""
+        """Number of parts of a cell along each axis."""
         return self.plan.parts_per_axis(self.cell_particles, self.lattice.basin.dimension)
 
     @property
     def parts(self) -> int:
-        """Parts of a cell, in whose order its particles are sorted: fewer are near one of them than near all of it."""
+        """Number of parts of a cell, in whose order its particles are sorted: fewer are near a part than near a
+        cell."""
         return int(self.halves**self.lattice.basin.dimension)
 
     def quantum(self, eps: float) -> float:
@@ -144,17 +145,17 @@ class GridSize:
 
     @property
     def chunks(self) -> int:
-        """Chunks in which the particles are counted and sorted."""
+        """Number of chunks in which the particles are counted and sorted."""
         return self.plan.chunk_count(self.lattice.n)
 
     @property
     def groups(self) -> int:
-        """Groups of cells or particles, each a task of its own: set by the scene, never by the number of threads."""
+        """Number of groups of cells or particles, each a task: set by the scene, never by the number of threads."""
         return self.plan.task_count(self.lattice.n)
 
     @property
     def occupied(self) -> int:
-        """The most parts of cells that can hold a particle."""
+        """Largest number of parts of cells that can hold a particle."""
         return min(self.lattice.n, self.cell_count * self.parts)
 
     def bytes(self, word: int) -> int:
@@ -167,29 +168,32 @@ class GridSize:
 
     @property
     def at_rest(self) -> float:
-        """Candidates of a full part of a cell in water at rest: a box of two supports more (in 2-D a square)."""
+        """Number of candidates of a full part of a cell in water at rest: those in a box of two supports more."""
         return (2.0 + 1.0 / self.halves) ** self.lattice.basin.dimension * self.cell_particles
 
     @property
     def capacity(self) -> int:
-        """Candidates that one part of a cell may have: water compressed four times, and a good deal for splashes."""
+        """Number of candidates for which a part of a cell has room: water compressed four times, and many for
+        splashes."""
         return int(4.0 * self.at_rest) + 256
 
     @property
     def segment(self) -> int:
-        """Candidates that one group of parts may have: twice those of water at rest, whose parts are full."""
+        """Number of candidates for which a group of parts has room: twice that of water at rest, whose parts are
+        full."""
         parts = self.lattice.n / (self.cell_particles / self.parts)
         return int(2.0 * parts / self.groups * self.at_rest) + 4 * self.capacity
 
     @property
     def width(self) -> int:
-        """Numbers of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
+        """Length of a column of the scratch of a group: the candidates of a cell, filled up to whole vectors twice."""
         return self.capacity + 2 * VECTOR_LENGTH
 
     @property
     def shapes_per_particle(self) -> int:
-        """Kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice, where parts
-        are full and candidates fill a support around them. A shape without room is computed again when it is read."""
+        """Number of kept shapes of pairs for each particle: a quarter more than in water that has lost its lattice,
+        where parts are full and candidates fill a support around them. A shape without room is computed again when it
+        is read."""
         lattice, side = self.lattice, 1.0 / self.halves
         around = side**2 + 4.0 * side + pi
         if lattice.basin.dimension == 3:
@@ -198,13 +202,13 @@ class GridSize:
 
     @property
     def spare_shapes(self) -> int:
-        """Shapes of a group beyond those, the last `width` of them those of a particle that found no room."""
+        """Number of kept shapes of a group beyond those of its particles; the last `width` serve one without room."""
         return 4 * self.capacity + self.width
 
     @property
     def kept_candidates(self) -> int:
-        """Candidates that one group of parts may keep: those that it lists, filled up where half of its particles are
-        alone."""
+        """Number of candidates that one group of parts may keep: those that it lists, filled up where half of its
+        particles are alone."""
         return self.segment + VECTOR_LENGTH * (self.lattice.n // self.groups)
 
     def kept_bytes(self, word: int) -> int:

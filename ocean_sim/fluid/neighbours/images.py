@@ -1,7 +1,7 @@
-"""Flat sides as mirrors: a particle near one also meets the images of the water in it.
+"""Flat sides as mirrors: a particle near one also interacts with the images of the water in it.
 
 An image costs no particle: it is a candidate of a cell, seen in a side next to the cell. Sides are taken one
-after the other and mirror what was seen so far, so corners are images of images and come for free. The cells of the
+after the other and mirror all images so far, so corners are images of images and come for free. The cells of the
 grid end at the sides: only those next to one have images in reach. Free slip turns the normal velocity round in the
 frame of the wall, no slip turns all of it (Morris, Fox & Zhu 1997, J. Comput. Phys. 136, section 3.6, with the mirror
 in place of their fixed boundary particles).
@@ -44,7 +44,7 @@ class Images:
         self.advance(0.0)
 
     def advance(self, time: float) -> None:
-        """Put the pistons where they are at a time [s]."""
+        """Move the pistons to their places at a time [s]."""
         for s, side, piston in self.pistons:
             x, v, a = piston.at(time)
             self.side[s, SIDE_COLUMNS.position], self.side[s, SIDE_COLUMNS.twice_velocity + side.axis] = (
@@ -55,7 +55,7 @@ class Images:
 
     @ti.func
     def is_adjacent(self, s, cell):
-        """True if a cell lies next to this side."""
+        """True if a cell lies next to side s."""
         layer = cell[int(self.side[s, SIDE_COLUMNS.axis])]
         return layer >= int(self.side[s, SIDE_COLUMNS.first_layer]) and layer <= int(
             self.side[s, SIDE_COLUMNS.last_layer]
@@ -63,8 +63,8 @@ class Images:
 
     @ti.func
     def mirror(self, s):
-        """Mirror of this side: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN *
-        v + VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
+        """Mirror of side s: an image lies at POSITION_SIGN * x + POSITION_OFFSET [m] and moves with VELOCITY_SIGN * v +
+        VELOCITY_OFFSET [m/s], behind a wall that accelerates by SIDE_ACCELERATION [m/s2]."""
         mirror = ti.Matrix.zero(float, 5, 3)
         for k in ti.static(range(3)):
             across = int(self.side[s, SIDE_COLUMNS.axis]) == k
@@ -85,20 +85,20 @@ def mirror_position(mirror, x):
 
 @ti.func
 def mirror_midpoint(mirror, x):
-    """Between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the way
-    there."""
+    """Midpoint between x and its image [m]: a pull that changes evenly, as in a tank that turns, has its mean over the
+    way there."""
     return 0.5 * (x + mirror_position(mirror, x))
 
 
 @ti.func
 def mirror_direction(mirror, d):
-    """A direction as a mirror shows it."""
+    """Image of a direction d in a mirror."""
     return tm.vec3([mirror[POSITION_SIGN, k] * d[k] for k in ti.static(range(3))])
 
 
 @ti.func
 def hydrostatic_offset(mirror, x, pull):
-    """(pull - acceleration of the side) . (image of x - x): rise of p / rho from x to its image [m2/s2]."""
+    """Rise of p / rho [m2/s2] from x to its image: (pull - acceleration of the side) . (image of x - x)."""
     head = 0.0
     for k in ti.static(range(3)):
         head += (pull[k] - mirror[SIDE_ACCELERATION, k]) * (
@@ -115,7 +115,8 @@ def mirror_velocity(mirror, v):
 
 @ti.func
 def mirror_row(mirror, other):
-    """Row of a neighbour, position and velocity first, as the side shows it; the other columns stay."""
+    """Row of a neighbour's image in a mirror: position and velocity, its first columns, mirrored; the others
+    unchanged."""
     x_image = mirror_position(mirror, vec3(other, MOTION_COLUMNS.position))
     v_image = mirror_velocity(mirror, vec3(other, MOTION_COLUMNS.velocity))
     image = other
@@ -126,8 +127,8 @@ def mirror_row(mirror, other):
 
 @ti.func
 def mirror_row_free_slip(mirror, other):
-    """Row of a neighbour as a slippery side shows it. Water that a rough side drags along is neither pressed together
-    nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
+    """Row of a neighbour's image in a side taken as free of friction. Water that a rough side drags along is neither
+    pressed together nor drawn apart by it (Marrone et al. 2011, CMAME 200, section 3.2)."""
     image = mirror_row(mirror, other)
     for k in ti.static(range(3)):
         if mirror[POSITION_SIGN, k] > 0.0:

@@ -30,7 +30,7 @@ def slot_count(neighbours: int) -> int:
 
 
 def slot_bytes(n: int, neighbours: int, word: int) -> int:
-    """Bytes of the Pairs of n particles, where `word` is the size of a `float` [bytes]."""
+    """Bytes of the PairSlots of n particles, where `word` is the size of a `float` [bytes]."""
     return n * (8 + slot_count(neighbours) * (4 + 3 * word))
 
 
@@ -40,8 +40,8 @@ class KeptLaw(Law):
 
     @abstractmethod
     def kept_image(self, other: Any, name: Any, away: Any) -> Any:
-        """Row of a neighbour, `other`, as the sides show it that its name tells; `away` leads from there into the
-        water."""
+        """Row of the image of a neighbour, `other`, in the sides that its name tells; `away` leads from the image into
+        the water."""
 
     @abstractmethod
     def kept_pair(self, own: Any, other: Any, gradient: Any) -> Any:
@@ -50,7 +50,7 @@ class KeptLaw(Law):
 
 @in_kernels
 class KeptPairs(ABC):
-    """Neighbours and images of each particle."""
+    """Interface of the kept pairs of each particle with its neighbours and their images."""
 
     def __init__(self, images: Images) -> None:
         self.images = images
@@ -63,12 +63,12 @@ class KeptPairs(ABC):
 
     @ti.func
     def particle_row(self, law: Template, j):
-        """Row of particle j."""
+        """Row that a law reads of particle j."""
         return ti.Vector([field[j] for field in ti.static(law.reads)])
 
     @ti.func
     def image_row(self, law: Template, name, away):
-        """Row of an image."""
+        """Row that a law reads of the image with this name; `away` leads from the image into the water."""
         return law.kept_image(self.particle_row(law, name % MOST_PARTICLES), name, away)
 
     @ti.func
@@ -120,7 +120,7 @@ class PairSlots(KeptPairs):
 
 @ti.func
 def flip_code(mirror):
-    """Code in a name of the axes along which a mirror reverses."""
+    """Code, in the name of an image, of the axes along which a mirror reverses."""
     mirror_velocity = 0
     for k in ti.static(range(3)):
         mirror_velocity += int(mirror[POSITION_SIGN, k] < 0.0) << k
@@ -149,7 +149,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def begin(self, group):
-        """Start the lists of a group empty."""
+        """Empty the lists of a group."""
         self.next_first[group], self.next_begun[group] = group * self.segment, self.shape_start(group)
 
     @ti.func
@@ -164,7 +164,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_part(self, k, group, names: Template, n, images, m, end):
-        """Keep the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
+        """Store the m candidates of part k in the scratch, the first n of them particles; images begin at `images`, and
         their padding ends at `end`. Return the index of the shapes of its first particle, the step to those of the next
         one, and 1 if the candidates have room."""
         scratch, first, begun = group * self.width, self.next_first[group], self.next_begun[group]
@@ -187,7 +187,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def keep_shape(self, away, to):
-        """Keep the shape of a pair that is so far apart."""
+        """Store the shape of grad W of a pair `away` [m] apart at index `to`."""
         self.shape[to] = self.smoothing.shape_gradient(ti.sqrt(away.dot(away)))
 
     @ti.func
@@ -206,7 +206,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def gather(self, k, law: Template, scratch):
-        """Put the fields that the law reads of the candidates of part k into the scratch."""
+        """Copy the fields that the law reads, of the candidates of part k, into the scratch."""
         first, near = self.first[k], self.near[k]
         own = place_at(self.position, self.grid.first[k])  # of one of them, in the water
         for a in range(near):
@@ -235,7 +235,7 @@ class PairBlocks(KeptPairs):
 
     @ti.func
     def recompute_shapes(self, place, k, begun):
-        """Find the shapes of a particle at `place` that found no room, for the moment."""
+        """Compute, from index `begun` on, the shapes of a particle at `place` for which there was no room."""
         first = self.first[k]
         for a in range(self.seen[k]):
             self.keep_shape(place - place_at(self.place, first + a), begun + a)
@@ -253,5 +253,5 @@ class PairBlocks(KeptPairs):
 
 @ti.func
 def place_at(places: Template, i):
-    """A place of Components [m]."""
+    """Entry i of three component fields, a position [m]."""
     return tm.vec3(places.x[i], places.y[i], places.z[i])

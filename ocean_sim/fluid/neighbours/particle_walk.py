@@ -37,8 +37,7 @@ def level_sizes(cells: int) -> list[int]:
 
 @in_kernels
 class WideGrid(Grid):
-    """The cells, sorted into by as many threads as there are particles: a counting sort whose sums are those of blocks
-    of blocks of cells.
+    """Grid sorted by a thread for each particle: a counting sort whose sums are those of blocks of blocks of cells.
 
     Threads put particles down in their cells in any order; then each particle counts those of its cell that were stored
     before it. So the sort is stable, whatever the order was.
@@ -71,7 +70,7 @@ class WideGrid(Grid):
 
     @ti.func
     def scan_counts(self):
-        """The number of particles in each cell becomes that in all cells before it."""
+        """Replace the number of particles in each cell by that in all cells before it."""
         for level in ti.static(range(1, len(self.sums))):
             for b in self.sums[level]:
                 total, here = 0, self.sums[level - 1].shape[0]
@@ -86,7 +85,7 @@ class WideGrid(Grid):
 
     @ti.func
     def place_particle(self, i):
-        """Put particle i where it belongs: after those of its cell that were stored before it."""
+        """Move particle i to its place in the order: after those of its cell that were stored before it."""
         c = self.part[i]
         to = self.start[c]
         for k in range(self.start[c], self.start[c + 1]):
@@ -97,7 +96,7 @@ class WideGrid(Grid):
 
 @in_kernels
 class WideAccounts(Accounts):
-    """Each particle writes its own row; rows are added up in blocks, and the blocks in their order."""
+    """Accounts with a row for each particle; rows are added up in blocks, and the blocks in their order."""
 
     def __init__(self, groups: int, impulses: bool, absent: tuple[int, ...]) -> None:
         super().__init__(groups, impulses, absent, apart=1)
@@ -112,7 +111,7 @@ class WideAccounts(Accounts):
 
     @ti.func
     def add_up(self, b):
-        """Put the rows of block b into one, but for impulses and work."""
+        """Combine the rows of block b in one, without impulses and work."""
         blocks, end = self.blocks, ti.min((b + 1) * self.block, self.groups)
         speed2, acceleration2, thin, dense, total, clipped, crowded = self.block_extremes(b * self.block, end)
         blocks.speed2[b, 0], blocks.acceleration2[b, 0] = speed2, acceleration2
@@ -121,7 +120,7 @@ class WideAccounts(Accounts):
 
     @ti.kernel
     def add_up_impulses(self):
-        """Put the impulses and the work of the rows of each block into one."""
+        """Sum impulses and work of the rows of each block to one row."""
         for b in range(self.blocks.groups):
             for term in ti.static(self.terms):
                 four = ti.Vector.zero(ti.f64, WORK_COLUMN + 1)
@@ -139,7 +138,7 @@ class WideAccounts(Accounts):
 
 @in_kernels
 class RowLaw:
-    """Sum of a pair law over the particles around, or over their images."""
+    """Terms of a pair law, over the particles around a point or over their images."""
 
     def __init__(self, law: Law, grid: Grid, reflected: bool) -> None:
         """`reflected`: True for images. Then the set of sides that show them, a bit each, follows the row of the
@@ -164,7 +163,7 @@ class RowLaw:
 
 @in_kernels
 class PairCollector:
-    """Keeps the pairs of a particle, number `own`, that a PointLaw is shown."""
+    """PointLaw that stores the pairs of a particle, number `own`."""
 
     sums = 1
 
@@ -173,7 +172,7 @@ class PairCollector:
 
     @ti.func
     def term(self, own, j, d, mirror):
-        """1 where it is near, but not in the same place."""
+        """Store the pair of particles `own` and j if they are near, but not in the same place; 1 if so, else 0."""
         r2, found = d.dot(d), 0.0
         if r2 < self.smoothing.support * self.smoothing.support and r2 > 0.0:
             seen, found = self.pairs.seen[own], 1.0
@@ -186,7 +185,7 @@ class PairCollector:
 
 @in_kernels
 class ParticleWalk:
-    """The walk of a thread a particle."""
+    """Walk over neighbours by one thread for each particle."""
 
     left_out: ClassVar[tuple[str, ...]] = ("shown",)
 
@@ -230,7 +229,7 @@ class ParticleWalk:
 
     @ti.func
     def image_total(self, x, own, around: Template, images: Template):
-        """Sum over all images for a particle at x [m]."""
+        """Sum of the terms of all images for a particle at x [m]."""
         here, total = self.grid.wrap_position(x), ti.Vector.zero(float, images.sums)
         reach = around.sides_in_reach(here)
         own_and_sides = ti.Vector.zero(float, images.law.row.size + 1)
@@ -244,7 +243,7 @@ class ParticleWalk:
 
     @ti.func
     def store_pairs(self, i, x, around: Template):
-        """Keep the pairs of particle i, which is at x [m]."""
+        """Store the pairs of particle i, which is at x [m]."""
         pairs = self.pairs
         pairs.seen[i] = 0
         around.water_total(x, self.kept, i)

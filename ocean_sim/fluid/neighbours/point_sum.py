@@ -74,12 +74,12 @@ class PointSum:
 
     @ti.func
     def image_total(self, x, law: Template, own):
-        """Sum over the images in sides alone."""
+        """Sum of the law's terms around x over the images in sides alone."""
         return self.subset_total(1, x, law, own)
 
     @ti.func
     def water_total(self, x, law: Template, own):
-        """Sum over the water without its images."""
+        """Sum of the law's terms around x over the water without its images."""
         return self.mirror_total(self.grid.wrap_position(x), identity_mirror(), law, own)
 
     @ti.func
@@ -95,7 +95,7 @@ class PointSum:
 
     @ti.func
     def mirror(self, subset):
-        """Mirror of a set of sides."""
+        """Mirror that a set of sides, a bit for each, makes together."""
         mirror = identity_mirror()
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -105,7 +105,7 @@ class PointSum:
 
     @ti.func
     def sides_in_reach(self, x):
-        """The sides within a support of x, a bit each."""
+        """Set of the sides within a support of x [m], a bit for each."""
         reach = 0
         if ti.static(self.images.sides > 0):
             for side in range(self.images.sides):
@@ -115,7 +115,7 @@ class PointSum:
 
     @ti.func
     def mirror_total(self, x, mirror, law: Template, own):
-        """Sum over the particles seen from x in one mirror."""
+        """Sum of the law's terms over the particles seen from x [m] in one mirror."""
         grid = self.grid
         px, py, pz = ti.static(self.position[0], self.position[1], self.position[2])
         y = mirror_position(mirror, x)  # flat mirrors at right angles are their own inverse

@@ -39,7 +39,7 @@ class Tasks:
 
     @ti.func
     def first_particle(self, group):
-        """Number of the first particle of a group, or of the last and one more."""
+        """Number of the first particle of a group; of the group after the last, the number of all particles."""
         n = self.particles.there()
         first = ti.min(group, n)
         if ti.static(not self.single):
@@ -71,7 +71,7 @@ class Rows:
 
     @ti.func
     def sum_into(self, sums: Template):
-        """Into an array of a number a column; call it at the top of a kernel."""
+        """Sum all rows to an array of one number a column; call it at the top of a kernel."""
         if ti.static(self.block > 1):
             for b in range(self.last.shape[0]):
                 for k in ti.static(range(self.columns)):

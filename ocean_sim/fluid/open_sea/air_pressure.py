@@ -41,7 +41,7 @@ class AirPressure:
 
     @staticmethod
     def bytes(cells: int, word: int) -> int:
-        """Memory that so many cells take."""
+        """Memory [bytes] for so many cells in numbers of `word` bytes."""
         return cells * (8 * (WIND_SLABS + 1) + 2 * word)
 
     def set_slopes(self, along: np.ndarray, across: np.ndarray) -> None:
@@ -51,7 +51,7 @@ class AirPressure:
 
     @property
     def number_type(self) -> type:
-        """NumPy type of the fields of floats."""
+        """NumPy type of `slope`, and f64 without slopes."""
         return self.slope.to_numpy().dtype.type if self.slope is not None else np.float64
 
     def collect_impulse(self, dt: float, drift: np.ndarray, centre: np.ndarray) -> None:
@@ -62,7 +62,7 @@ class AirPressure:
         self.gathered += dt
 
     def take_pressure(self) -> np.ndarray:
-        """Modes of the mean pressure over the density [m2/s2] since the last call; the sum starts anew."""
+        """Modes of the mean pressure over the density [m2/s2] since the last call; the sum of impulses starts anew."""
         tile, pushed = self.tile, self.impulse.to_numpy()
         modes = sum(weight * tile.to_modes(slab) for weight, slab in zip(self.weights, pushed))
         span, self.gathered = self.gathered, 0.0

@@ -65,7 +65,7 @@ class Breaking:
 
     @cached_property
     def mode_signs(self) -> np.ndarray:
-        """1 for each mode that goes along with the waves, -1 for one against them, 0 where the direction is unknown."""
+        """Direction of each mode: 1 along the waves, -1 against them, 0 where it is unknown."""
         along = self.ahead[0] * np.broadcast_to(self.tile.kx, self.tile.k.shape) + self.ahead[1] * self.tile.kz
         return np.sign(along) * self.tile.directed_modes
 
@@ -107,14 +107,15 @@ class Breaking:
         return k, speed, np.where(crest, u / speed, 0.0)
 
     def start_breaking(self, i: int, j: int, reach: float) -> None:
-        """Start the clock of all cells within a reach [m] of a crest that begins to break."""
+        """Let all cells within a reach [m] of cell i, j, a crest that begins to break, break for BREAKING_PERIODS."""
         n = max(1, round(reach / self.tile.cell))
         rows = np.arange(-n, n + 1) if self.tile.rows > 1 else np.zeros(1, dtype=int)
         at = np.ix_((i + np.arange(-n, n + 1)) % self.tile.cells, (j + rows) % self.tile.rows)
         self.left[at] = np.maximum(self.left[at], BREAKING_PERIODS * self.period)
 
     def diffusion(self, sea: "HighOrder", nu: np.ndarray, field: np.ndarray) -> np.ndarray:
-        """div (2 nu grad field) in the resolved modes; it changes no mean."""
+        """Rate of change (cells, rows) of a field by a viscosity nu [m2/s]: div (2 nu grad field) in the resolved
+        modes; its mean is 0."""
         tile = self.tile
         fluxes = [2.0 * nu * tile.to_values(slope) for slope in tile.slopes(tile.to_modes(field))]
         (xx, _), (_, zz) = (tile.slopes(tile.to_modes(flux)) for flux in fluxes)
@@ -131,18 +132,18 @@ class HighOrder:
 
     @cached_property
     def rate_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
-        """Nonlinear rates of the present state, by its time [s], once they are known."""
+        """Modes of the nonlinear rates of the present state, by its time [s], once they are computed."""
         return {}
 
     @cached_property
     def resolved_modes(self) -> np.ndarray:
-        """1 for each resolved mode, 0 for the others."""
+        """Mask of the modes: 1 for each that is resolved, 0 for the others."""
         most = RESOLVED_SHARE * np.pi / self.tile.cell * ROUNDING_FACTOR
         return ((np.abs(self.tile.kx) < most) & (self.tile.kz < most)).astype(float)
 
     @cached_property
     def vertical_factor(self) -> np.ndarray:
-        """d/dz at the still surface of each mode [1/m]."""
+        """Factor of each mode of a potential in its vertical derivative at the still surface [1/m]."""
         return self.resolved_modes * self.tile.k * np.tanh(self.tile.k * self.tile.depth)
 
     def begin(self, eta: np.ndarray, phi: np.ndarray) -> None:
@@ -153,7 +154,7 @@ class HighOrder:
         self.eta, self.phi = (tile.to_values(self.resolved_modes * tile.to_modes(field)) for field in (eta, phi))
 
     def advance(self, dt: float) -> None:
-        """Take a step of dt [s]."""
+        """Advance elevation and potential by a step of dt [s], then let crests break."""
         tile, t = self.tile, self.time
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         half, full = 0.5 * dt, dt
@@ -174,11 +175,12 @@ class HighOrder:
             self.breaking.dissipate(self, dt)
 
     def nonlinear_rates(self, e: np.ndarray, p: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of the nonlinear part of the growth of elevation and potential."""
+        """Modes of the nonlinear part of eta_t and phi_t, from modes e of the elevation and p of the surface
+        potential."""
         return self.surface_rates(self.surface_state(e, p), time)
 
     def surface_rates(self, now: SurfaceState, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Nonlinear rates of a surface at a time [s]."""
+        """Modes of the nonlinear part of eta_t and phi_t of a surface at a time [s]."""
         w1, w2, w3 = now.w
         steep = now.slope_x**2 + now.slope_z**2
         eta = w2 + w3 + steep * w1 - now.phi_x * now.slope_x - now.phi_z * now.slope_z
@@ -192,7 +194,7 @@ class HighOrder:
         return 1.0 - exp(-((time / self.onset) ** 4)) if self.onset else 1.0
 
     def surface_state(self, e: np.ndarray, p: np.ndarray) -> SurfaceState:
-        """Slopes and vertical velocity of modes of the elevation and surface potential."""
+        """Slopes and velocities of the surface, from modes e of the elevation and p of the surface potential."""
         tile, (ex, ez), (px, pz) = self.tile, self.tile.slopes(e), self.tile.slopes(p)
         eta, slope_x, slope_z, phi_x, phi_z, w1 = tile.to_values(
             np.array([e, ex, ez, px, pz, self.vertical_factor * p])
@@ -215,7 +217,7 @@ class HighOrder:
         return p + p2 + p3, up_2 + eta * twice, up_3 + eta * twice_2 + square * thrice
 
     def potentials(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Modes of the elevation, of the potential at the still surface, and of its growth in time."""
+        """Modes of the elevation, of the potential at the still surface, and of its rate of change."""
         tile, g = self.tile, self.tile.gravity
         e, p = tile.to_modes(self.eta), tile.to_modes(self.phi)
         now = self.surface_state(e, p)
@@ -254,6 +256,6 @@ def nonlinear_sea(sea: waves.Components, tile: Tile, onset: float, breaking: boo
 
 
 def mean_direction(sea: waves.Components) -> np.ndarray:
-    """(2,) unit vector of the direction of the energy along x and z."""
+    """Unit vector (2,), along x and z, of the mean direction in which the energy of a sea travels."""
     ahead = (sea.amplitude[:, None] ** 2 * sea.wavevector / sea.wavenumber[:, None]).sum(axis=0)
     return ahead / max(float(np.linalg.norm(ahead)), 1e-30)

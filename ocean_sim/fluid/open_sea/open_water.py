@@ -44,7 +44,7 @@ class OpenWater(Fluid):
     before: float  # when the last step began: where bodies are that take theirs after the water has [s]
 
     def internal_energy(self) -> float:
-        """0: nothing is compressed [J]."""
+        """0 [J]: nothing is compressed."""
         return 0.0
 
     @ti.func
@@ -56,7 +56,7 @@ class OpenWater(Fluid):
 
     @ti.func
     def rise(self, x, z):
-        """Elevation of the waves on tiles [m] when the last step began."""
+        """Elevation [m] of the waves on tiles at x, z [m], when the last step began."""
         eta = 0.0
         for sheet in ti.static(self.sheets):
             eta += sheet.elevation(x, z, sheet.before)
@@ -64,8 +64,8 @@ class OpenWater(Fluid):
 
     @ti.func
     def moving(self, x, z, depth):
-        """Velocity [m/s] and acceleration [m/s2] of current and waves on tiles when the last step began, at a depth of
-        the unstretched column."""
+        """Velocity [m/s] and acceleration [m/s2] of current and waves on tiles at x, z [m] when the last step began, at
+        a depth [m] of the unstretched column."""
         v, a = tm.vec3(self.current[0], 0.0, self.current[1]), tm.vec3(0.0)
         for sheet in ti.static(self.sheets):
             v += sheet.velocity(x, z, depth, sheet.before)
@@ -93,11 +93,12 @@ class OpenWater(Fluid):
         return elevation
 
     def water_elevations(self, points: np.ndarray) -> np.ndarray:
-        """(m,) heights [m] at points in the axes of the water."""
+        """Heights (m,) [m] of the surface at points x, z (m, 2) [m] in axes that move with the current."""
         return self.sum_elevations(points, self.tiles)
 
     def sum_elevations(self, points: np.ndarray, tiles: "Sequence[OnTile]") -> np.ndarray:
-        """(m,) heights [m] of the plane waves and of these tiles, in the axes of the water."""
+        """Heights (m,) [m] of the plane waves and these tiles at points x, z (m, 2) [m] in axes that move with the
+        current."""
         eta = waves.elevation(self.waves.sea, points, self.time)
         for one in tiles:
             there = one.covers(points)
@@ -115,8 +116,8 @@ class OpenWater(Fluid):
         return self.flow_velocities(at, np.zeros(len(at)))
 
     def flow_velocities(self, at: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """(m, 3) velocities [m/s] at x and z in the axes of the water (m, 2) and heights in the unstretched column (m,)
-        [m]."""
+        """Velocities (m, 3) [m/s] at x and z (m, 2) [m] in axes that move with the current, and heights y (m,) [m] in
+        the unstretched column."""
         stretched = np.stack([at[:, 0], y, at[:, 1]], axis=1)
         v = waves.linear_velocity(self.waves.sea, stretched, self.time)
         v += [self.current[0], 0.0, self.current[1]]
@@ -136,8 +137,8 @@ class OpenWater(Fluid):
         return np.where(points[:, 1] < eta, self.rest_density * self.waves.sea.gravity * head, 0.0)
 
     def locate_points(self, points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """x and z (m, 2) of points (m, 3) in the axes of the water, and there the elevation (m,) and the height of the
-        points in the unstretched column (m,) [m]."""
+        """x and z (m, 2) [m] of points (m, 3) [m] in axes that move with the current, the elevation (m,) there, and the
+        height (m,) of the points in the unstretched column [m]."""
         points = np.asarray(points, dtype=float)
         at = points[:, [0, 2]] - self.drift
         eta = self.water_elevations(at)
@@ -170,7 +171,7 @@ class WaterForShip(OpenWater):
         return self.whole.status
 
     def advance(self, dt: float) -> None:
-        """Do nothing: the whole advances by itself."""
+        """Do nothing: the water of all ships advances by itself."""
 
     def limits(self) -> Limits:
         return self.whole.limits()

@@ -27,7 +27,7 @@ class PlaneWaves:
 
     @staticmethod
     def bytes(waves: int, word: int) -> int:
-        """Memory of so many waves [bytes]."""
+        """Memory [bytes] of so many waves in numbers of `word` bytes."""
         return waves * (6 * word + 4 * 8) + word
 
     def begin(self, sea: waves.Components) -> None:
@@ -65,7 +65,7 @@ class PlaneWaves:
 
     @ti.func
     def elevation(self, x, z):
-        """Elevation [m]."""
+        """Elevation [m] of all waves together at x, z [m]."""
         eta = 0.0
         for i in range(self.amplitude.shape[0]):
             eta += self.amplitude[i] * ti.cos(self.kx[i] * x + self.kz[i] * z + self.phase[i])
@@ -79,7 +79,7 @@ class PlaneWaves:
 
     @ti.func
     def velocity(self, position):
-        """Velocity [m/s]; above the water that of its surface."""
+        """Velocity [m/s] of the water at a position [m]; above the water that of its surface."""
         h, y = ti.static(self.sea.depth), self.stretched(position, self.elevation(position.x, position.z))
         v = tm.vec3(0.0)
         for i in range(self.amplitude.shape[0]):

@@ -21,7 +21,8 @@ CLOCK_COLUMNS = ("late", "first_x", "first_z", "centre_x", "centre_z")  # the la
 
 @ti.func
 def cubic_weights(s):
-    """Weights of four values for a share s of the way from the second to the third (Keys 1981, IEEE Trans. ASSP 29)."""
+    """Weights of four values next to each other at a share s of the way from the second to the third (Keys 1981, IEEE
+    Trans. ASSP 29)."""
     return tm.vec4(
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -32,7 +33,7 @@ def cubic_weights(s):
 
 @in_kernels
 class Sheet:
-    """Waves of a tile around its centre; beyond its edges none, or its images where it `repeats`."""
+    """Waves of a tile as fields for kernels; beyond the tile's edges none, or its images where it `repeats`."""
 
     left_out: ClassVar[tuple[str, ...]] = ("profiles",)
     now: ClassVar[int] = 0  # row of the clock: at the end of the water's last step,
@@ -52,8 +53,8 @@ class Sheet:
         self.profiles = [profiles(tile.k, -d, tile.depth) for d in self.depths]
 
     def write_modes(self, slot: int, e: np.ndarray, potential: np.ndarray, growth: np.ndarray) -> None:
-        """Write modes of the elevation, of the potential at the still surface and of its growth in time, at one of the
-        two times."""
+        """Write the waves at one of the two times (`slot`): modes of the elevation, of the potential at the still
+        surface and of its rate of change."""
         tile, modes = self.tile, [e]
         for c, s in self.profiles:
             for of in (potential, growth):
@@ -83,7 +84,8 @@ class Sheet:
 
     @ti.func
     def locate_cell(self, x, z, when: Template):
-        """Cell, shares of the way to the next along x and z, and true if the sheet covers the place."""
+        """Indices of the cell at x, z [m], shares of the way to the next ones, and true if the sheet covers the
+        place."""
         a, b = (x - self.clock[when, 1]) / self.cell, (z - self.clock[when, 2]) / self.cell
         i, k = int(ti.floor(a)), int(ti.floor(b))
         there = True
@@ -95,17 +97,17 @@ class Sheet:
 
     @ti.func
     def wrap_x(self, i):
-        """Index along x of the cell on the tile."""
+        """Index along x, on the tile, of cell i of the sea that repeats the tile."""
         return i - self.cells * int(ti.floor(i / self.cells))
 
     @ti.func
     def wrap_z(self, k):
-        """Index along z of the cell on the tile."""
+        """Index along z, on the tile, of cell k of the sea that repeats the tile."""
         return k - self.rows * int(ti.floor(k / self.rows))
 
     @ti.func
     def elevation(self, x, z, when: Template):
-        """Elevation [m], `now` or `before`."""
+        """Elevation [m] at x, z [m]; `when`: `now`, or `before`, when the water's last step began."""
         i, k, a, b, there = self.locate_cell(x, z, when)
         eta, late = 0.0, ti.cast(self.clock[when, 0], float)
         if there:
@@ -120,12 +122,12 @@ class Sheet:
 
     @ti.func
     def velocity(self, x, z, depth, when: Template):
-        """Velocity [m/s] at a depth of the unstretched column."""
+        """Velocity [m/s] at x, z and a depth [m] of the unstretched column; `when` as for `elevation`."""
         return self.interpolate(self.speed, x, z, depth, when)
 
     @ti.func
     def acceleration(self, x, z, depth, when: Template):
-        """Acceleration [m/s2] at a depth of the unstretched column."""
+        """Acceleration [m/s2] at x, z and a depth [m] of the unstretched column; `when` as for `elevation`."""
         return self.interpolate(self.pull, x, z, depth, when)
 
     @ti.func

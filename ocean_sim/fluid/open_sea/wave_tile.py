@@ -37,7 +37,7 @@ class Tile:
 
     @property
     def columns(self) -> int:
-        """Modes along z."""
+        """Number of modes along z."""
         return int(self.part * (self.rows // 2)) + 1
 
     @property
@@ -71,7 +71,7 @@ class Tile:
 
     @cached_property
     def omega(self) -> np.ndarray:
-        """(cells, columns) frequencies [rad/s]."""
+        """(cells, columns) angular frequencies of linear waves [rad/s]."""
         return np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth))
 
     @cached_property
@@ -81,11 +81,12 @@ class Tile:
 
     @cached_property
     def turn_cache(self) -> dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """cos omega dt, and sin omega dt times omega / g and g / omega, of the last step dt [s]."""
+        """Factors of `evolve`, by the last step dt [s]: cos omega dt, and sin omega dt times omega / g and g /
+        omega."""
         return {}
 
     def evolve(self, e: np.ndarray, p: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        """Modes of elevation and potential dt [s] later where nothing acts; the mean level stays."""
+        """Modes of elevation and potential dt [s] later without any pressure on the surface; the mean level stays."""
         if dt not in self.turn_cache:
             self.turn_cache.clear()
             omega, g = self.omega, self.gravity
@@ -97,7 +98,8 @@ class Tile:
 
     @cached_property
     def directed_modes(self) -> np.ndarray:
-        """1 for every mode that has a direction, 0 for the shortest along either axis, whose slope is unknown."""
+        """Mask of the modes: 1 for each that has a direction, 0 for the shortest along either axis, of unknown
+        slope."""
         clear = np.ones(self.k.shape)
         if self.cells % 2 == 0:
             clear[self.cells // 2] = 0.0
@@ -106,8 +108,8 @@ class Tile:
         return clear
 
     def to_modes(self, values: np.ndarray) -> np.ndarray:
-        """(..., cells, columns) the modes of (..., cells, rows) values; on one thread, so that its bytes are the same
-        with any number of them."""
+        """Fourier modes (..., cells, columns) of values (..., cells, rows); on one thread, so that its bytes are the
+        same with any number of them."""
         from scipy.fft import fft, rfft, rfft2
 
         if self.part == 1.0:
@@ -115,7 +117,7 @@ class Tile:
         return fft(rfft(values, axis=-1, workers=1)[..., : self.columns], axis=-2, workers=1)
 
     def to_values(self, modes: np.ndarray) -> np.ndarray:
-        """(..., cells, rows) values of modes."""
+        """Values (..., cells, rows) of Fourier modes (..., cells, columns)."""
         from scipy.fft import ifft, irfft, irfft2
 
         if self.part == 1.0:
@@ -123,24 +125,24 @@ class Tile:
         return irfft(ifft(modes, axis=-2, workers=1), n=self.rows, axis=-1, workers=1)
 
     def slopes(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The modes of the slopes along x and z."""
+        """Modes of the slopes along x and z of a field with these modes."""
         clear = self.directed_modes * modes
         return 1j * self.kx * clear, 1j * self.kz * clear
 
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Middles of the cells along x and z [m], around the origin; values stand there."""
+        """Coordinates of the middles of the cells, along x and along z [m], around the origin; values stand there."""
         x = (np.arange(self.cells) + 0.5) * self.cell - 0.5 * self.side
         z = (np.arange(self.rows) + 0.5) * self.cell - 0.5 * self.width
         return x, z
 
     def cell_corner(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(m, 2) points x, z [m] -> whole cells and the shares of the way to the next, (m, 2) each."""
+        """Indices of the nodes next below points x, z (m, 2) [m], and shares of the way to the next, (m, 2) each."""
         at = (points + 0.5 * np.array([self.side, self.width])) / self.cell - 0.5
         whole = np.floor(at)
         return whole.astype(int), at - whole
 
     def spread_modes(self, points: np.ndarray, amounts: np.ndarray) -> np.ndarray:
-        """The modes of amounts (m,) at points x, z (m, 2) [m], over the area of a cell and smoothed over one."""
+        """Modes of the density per area of amounts (m,) at points x, z (m, 2) [m], smoothed over a cell."""
         whole, share = self.cell_corner(points)
         i, k = whole.T % np.array([[self.cells], [self.rows]])
         (right, top), (left, bottom) = share.T, 1.0 - share.T
@@ -153,7 +155,7 @@ class Tile:
         return self.smoothing / self.cell**2 * self.to_modes(total.reshape(self.shape))
 
     def interpolate(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """(m,) values between cells, by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29), at points (m, 2)."""
+        """Values (m,) at points x, z (m, 2) [m], by a cubic along each axis (Keys 1981, IEEE Trans. ASSP 29)."""
         whole, share = self.cell_corner(points)
         along, across = (
             cubic_weights(share[:, 0]),
@@ -169,7 +171,7 @@ class Tile:
         return found
 
     def energy(self, eta: np.ndarray, phi: np.ndarray) -> float:
-        """Energy of linear waves over the density [m5/s2], potential and kinetic."""
+        """Energy, potential and kinetic, of linear waves over the density [m5/s2]."""
         e, p = self.to_modes(eta), self.to_modes(phi)
         twice = np.full(self.k.shape[1], 2.0)
         twice[0] = 1.0
@@ -188,20 +190,20 @@ class TileModes(NamedTuple):
 
 
 class OnTile:
-    """Waves on a tile, at times [s] and at points x, z (m, 2) in the axes of the water [m]."""
+    """Interface of waves on a tile, at times [s] and at points x, z (m, 2) in the axes of the water [m]."""
 
     tile: Tile
 
     @abstractmethod
     def modes_at(self, time: float) -> TileModes:
-        """Modes at a time [s]."""
+        """Modes of the waves at a time [s]."""
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """(m,) true for points with waves: everywhere."""
+        """Mask (m,) of the points to which these waves reach: all of them."""
         return np.ones(len(points), dtype=bool)
 
     def elevation(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(m,) elevations [m]."""
+        """Elevations (m,) [m] at points and a time, interpolated between cells."""
         return self.tile.interpolate(self.tile.to_values(self.modes_at(time).e), points)
 
     def heads(self, points: np.ndarray, y: np.ndarray, time: float) -> np.ndarray:
@@ -228,8 +230,8 @@ class OnTile:
         return found
 
     def point_modes(self, points: np.ndarray, y: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Yield the number of each point, and for every mode at that point its horizontal profile, and k times its
-        vertical one, both over those at the still surface."""
+        """Yield the number of each point, and two arrays (cells, columns) of factors of the modes there: one for
+        horizontal motion and pressure, one, k times its profile [1/m], for vertical motion."""
         tile, first = self.tile, np.array([axis[0] for axis in self.tile.nodes()])
         twice = np.where((np.arange(tile.k.shape[1]) == 0) | (2 * np.arange(tile.k.shape[1]) == tile.rows), 1.0, 2.0)
         scale = twice * tile.directed_modes / (tile.cells * tile.rows)
@@ -244,7 +246,7 @@ class OnTile:
 
 
 def cubic_weights(s: np.ndarray) -> list[np.ndarray]:
-    """Weights of four values for a share s of the way from the second to the third."""
+    """Weights of four values next to each other at a share s of the way from the second to the third."""
     return [
         0.5 * s * (-1.0 + s * (2.0 - s)),
         0.5 * (2.0 + s * s * (3.0 * s - 5.0)),
@@ -264,18 +266,19 @@ class Layer:
         """Modes of the pressure over the density that acts now [m2/s2]; without its mean, as the mean level stays."""
 
     def set_pressure(self, pressure: np.ndarray) -> None:
-        """Set the modes of the pressure over the density [m2/s2]."""
+        """Set the pressure on the surface, by the modes of the pressure over the density [m2/s2]."""
         self.pressure = np.array(pressure, dtype=complex)
         self.pressure[0, 0] = 0.0
 
     @cached_property
     def damping_rate(self) -> np.ndarray:
-        """(cells, rows) decay of waves around the origin [1/s]."""
+        """Decay rate (cells, rows) [1/s] of waves in the rim of a tile around the origin."""
         return rim_damping(self.tile)
 
     @cached_property
     def damping_cache(self) -> dict[float, np.ndarray]:
-        """Factor of the waves in the rim around the origin in the last step [s]."""
+        """Factor (cells, rows) by which the rim around the origin damps waves in a step, by the last step's length
+        [s]."""
         return {}
 
     def begin(self, pressure: np.ndarray, centre: np.ndarray, dt: float) -> None:
@@ -309,7 +312,7 @@ class Layer:
         return tile.evolve(tile.to_modes(self.eta), tile.to_modes(self.phi) - 0.5 * dt * self.pressure, dt)
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """(m,) true for points x, z (m, 2) [m] on the tile around its centre."""
+        """Mask (m,) of the points x, z (m, 2) [m] on the tile around its centre."""
         half = 0.5 * np.array([self.tile.side, self.tile.width if self.tile.rows > 1 else np.inf])
         return np.all(np.abs(points - self.centre) < half, axis=1)
 

@@ -19,7 +19,7 @@ ANGLE_FIRST, ANGLE_LATER, ANGLE_ALONG, ANGLE_ACROSS = range(4)  # of the first n
 
 
 class Moving(Protocol):
-    """Water with plane waves on it."""
+    """Interface of water with plane waves on it."""
 
     waves: PlaneWaves
     current: tuple[float, float]  # its velocity along x and z, which carries the waves [m/s]
@@ -29,7 +29,7 @@ class Moving(Protocol):
 
 @in_kernels
 class Window:
-    """Sums of the plane waves of a water, fully grown, at nodes and on levels of its unstretched column."""
+    """Sums of a water's plane waves, without ramp, at nodes and on levels of its unstretched column."""
 
     def __init__(
         self, water: Moving, size: tuple[int, int], step: tuple[float, float], depths: tuple[float, ...]
@@ -51,13 +51,13 @@ class Window:
 
     @staticmethod
     def bytes(size: tuple[int, int], levels: int, waves: int, word: int) -> int:
-        """Memory of a window [bytes]."""
+        """Memory [bytes] of a window of `size` nodes and so many levels and waves, in numbers of `word` bytes."""
         sums = 1 + 3 * levels
         return word * (waves * (2 * sums + 4 * size[0] + 2 * size[1]) + 4 * size[0] * size[1] * sums + 1)
 
     def now(self) -> tuple[float, float, bool]:
-        """Share of the way from the first time to the second, share of the height that the waves have, and true if the
-        lattice still holds; take over other waves of the water."""
+        """Position between the first time (0) and the second (1), share of their height to which the waves have grown,
+        and True if the sums are still valid. Waves that the water has replaced are taken over."""
         time, there = self.water.before, self.water.waves
         others = self.begun != there.begun
         if others:
@@ -75,7 +75,7 @@ class Window:
         return self.water.time - self.water.before
 
     def set_waves(self, sea: waves.Components) -> None:
-        """Set the amplitudes and the span of these waves."""
+        """Set the amplitudes of these waves, and the span between the two times of the sums."""
         a, k, omega, g = sea.amplitude, sea.wavenumber, sea.omega, sea.gravity
         kx, kz = sea.wavevector.T
         cosines, sines = [a], [a * omega]
@@ -90,7 +90,7 @@ class Window:
         self.clock[None] = self.span
 
     def lay(self, centre: tuple[float, float], heading: tuple[float, float]) -> None:
-        """Lay the lattice around a place x, z [m], its first axis along a unit vector in x and z, from now on."""
+        """Sum the waves anew on a lattice around x, z [m] whose first axis points along the unit vector `heading`."""
         sea, time = self.water.waves.sea, self.water.before
         self.start = time
         kx, kz = sea.wavevector.T
@@ -135,13 +135,13 @@ class Window:
 
     @ti.func
     def elevation(self, i, k, late):
-        """Elevation [m] of a node, a share `late` of the way from the first time to the second."""
+        """Elevation [m] at node i, k, a share `late` of the way from the first time to the second."""
         growth = self.growth[0, i, k], self.growth[1, i, k]
         return self.interpolate(self.level[0, i, k], self.level[1, i, k], growth[0], growth[1], late)
 
     @ti.func
     def moving(self, i, k, l, late):
-        """Velocity [m/s] and acceleration [m/s2] of a node on a level, at the share `late`."""
+        """Velocity [m/s] and acceleration [m/s2] at node i, k on level l, at the share `late` between the two times."""
         first, last = self.speed[0, i, k, l], self.speed[1, i, k, l]
         pulled, pulls = self.pull[0, i, k, l], self.pull[1, i, k, l]
         mean = (last - first) / self.clock[None]
@@ -150,6 +150,6 @@ class Window:
 
     @ti.func
     def interpolate(self, first, last, growth, grows, late):
-        """Hermite's cubic between two values with their rates [1/s]."""
+        """Value at the share `late` of Hermite's cubic between two values with their rates [1/s]."""
         way, back, span = late * late * (3.0 - 2.0 * late), 1.0 - late, self.clock[None]
         return (1.0 - way) * first + way * last + span * late * back * (back * growth - late * grows)

@@ -53,7 +53,7 @@ class Delay:
 
 @dataclass(frozen=True)
 class Train:
-    """The highest waves of a sea."""
+    """Waves of one sea, travelling or standing, that a scheme attenuates."""
 
     sea: waves.Components
     standing: bool
@@ -66,7 +66,7 @@ class Train:
         return 2.0 * float(self.sea.amplitude.sum())
 
     def variance_below(self, length: float) -> float:
-        """Share of the variance of random waves that is in those shorter than a length [m]; 0 of regular waves."""
+        """Share of the variance of random waves in those shorter than a length [m]; 0 for regular waves."""
         if not self.sea.random:
             return 0.0
         variance, lengths = self.sea.amplitude**2, 2.0 * pi / self.sea.wavenumber

@@ -40,7 +40,7 @@ MIN_PATCH_WAVES = 3  # shortest patch [wavelengths]: one and a half for the rims
 
 @dataclass(frozen=True)
 class RelaxationBand:
-    """The relaxation band and its sea."""
+    """Relaxation zone in the rim of a patch of open sea, and the sea towards which it relaxes the water."""
 
     lattice: Lattice
     width: float  # [m] on either side of the seam
@@ -114,7 +114,7 @@ class RelaxationBand:
         return f"{found}, heading {sea.heading_deg:.4g} deg" if len(self.sides) > 1 else found
 
     def fit_change(self) -> str | None:
-        """Advice where its highest waves had to change much to fit the patch, or None."""
+        """Advice if the highest waves had to change much to fit the patch, else None."""
         if self.sea is None or self.requested is None:
             return None
         k, fits = (of.wavevector[of.highest] for of in (self.requested, self.sea))
@@ -254,7 +254,7 @@ def relaxation_band(lattice: Lattice) -> RelaxationBand | None:
 
 
 def tile_cells(band: RelaxationBand) -> tuple[int, int]:
-    """Cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
+    """Numbers of cells along x and z of the tile on which a nonlinear sea evolves: about as many as particles."""
     basin = band.lattice.basin
     share = width_over_length(basin.periods)
     assert share is not None

@@ -35,7 +35,7 @@ CELLS_PER_WAVE = 4  # cells to the shortest wave of a nonlinear sea
 
 
 def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
-    """Nodes of the table along x and z."""
+    """Numbers of nodes along x and z of the table of a sea."""
     periods = band.lattice.basin.periods[::2]
     crests = np.abs(wave_counts(band, sea)).max(axis=0)
     if band.nonlinear is not None:
@@ -45,14 +45,14 @@ def table_nodes(band: RelaxationBand, sea: Components) -> tuple[int, ...]:
 
 
 def table_bytes(band: RelaxationBand, sea: Components, word: int) -> int:
-    """Memory of the table [bytes]."""
+    """Memory [bytes] of the table of a sea, in numbers of `word` bytes."""
     x, z = table_nodes(band, sea)
     return 3 * x * z * (TABLE_LEVELS + 1) * NODE_VALUES * word
 
 
 @in_kernels
 class SeaTable:
-    """The sea on the patch, at one time."""
+    """Table of the velocity of the sea and its feed over the patch, at one time."""
 
     def __init__(self, band: RelaxationBand, sea: Components) -> None:
         basin, self.sea = band.lattice.basin, sea
@@ -73,7 +73,7 @@ class SeaTable:
         self.write_slot(1, self.every)
 
     def write_slot(self, slot: int, time: float) -> None:
-        """Write the sea at a time [s] into a slot."""
+        """Write the sea at a time [s] into slot 0 or 1, the two times between which the table is interpolated."""
         from scipy.fft import ifft2
 
         modes, sea = self.source.modes(time), self.sea
@@ -84,7 +84,7 @@ class SeaTable:
         self.store_slot(slot, np.ascontiguousarray(values.transpose(2, 3, 0, 1), dtype=to_numpy_type(self.now.dtype)))
 
     def advance(self, time: float) -> None:
-        """Bring the table to a time [s]."""
+        """Interpolate the table to a time [s]; write later slots when they are due."""
         share = time / self.every - self.begun
         while share > 1.0 + 1e-9:
             self.begun, share = self.begun + 1, share - 1.0
@@ -111,7 +111,7 @@ class SeaTable:
 
     @ti.func
     def level_weights(self, y):
-        """Four levels around a height y [m], and their weights."""
+        """Numbers of four levels of the table around a height y [m], and their weights."""
         last = TABLE_LEVELS - 1
         at = tm.min(ti.sqrt(tm.max(-y, 0.0) / self.depth), 1.0) * last
         first = tm.clamp(int(at) - 1, 0, last - 3)
@@ -130,14 +130,14 @@ class SeaTable:
 
     @ti.func
     def node_weights(self, x, axis: Template):
-        """The first of four nodes around x [m] along an axis, and their weights."""
+        """Number of the first of four nodes around x [m] along an axis, and the weights of all four."""
         at = (x - self.lower[axis]) * self.per_cell[axis]
         i = int(ti.floor(at))
         return i - 1, cubic_weights(at - i)
 
     @ti.func
     def sample(self, x):
-        """Velocity [m/s] and its feed [m/s2], six numbers, at x [m]."""
+        """Velocity of the sea [m/s] and its feed [m/s2], six numbers, at x [m]."""
         n, m = ti.static(self.count)
         level, share = self.level_weights(x.y)
         i, along = self.node_weights(x.x, 0)
@@ -154,7 +154,7 @@ class SeaTable:
 
     @ti.func
     def sample_column(self, i, k, level, share):
-        """The six numbers over a node of the patch."""
+        """Velocity and feed, six numbers, over node i, k of the patch, interpolated between levels."""
         total = ti.Vector.zero(float, NODE_VALUES)
         for l in ti.static(range(4)):
             for c in ti.static(range(NODE_VALUES)):
@@ -164,7 +164,7 @@ class SeaTable:
 
 @in_kernels
 class SeaRim:
-    """The band and the feed; the band lies opposite the ships, or opposite a point that moves steadily."""
+    """Forcing by the band and the feed; the band lies opposite the ships, or opposite a point that moves steadily."""
 
     left_out: ClassVar[tuple[str, ...]] = ("ships",)
 
@@ -183,12 +183,12 @@ class SeaRim:
         self.advance(0.0)
 
     def follow(self, ships: Sequence[Displacing]) -> None:
-        """Lie opposite the middle of these ships from now on."""
+        """Keep the band opposite the middle of these ships from now on."""
         self.ships = tuple(ships)
         self.place_band(0.0)
 
     def centre_at(self, time: float) -> np.ndarray:
-        """(2,) x, z in the world [m] opposite which it lies at a time [s]: the middle of the ships, or a moving
+        """(2,) x, z in the world [m] opposite which the band lies at a time [s]: the middle of the ships, or a moving
         point."""
         if self.ships:
             return np.mean([ship.body.position[[0, 2]] for ship in self.ships], axis=0)
@@ -199,12 +199,12 @@ class SeaRim:
         return np.where(self.periods > 0.0, points - whole_sides(points, self.periods), 0.0)
 
     def place_band(self, time: float) -> None:
-        """Lay the band where it is at a time [s]."""
+        """Move the band to its place at a time [s]."""
         at = self.on_patch(self.centre_at(time))
         self.middle.from_numpy(at.astype(to_numpy_type(self.middle.dtype)))
 
     def contains(self, points: np.ndarray, time: float) -> np.ndarray:
-        """(m,) true for points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
+        """Mask (m,) of the points x, z (m, 2) in the world [m] that lie in the band at a time [s]."""
         return rim_depth(points - self.centre_at(time), self.periods, self.width) > 0.0
 
     def advance(self, time: float) -> None:

@@ -37,7 +37,7 @@ class Depths(NamedTuple):
 
 
 class Source(Protocol):
-    """The sea that fills a table, without its ramp."""
+    """Interface of the sea that fills a table, without its ramp."""
 
     def modes(self, time: float) -> np.ndarray:
         """(levels, values, nodes along x, along z) complex modes, whose Fourier sum over the nodes is the table at a
@@ -114,7 +114,7 @@ class SteepSource:
 
 
 def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.ndarray, np.ndarray]:
-    """Re f and Im f g / omega of each mode, with f interpolated between the waves of the sea by their wavenumber."""
+    """Re f and Im f g / omega of each mode, with f, the feed of each wave, interpolated by wavenumber."""
     order = np.argsort(sea.wavenumber)
     k, f = sea.wavenumber[order], band.feed[order]
     real, imaginary = (np.interp(tile.k, k, of) for of in (f.real, f.imag))
@@ -122,6 +122,7 @@ def feed_factors(band: RelaxationBand, sea: Components, tile: Tile) -> tuple[np.
 
 
 def full_modes(modes: np.ndarray, tile: Tile) -> np.ndarray:
-    """Double all columns but the first: modes of a half plane, whose sum then has the right real part."""
+    """Double all columns of the modes but the first, in place, and return them: their sum then has the real part of the
+    whole plane."""
     modes[..., 1 : tile.columns] *= 2.0
     return modes

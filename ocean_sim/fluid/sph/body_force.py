@@ -20,7 +20,7 @@ FULL_SHARE_ROWS, NO_SHARE_ROWS = 0.75, 1.25  # [rows] height up to which a parti
 
 @in_kernels
 class Pull:
-    """Acceleration of free water [m/s2]."""
+    """Acceleration [m/s2] of water by gravity, a body force and the motion of the tank."""
 
     def __init__(self, basin: Basin, body_force: tuple[float, float, float]) -> None:
         self.gravity, self.body_force = np.array(basin.gravity), np.array(body_force)  # [m/s2]
@@ -34,11 +34,11 @@ class Pull:
             self.advance(0.0)
 
     def at_mouth(self) -> np.ndarray:
-        """(3,) [m/s2] acceleration of water that has just left an emitter, without the terms of a turning tank."""
+        """Acceleration (3,) [m/s2] of water that has just left an emitter, without the terms of a turning tank."""
         return np.array(self.frame[FRAME_PUSH]) if self.moving else self.gravity + self.body_force
 
     def advance(self, time: float) -> None:
-        """Take the motion of the tank at a time [s]."""
+        """Set the motion of the tank to that at a time [s]."""
         if self.moving:
             frame = self.motion.at(time)
             self.frame[FRAME_PUSH] = frame.push(self.gravity) + self.body_force
@@ -47,7 +47,8 @@ class Pull:
 
     @ti.func
     def at(self, x, v):
-        """Acceleration at x in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2 omega x v."""
+        """Acceleration [m/s2] at x [m] and v [m/s] in the tank's axes: g - a - alpha x r - omega x (omega x r) - 2
+        omega x v."""
         a = self.constant
         if ti.static(self.moving):
             r, omega = x - self.frame[FRAME_PIVOT], self.frame[FRAME_RATE]
@@ -63,7 +64,7 @@ class Pull:
 
 @in_kernels
 class Bed:
-    """A bed that rubs."""
+    """Friction of a rough bed."""
 
     def __init__(self, bed: RoughBed, lattice: Lattice) -> None:
         self.level, self.row, self.z0 = lattice.basin.lower[1], lattice.row, bed.z0  # [m]
@@ -71,7 +72,7 @@ class Bed:
 
     @ti.func
     def drag(self, z):
-        """tau / (rho |u| u) at a height z [m]."""
+        """Drag coefficient tau / (rho |u| u) of the bed for a velocity u at a height z [m] above it."""
         coefficient = float(self.in_row)
         if ti.static(self.logarithmic):
             share = KARMAN_CONSTANT / ti.log(tm.max(z, MIN_ROW_SHARE * self.row) / self.z0)

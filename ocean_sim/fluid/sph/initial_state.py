@@ -236,7 +236,7 @@ class FromFile(Start):
                 yield ("path",), f"{len(outside)} particles are outside the basin, the first at ({x:g}, {y:g}, {z:g}) m"
 
     def positions(self, basin: Basin) -> np.ndarray:
-        """(n, 3) [m]; z is 0 in 2-D."""
+        """Positions (n, 3) [m] of the particles of the file; z is 0 in 2-D."""
         return column_vectors(self.columns(), "xyz", basin)
 
     def state(self, positions: np.ndarray, basin: Basin, density: float) -> State:
@@ -259,8 +259,8 @@ def start_state(
     rest_density: float,
     surface: float | np.ndarray = 0.0,
 ) -> State:
-    """The state that water on a lattice (n, 3) [m] starts from. `surface`: height of still water [m], one number or one
-    a particle, where the water does not fill the basin."""
+    """State (positions, velocities, pressures) from which water on a lattice (n, 3) [m] starts. `surface`: height of
+    still water [m], one number or one a particle, where the water does not fill the basin."""
     if initial is not None:
         return initial.state(positions, basin, rest_density)
     sea = patch_waves(basin, mean_spacing(positions, basin)) if basin.sea is not None else None
@@ -275,7 +275,7 @@ def problems(initial: Initial | None, basin: Basin) -> list[tuple[tuple[str, ...
 
 
 def given_positions(initial: Initial | None, basin: Basin) -> np.ndarray | None:
-    """(n, 3) positions [m] that take the place of a lattice, or None."""
+    """Positions (n, 3) [m] of particles from a file, which replace a lattice; None without a file."""
     return initial.positions(basin) if isinstance(initial, FromFile) else None
 
 
@@ -286,7 +286,7 @@ def still_pressure(positions: np.ndarray, basin: Basin, density: float, surface:
 
 
 def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, density: float) -> State:
-    """State of water that rests at (n, 3), in these waves at time 0."""
+    """State at time 0, in these waves, of water that would rest at positions (n, 3) [m]."""
     placed, leap = positions.astype(float), 1.0 / FLOW_STEPS
     for _ in range(FLOW_STEPS):
         a = waves.displacement(sea, placed)
@@ -300,9 +300,9 @@ def displaced_state(sea: waves.Components, positions: np.ndarray, basin: Basin, 
 
 
 def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) -> waves.Components:
-    """Random waves of a significant height [m] that water bears, none as short as `shortest` [m]. Waves beyond k = 2 /
-    Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The rest
-    carry their variance."""
+    """Random waves of a significant height [m] that can exist on water, none as short as `shortest` [m]. Waves beyond k
+    = 2 / Hs ride on the others and are no linear waves of their own (Stansberg et al. 2008, Marine Structures 21). The
+    rest carry their variance."""
     k = sea.wavenumber
     found = sea.select((k < 2.0 / height) & (shortest * k < 2.0 * pi))
     share = np.linalg.norm(sea.amplitude) / np.linalg.norm(found.amplitude)
@@ -310,7 +310,7 @@ def bearable_waves(sea: waves.Components, height: float, shortest: float = 0.0) 
 
 
 def fitted_waves(sea: waves.Components, basin: Basin) -> waves.Components:
-    """The sea with every wavevector moved to the nearest that repeats itself in a periodic basin."""
+    """Waves of a sea, each moved to the nearest wavevector that repeats itself in a periodic basin."""
     return waves.fit_periods(sea, basin.periods[::2])
 
 
@@ -330,7 +330,7 @@ def patch_waves(basin: Basin, spacing: float) -> waves.Components | None:
 
 
 def wall_problems(wavevector: np.ndarray, basin: Basin) -> Iterator[str]:
-    """Reason why a wave cannot travel this way: its water would start inside a wall."""
+    """Yield the reasons why a wave cannot travel this way: its water would start inside a wall."""
     for axis, k in zip((0, 2), wavevector):
         walls = [basin.walls.at(f"{'xyz'[axis]}_{end}") for end in ("min", "max")]
         if abs(k) > 1e-9 * np.linalg.norm(wavevector) and set(walls) - {"periodic", "none"}:
@@ -349,11 +349,11 @@ def wrap_positions(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def mean_spacing(positions: np.ndarray, basin: Basin) -> float:
-    """Distance of neighbours [m] where so many particles fill the basin."""
+    """Distance between neighbours [m] if so many particles fill the basin evenly."""
     return (basin.volume / len(positions)) ** (1.0 / basin.dimension)
 
 
 def column_vectors(columns: dict[str, np.ndarray], names: str, basin: Basin) -> np.ndarray:
-    """(n, 3) of three columns; in 2-D the third is 0."""
+    """Vectors (n, 3) of the columns with these one-letter names; in 2-D the third component is 0."""
     flat = np.zeros_like(columns[names[0]])
     return np.stack([columns[names[0]], columns[names[1]], flat if basin.dimension == 2 else columns[names[2]]], axis=1)

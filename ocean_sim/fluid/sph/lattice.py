@@ -17,7 +17,7 @@ MARGIN_SPACINGS = 8.0  # [spacings] around a solid, as far as the water that mak
 
 
 class Filling(Protocol):
-    """Keys of the water that its lattice reads."""
+    """Interface of the config of water, as far as its lattice reads it."""
 
     spacing: float | None  # [m]
     particles: int | None
@@ -29,7 +29,7 @@ class Filling(Protocol):
     collision_distance: float  # [spacings]
 
     def losses(self, lattice: "Lattice", sea: Components) -> np.ndarray | None:
-        """See WaterConfig."""
+        """Decay rates (n,) of the waves of a sea by the scheme [1/s], see WaterConfig.losses."""
         ...
 
 
@@ -68,13 +68,13 @@ class Lattice:
         return spacing
 
     def box_counts(self, spacing: float) -> list[np.ndarray]:
-        """Particles along x, y and z in each box, about `spacing` [m] apart."""
+        """Numbers of particles along x, y and z in each box, about `spacing` [m] apart."""
         counts = [np.maximum(1, np.round((up - low) / spacing)).astype(int) for low, up in self.boxes]
         return [np.append(count[:2], 1) if self.basin.dimension == 2 else count for count in counts]
 
     @cached_property
     def counts(self) -> list[np.ndarray]:
-        """Particles along x, y and z in each box."""
+        """Numbers of particles along x, y and z in each box."""
         return self.box_counts(self.spacing)
 
     @cached_property
@@ -99,7 +99,7 @@ class Lattice:
 
     @cached_property
     def given(self) -> np.ndarray | None:
-        """(n, 3) positions [m] from a file, in place of a lattice."""
+        """Positions (n, 3) [m] of particles from a file, in place of a lattice; None without a file."""
         return initial_module.given_positions(self.config.initial, self.basin)
 
     @property
@@ -115,7 +115,7 @@ class Lattice:
 
     @property
     def row(self) -> float:
-        """Height of the lowest row of particles [m]."""
+        """Thickness of the lowest row of particles [m]."""
         rows = [(low[1], (up[1] - low[1]) / count[1]) for (low, up), count in zip(self.boxes, self.counts, strict=True)]
         return float(min(rows)[1]) if rows else self.spacing
 
@@ -140,13 +140,13 @@ class Lattice:
 
     @cached_property
     def deepest(self) -> float:
-        """Height of its tallest column of water [m]; 0 without water."""
+        """Height of the tallest column of water [m]; 0 without water."""
         bed, surface = self.column_ends()
         return float(np.max(surface - bed, initial=0.0))
 
     def column_ends(self) -> np.ndarray:
-        """(2, n) bed, or obstacle that it stands on, and surface of the water that each particle starts in [m]: of its
-        box, and of those that stand on one another there."""
+        """Heights (2, n) [m] of the foot, bed or obstacle, and of the surface of the column of water in which each
+        particle starts; boxes that stand on one another there are one column."""
         if self.given is not None:
             return np.repeat([[self.basin.lower[1]], [0.0]], len(self.given), axis=1)
         heights = np.array([(low[1], up[1]) for low, up in self.boxes]).reshape(-1, 2)
@@ -179,8 +179,8 @@ class Lattice:
 
     @cached_property
     def room_for_bodies(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m,) mask of the particles in no obstacle and no floating body, and (m, 3) their places, moved out of the
-        reach of bodies that the water's laws do not feel."""
+        """Mask (m,) of the lattice's particles that obstacles and floating bodies leave in the water, and positions (m,
+        3) [m] of all, moved to make room for floating bodies."""
         wet, positions = ~in_obstacles(self.full_positions, self.basin), self.full_positions
         for solid in self.basin.afloat.values():
             nearest = shifts(positions, solid.origin[[0, 2]], self.basin.periods)
@@ -217,7 +217,7 @@ class Lattice:
 
     @property
     def wet_mask(self) -> np.ndarray:
-        """(m,) mask of the particles that are water."""
+        """Mask (m,) of the points of the full lattice that are water, see `room_for_bodies`."""
         return self.room_for_bodies[0]
 
     def positions(self) -> np.ndarray:
@@ -238,5 +238,5 @@ def in_obstacles(positions: np.ndarray, basin: Basin) -> np.ndarray:
 
 
 def total_count(counts: list[np.ndarray]) -> int:
-    """Particles in all boxes."""
+    """Number of particles in all boxes."""
     return sum(int(np.prod(count)) for count in counts)

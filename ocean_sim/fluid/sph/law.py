@@ -49,7 +49,7 @@ class Law(ABC):
     solid: Any  # SampleSum of the boundary
 
     def add_bodies(self, boundary: Any) -> None:
-        """Sum over the samples of a Boundary's bodies, too; None: there are none. Call it once `terms` are known."""
+        """Also sum over the samples of a Boundary's bodies; None: there are none. Call it once `terms` are known."""
         if boundary is not None:
             self.bodies, self.boundary, self.solid = True, boundary, boundary.sample_sum(self)
 
@@ -64,7 +64,7 @@ class Law(ABC):
 
     @ti.func
     def image(self, other, mirror):
-        """Row of a neighbour as a side shows it."""
+        """Row of a neighbour's image in a side."""
         return mirror_position(mirror, other)
 
     @ti.func
@@ -78,11 +78,11 @@ class Law(ABC):
 
     @abstractmethod
     def finish(self, i: Any, own: Any, total: Any, beyond: Any, group: Any) -> None:
-        """Put the sums of particle i to use: `total`, and `beyond` of images where these are summed apart."""
+        """Use the sums of particle i: `total`, and `beyond`, that of images, where these are summed apart."""
 
     @ti.func
     def with_bodies(self, total, x, own):
-        """A sum and that over the samples of solid bodies around x [m]."""
+        """Sum of a law, and of its terms over the samples of solid bodies around x [m]."""
         both = total
         if ti.static(self.bodies):
             both += self.solid.total(x, own)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # it is imported only where there are bodies
 
 @in_kernels
 class Force(Law):
-    """A sum of forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have `push`,
-    and `rub` where friction is summed apart."""
+    """Law that sums forces. Its row has a `position`, a `velocity` and a `pressure`, in this order; its terms have
+    `push`, and `rub` where friction is summed apart."""
 
     stores_pressure_work: ClassVar[bool] = False
     """True if the work of pressure on images and bodies becomes internal energy of the water, not work of walls."""
@@ -43,7 +43,7 @@ class Force(Law):
 
     @ti.func
     def wall_acceleration(self, own, total):
-        """Part of it whose work counts as that of walls."""
+        """Part of the acceleration by a sum [m/s2] whose work counts as that of walls."""
         a = self.acceleration(own, total)
         if ti.static(self.stores_pressure_work):
             a = self.prefactor(own) * vec3(total, self.terms.rub)
@@ -60,7 +60,8 @@ class Force(Law):
 
     @ti.func
     def image(self, other, mirror):
-        """A neighbour as a side shows it: its velocity turned round, its pressure continued hydrostatically."""
+        """Row of a neighbour's image in a side: its velocity reversed by the slip, its pressure continued
+        hydrostatically."""
         x, image = vec3(other, self.row.position), mirror_row(mirror, other)
         pull = self.fluid.pull.at_rest(mirror_midpoint(mirror, x))
         image[self.row.pressure] += self.pressure_rise(hydrostatic_offset(mirror, x, pull))
@@ -68,7 +69,7 @@ class Force(Law):
 
     @ti.func
     def rubbing_sample(self, own, s, d, mirror):
-        """A sample of a solid body with the velocity by which it rubs; all else is the particle's own."""
+        """Row of sample s of a solid body with the velocity by which it rubs; all else is the particle's own."""
         return row_at(own, d, self.boundary.rubbing_velocity(vec3(own, self.row.velocity), s, mirror))
 
     @ti.func
@@ -110,7 +111,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def continued_sample(self, own, s, d, mirror):
-        """A sample of a solid body under the particle's own pressure, continued to the place of the sample."""
+        """Row of sample s of a solid body: the particle's own pressure, continued to the place of the sample."""
         other = self.rubbing_sample(own, s, d, mirror)
         a = tm.vec3([own[self.row.size + k] for k in ti.static(range(3))])
         head = self.boundary.head(vec3(own, self.row.position), a, s, d, mirror)
@@ -174,7 +175,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Keep the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
+        """Store the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
         wind do not."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
@@ -185,7 +186,7 @@ class MomentumLaw(Force):
 
     @ti.func
     def book_step(self, group, own, total, beyond, a, parts: Template, x_free, x_new, v_new, dt):
-        """Put impulse and work of each term to the budget."""
+        """Add impulse and work of each term on a particle in a step to the budget."""
         accounts, m = self.fluid.accounts, ti.static(self.fluid.particles.mass)
         x, v = vec3(own, self.row.position), vec3(own, self.row.velocity)
         a_water, a_walls, a_wind, a_pull, a_hull, a_bed, a_sea = parts
@@ -223,7 +224,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def move(self, dt: float, since: float):
-        """Move by the forces of here and now."""
+        """Move the particles for dt [s] by the forces at their present positions."""
         self.dt[None] = dt
         self.wind.set_clock(since, dt)
         self.momentum.react(dt)
@@ -231,7 +232,7 @@ class PairSph(Sph):
 
     @ti.kernel
     def settle(self, summary: Array):
-        """Sort, and find the new density."""
+        """Sort the particles, and compute their density."""
         self.grid.sort()
         self.neighbours.walk(self.density, True)
         self.accounts.summarise(summary)

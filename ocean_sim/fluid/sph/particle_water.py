@@ -43,8 +43,8 @@ if TYPE_CHECKING:  # it is imported only where a sea is around
 
 @in_kernels
 class ParticleWater(ParticleFluid):
-    """Particles between steps, sorted by cell, with all fields current. A kind adds its motion (`step`) and the update
-    of its fields (`arrive`)."""
+    """Base class of particle water. Between steps particles are sorted by cell and all fields current. A kind adds its
+    motion (`step`) and the update of its fields (`arrive`)."""
 
     particles: Particles
     around: PointSum
@@ -119,7 +119,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def exposed_area(self, i):
-        """Exposed area of particle i times its outward normal [m2]; zero where none has one."""
+        """Exposed area of particle i times its outward normal [m2]; zero here: a scheme with neighbours computes it."""
         return tm.vec3(0.0)
 
     @ti.func
@@ -143,17 +143,18 @@ class ParticleWater(ParticleFluid):
 
     @ti.func
     def stage_particle(self, i, x, v):
-        """Keep the next position and velocity of particle i until the sort."""
+        """Store the next position and velocity of particle i until the sort."""
         self.grid.stage_state(i, x, v)
 
     def begin(self) -> None:
-        """Start from the particles as they are now."""
+        """Start from the present positions and velocities of the particles."""
         self.stage_all()
         self.arrive()
         self.status = self.accounts.status(self.summary, self.grid)
 
     def advance(self, dt: float) -> None:
-        """One step of dt [s]; raises Diverged where more particles crowd together than the neighbour lists hold."""
+        """Advance by a step of dt [s]; raise Diverged where more particles crowd together than the neighbour lists
+        hold."""
         self.advance_boundaries(dt)
         self.step(dt)
         self.status = self.accounts.status(self.summary, self.grid)
@@ -161,14 +162,14 @@ class ParticleWater(ParticleFluid):
 
     @abstractmethod
     def arrive(self) -> None:
-        """Sort the particles where they are now, make all that is known of them current, and sum it up."""
+        """Sort the particles at their present positions, update all their fields, and sum up extremes."""
 
     @abstractmethod
     def step(self, dt: float) -> None:
-        """Move the particles for dt [s], then do as `arrive`."""
+        """Move the particles for dt [s], then update fields and extremes as `arrive` does."""
 
     def advance_boundaries(self, dt: float) -> None:
-        """Put tank and wavemaker in the middle of a step of dt [s]; gates, zones and sea at its end."""
+        """Move tank and wavemaker to the middle of a step of dt [s]; gates, zones and sea to its end."""
         self.pull.advance(self.time + 0.5 * dt)
         self.grid.images.advance(self.time + 0.5 * dt)
         self.time += dt
@@ -200,7 +201,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.kernel
     def append_particles(self, first: int, x: Array2, v: Array2):
-        """Put new particles after the first ones."""
+        """Append particles, positions x [m] and velocities v [m/s], after the `first` ones."""
         ti.loop_config(serialize=True)
         for k in range(x.shape[0]):
             i, particles = first + k, self.particles
@@ -213,7 +214,7 @@ class ParticleWater(ParticleFluid):
 
     @ti.kernel
     def stage_all(self):
-        """Leave all particles where they are, for the sort."""
+        """Stage all particles for the sort with the positions and velocities that they have."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(self.particles.count.there()):
             p, v = self.particles.position, self.particles.velocity
@@ -252,7 +253,7 @@ class ParticleWater(ParticleFluid):
         return self.summing.totals()
 
     def positions(self) -> np.ndarray:
-        """(n, 3) positions [m] in float64, with the rests of ways that `position` rounds off."""
+        """(n, 3) positions [m] in float64, with the rests of moves that `position` rounds off."""
         x = self.particles.position.to_numpy().astype(float)
         for k, left in zip(self.grid.axes, self.grid.left):
             x[:, k] += left.to_numpy()[: len(x)]

@@ -54,7 +54,7 @@ class Count:
 
     @ti.func
     def there(self):
-        """Number of particles, in a kernel."""
+        """Number of particles now, read in a kernel."""
         n = ti.cast(self.most, int)
         if ti.static(self.grows):
             n = self.field[None]
@@ -62,7 +62,7 @@ class Count:
 
 
 class Growing(ScalarField):
-    """A number per particle, with room for those to come. Python sees only those that exist."""
+    """Field of a number per particle, with room for those to come; Python reads only those that exist."""
 
     def __init__(self, field: ScalarField, count: Count) -> None:
         super().__init__(field.vars[0])
@@ -78,7 +78,7 @@ class Growing(ScalarField):
 
 
 def numbers(dtype: type, count: Count) -> ti.Field:
-    """A number per particle."""
+    """Field of a number per particle, with room for the most there will be."""
     field = staggered_field(dtype, count.most)
     return Growing(field, count) if count.grows else field
 
@@ -88,7 +88,7 @@ class Components:
     """A vector per particle as three fields of one number each."""
 
     def __init__(self, n: int, count: Count | None = None) -> None:
-        """`count`: how many of the n are there, where that changes."""
+        """`count`: number of particles now, where it changes; n is then the most there will be."""
         self.x, self.y, self.z = (staggered_field(float, n) for _ in range(3))
         self.count = count
 
@@ -96,7 +96,7 @@ class Components:
         return iter((self.x, self.y, self.z))
 
     def to_numpy(self) -> np.ndarray:
-        """(n, 3), in storage order."""
+        """Vectors (n, 3) of all particles, in storage order."""
         rows: np.ndarray = np.empty((*self.x.shape, 3), dtype=self.precision)
         self.copy_to(rows)
         return rows if self.count is None else rows[: self.count.now]
@@ -140,7 +140,7 @@ class Particles:
 
     @ti.kernel
     def begin(self, position: Array2, velocity: Array2, pressure: Array, density: float):
-        """All are numbered in their order, and of one density."""
+        """Set the first state of all particles, numbered in their order and of one density [kg/m3]."""
         ti.loop_config(serialize=ti.static(runs_alone()))
         for i in range(position.shape[0]):
             self.position.x[i], self.position.y[i], self.position.z[i] = position[i, 0], position[i, 1], position[i, 2]
@@ -170,8 +170,8 @@ class Particles:
             number[i], pressure[i] = self.id[i], self.pressure[i]
 
     def in_box(self, middle: np.ndarray, scale: np.ndarray, most: float, every: int) -> np.ndarray:
-        """(m, 4) rows of every so many particles, by id: place from `middle` [m] times `scale` [1/m], a whole number
-        within -`most` and `most` along each axis, and speed [m/s]."""
+        """Rows (m, 4) of every so many particles, by id: position from `middle` [m] times `scale` [1/m], rounded and
+        limited to `most` along each axis, and speed [m/s]."""
         rows: np.ndarray = np.empty((-(-self.count.now // every), 4), self.position.precision)
         self.put_in_box(rows, self.count.now, tm.vec3(*middle), tm.vec3(*scale), most, every)
         return rows
@@ -190,7 +190,7 @@ class Particles:
 
 
 def seeded(lattice: Lattice) -> Particles:
-    """Particles in the state that their water starts from; an emitter has let out its first layer."""
+    """Particles of a lattice in their initial state; an emitter has let out its first layer."""
     n, jet = lattice.n, lattice.jet
     count = Count(n if jet is None else jet.particle_count(0.0), n)
     particles = Particles(

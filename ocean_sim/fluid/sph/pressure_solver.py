@@ -26,7 +26,7 @@ ERROR_REDUCTION = 0.5
 
 
 class IncompressibleWater(Protocol):
-    """The water whose pressures are sought."""
+    """Interface of the water whose pressures a Solver finds."""
 
     particles: Particles
     smoothing: Smoothing
@@ -49,19 +49,19 @@ class IncompressibleWater(Protocol):
         ...
 
     def admissible_pressure(self, pressure: Any) -> Any:
-        """ti.func: a pressure as the water can have it."""
+        """ti.func: pressure [Pa] that the water can have, nearest to this one."""
         ...
 
     def apply_pressures(self, i: Any, dt: Any, total: Any, beyond: Any) -> Any:
-        """ti.func: change of velocity of particle i by the pressures of the water and of the walls, kept for the
-        accounts."""
+        """ti.func: change of velocity [m/s] of particle i by the pressures of water and walls, recorded for the
+        budget."""
         ...
 
 
 @in_kernels
 class Compression(KeptLaw):
-    """The residual r of each particle with the pressures so far, and the next pressures; Bender & Koschier 2015, eqs.
-    6, 7, 12, 13."""
+    """Residual r of each particle with the pressures so far, and its next pressure; Bender & Koschier 2015, eqs. 6, 7,
+    12, 13."""
 
     row, terms = Columns(position=3, velocity=3), Columns(rate=1)  # the row of what is summed over samples of bodies
 
@@ -85,12 +85,12 @@ class Compression(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body."""
+        """Row of sample s of a solid body, which moves with the body."""
         return row_at(own, d, self.boundary.mirrored_velocity(s, mirror))
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample."""
+        """Term of a sample of a solid body: v_ij . x_ij times the shape of grad W."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         v_ij = vec3(own, self.row.velocity) - vec3(other, self.row.velocity)
         return ti.Vector([v_ij.dot(self.fluid.smoothing.pair_gradient(x_ij))])
@@ -107,7 +107,7 @@ class Compression(KeptLaw):
 
     @ti.func
     def judge_particle(self, i, rate, group):
-        """Find the residual of particle i and its next pressure, by its sum over pairs."""
+        """Compute the residual of particle i, from its sum `rate` over pairs, and its next pressure."""
         fluid, solver, dt = self.fluid, self.solver, self.fluid.dt[None]
         r = dt * self.rate * rate
         if ti.static(solver.restores):
@@ -129,8 +129,8 @@ class Compression(KeptLaw):
 
 @in_kernels
 class Push(KeptLaw):
-    """The velocity with the gain of the pressures; the adjoint of Compression. It is computed from all gains each time,
-    so that rounding does not add up over iterations."""
+    """Velocity with all pressures that a solver has gained; the adjoint of Compression. It is computed from all gains
+    each time, so that rounding does not add up over iterations."""
 
     row, terms = Columns(position=3, pressure=1), Columns(push=3)  # the row of what is summed over samples of bodies
 
@@ -150,18 +150,18 @@ class Push(KeptLaw):
 
     @ti.func
     def sample(self, own, s, d, mirror):
-        """A sample of a solid body, which has no pressure of its own."""
+        """Row of sample s of a solid body, which has no pressure of its own."""
         return tm.vec4(vec3(own, self.row.position) + d, 0.0)
 
     @ti.func
     def pair(self, own, other):
-        """Term of a sample."""
+        """Term of a sample of a solid body: the sum of both pressures times x_ij and the shape of grad W."""
         x_ij = vec3(own, self.row.position) - vec3(other, self.row.position)
         return (own[self.row.pressure] + other[self.row.pressure]) * self.fluid.smoothing.pair_gradient(x_ij)
 
     @ti.func
     def body_total(self, i, own):
-        """Sum over all samples of solid bodies."""
+        """Sum of the terms of all samples of solid bodies around particle i."""
         total = tm.vec3(0.0)
         if ti.static(self.fluid.bodies):
             x = tm.vec3([component[i] for component in ti.static(tuple(self.fluid.particles.position))])
@@ -180,7 +180,7 @@ class Push(KeptLaw):
 
 @in_kernels
 class Account(Push):
-    """The impulses of the pressures that a solver has gained."""
+    """Record of the impulses of the pressures that a solver has gained, for the budget."""
 
     def __init__(self, fluid: IncompressibleWater, solver: "Solver") -> None:
         super().__init__(fluid, solver)
@@ -220,21 +220,21 @@ class Solver:
         self.iterations, self.error, self.unsolved = 0, 0.0, 0  # since the start: all, the worst, and steps above
 
     def error_goal(self, first: float, dt: float, calm: bool) -> float:
-        """Error to stop at, in a step of dt [s] that begins with the error `first`. Water that is not calm stops at the
-        tolerance, except in brief steps: pressing out the compression at once would add speed."""
+        """Error at which iterations stop, in a step of dt [s] that begins with the error `first`. Water that is not
+        calm stops at the tolerance, except in brief steps: pressing out the compression at once would add speed."""
         brief = dt < self.brief
         least = self.least * (dt / self.brief) ** 2 if brief else self.least
         return min(self.tolerance, max(least, ERROR_REDUCTION * first)) if calm or brief else self.tolerance
 
     def record_step(self, iterations: int, error: float) -> None:
-        """Put a step to its account."""
+        """Add the iterations of a step, and the error that it ends with, to the record of the run."""
         self.last_iterations, self.last_error = iterations, error
         self.iterations, self.error = self.iterations + iterations, max(self.error, error)
         self.unsolved += not error <= self.tolerance
 
     @ti.func
     def start_pressure(self, i):
-        """The pressure of particle i before the step [Pa]."""
+        """Pressure of particle i before the step [Pa]; 0 of a solver that starts without."""
         p = 0.0
         if ti.static(not self.restores):
             p = self.start[i]
@@ -242,6 +242,6 @@ class Solver:
 
     @ti.func
     def begin(self, i):
-        """Nothing gained yet."""
+        """Reset the pressure that particle i has gained to 0."""
         self.gain[i] = self.next[i] = 0.0
         self.best[i] = self.start_pressure(i)

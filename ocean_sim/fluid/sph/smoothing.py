@@ -32,7 +32,7 @@ def lesser(a, b):
 
 @ti.func
 def polynomial(t, power: Template, terms: Template):
-    """t^power (terms[0] + terms[1] t + ...)."""
+    """Value of t^power (terms[0] + terms[1] t + ...)."""
     total = float(terms[-1])
     for term in ti.static(terms[-2::-1]):
         total = total * t + term
@@ -52,7 +52,7 @@ class Kernel:
     shortest waves are that they resolve, so that the same steps and constants are stable."""
 
     def gradient(self, t: np.ndarray) -> np.ndarray:
-        """grad W over -slope x."""
+        """Shape of the gradient, grad W over -slope x, at t = 1 - r/support."""
         return t**self.power * np.polynomial.Polynomial(self.terms)(t)
 
     @property
@@ -63,11 +63,11 @@ class Kernel:
         return tuple(float(term) / (self.power + k + 1) for k, term in enumerate(inwards.coef))
 
     def value(self, t: np.ndarray) -> np.ndarray:
-        """W over slope support^2."""
+        """Shape of the kernel, W over slope support^2, at t = 1 - r/support."""
         return t ** (self.power + 1) * np.polynomial.Polynomial(self.value_terms)(t)
 
     def curvature(self, t: np.ndarray) -> np.ndarray:
-        """W'' over slope: with r = h (1 - t), W' is -r `gradient`."""
+        """Shape of the second derivative, W'' over slope, at t: with r = h (1 - t), W' is -r `gradient`."""
         polynomial = np.polynomial.Polynomial(self.terms)
         falls = self.power * t ** (self.power - 1) * polynomial(t) + t**self.power * polynomial.deriv()(t)
         return (1.0 - t) * falls - self.gradient(t)
@@ -103,17 +103,17 @@ class Smoothing:
 
     @property
     def poly6_constant(self) -> float:
-        """W_poly6 = constant (h^2 - r^2)^3; integrates to 1 [m^-9 in 3-D]."""
+        """Constant of W_poly6 = constant (h^2 - r^2)^3, which integrates to 1 [m^-9 in 3-D]."""
         return {2: 4.0 / (pi * self.support**8), 3: 315.0 / (64.0 * pi * self.support**9)}[self.dimension]
 
     @property
     def spiky_constant(self) -> float:
-        """W_spiky = constant (h - r)^3; integrates to 1 [m^-6 in 3-D]."""
+        """Constant of W_spiky = constant (h - r)^3, which integrates to 1 [m^-6 in 3-D]."""
         return {2: 10.0 / (pi * self.support**5), 3: 15.0 / (pi * self.support**6)}[self.dimension]
 
     @property
     def viscosity_constant(self) -> float:
-        """Laplacian of W_viscosity = constant (h - r) [m^-6 in 3-D]."""
+        """Constant of the Laplacian of W_viscosity, constant (h - r) [m^-6 in 3-D]."""
         return {2: 40.0 / (pi * self.support**5), 3: 45.0 / (pi * self.support**6)}[self.dimension]
 
     @property
@@ -123,12 +123,13 @@ class Smoothing:
 
     @property
     def slope(self) -> float:
-        """grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
+        """Constant of grad W = -slope shape_gradient x_ij [m^-5 in 3-D]."""
         return self.kernel.slope(self.dimension, self.support)
 
     @ti.func
     def difference(self, own, other, first: Template):
-        """own - other of the three components from `first` on; in 2-D nothing is spent on the third, which is 0."""
+        """Difference own - other of three components from `first` on; in 2-D nothing is spent on the third, which is
+        0."""
         return tm.vec3(
             [own[first + k] - other[first + k] if ti.static(k < self.dimension) else 0.0 for k in ti.static(range(3))]
         )
@@ -140,23 +141,23 @@ class Smoothing:
 
     @ti.func
     def shape_gradient(self, r):
-        """grad W over -slope x_ij, of the distance: no division by r, so two particles in one position are no
-        trouble."""
+        """Shape of grad W, over -slope x_ij, at a distance r [m]: without division by r, so two particles in one
+        position are no trouble."""
         return polynomial(self.support_share(r), self.kernel.power, self.kernel.terms)
 
     @ti.func
     def shape_value(self, r):
-        """W over slope support^2."""
+        """Shape of W, over slope support^2, at a distance r [m]."""
         return polynomial(self.support_share(r), self.kernel.power + 1, self.kernel.value_terms)
 
     @ti.func
     def pair_gradient(self, x_ij):
-        """x_ij times the shape of grad W."""
+        """Vector x_ij times the shape of grad W."""
         return self.shape_gradient(ti.sqrt(x_ij.dot(x_ij))) * x_ij
 
     @ti.func
     def shape_poly6(self, r2):
-        """(h^2 - r^2)^3 of the squared distance."""
+        """Shape of W_poly6, (h^2 - r^2)^3, at a squared distance r2 [m2]."""
         w = positive(self.support * self.support - r2)
         return w * w * w
 
@@ -181,17 +182,17 @@ class Stencil:
 
     @cached_property
     def t(self) -> np.ndarray:
-        """1 - r/support of each of them, where it is positive."""
+        """1 - r/support of each place in `offsets`; 0 beyond the support."""
         return np.maximum(1.0 - np.linalg.norm(self.offsets, axis=1) / self.smoothing.support, 0.0)
 
     @cached_property
     def value(self) -> np.ndarray:
-        """W over slope support^2."""
+        """Shape of W, over slope support^2, at each place in `offsets`."""
         return self.smoothing.kernel.value(self.t)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """grad W over -slope x."""
+        """Shape of grad W, over -slope x, at each place in `offsets`."""
         return self.smoothing.kernel.gradient(self.t)
 
     @property
@@ -201,17 +202,18 @@ class Stencil:
 
     @property
     def slope(self) -> float:
-        """grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
+        """Slope of the kernel on the lattice, grad W over -x `gradient` [m^-5], in 2-D [m^-4]."""
         return 1.0 / (self.smoothing.support**2 * self.volume * float(self.value.sum()))
 
     @property
     def filled_gain(self) -> float:
-        """Gradient on the lattice of a unit gradient if W integrates to 1: about 1, and less next to a surface."""
+        """Gradient that the lattice's sum gives for a unit gradient if W integrates to 1: about 1, less next to a
+        surface."""
         return self.gain * self.smoothing.slope / self.slope
 
     @property
     def gain(self) -> float:
-        """Gradient on the lattice of a unit gradient; forces are divided by it."""
+        """Gradient that the lattice's sum gives for a unit gradient; forces are divided by it."""
         return self.slope * self.volume * float(self.gradient @ self.offsets[:, 0] ** 2)
 
     @property
@@ -232,17 +234,18 @@ class Stencil:
 
     @property
     def neighbours(self) -> int:
-        """Number of neighbours."""
+        """Number of neighbours of a particle within its support."""
         return int((self.t > 0.0).sum()) - 1
 
     @property
     def gradient_squares(self) -> float:
-        """Sum of the squared gradients [m^-8], in 2-D [m^-6]."""
+        """Sum of grad W squared over the neighbours [m^-8], in 2-D [m^-6]."""
         return self.slope**2 * float(self.gradient**2 @ (self.offsets**2).sum(axis=1))
 
     @property
     def stiffest_mode(self) -> float:
-        """Largest eigenvalue of A / A_ii, of plane waves along the axes of the lattice and its diagonals."""
+        """Largest eigenvalue of A / A_ii of the pressure solver, of plane waves along axes and diagonals of the
+        lattice."""
         largest = 0.0
         for wave in product(np.linspace(0.0, np.pi, 13), repeat=self.smoothing.dimension):
             gradients = (self.slope * self.gradient * np.sin(self.offsets @ wave / self.spacing)) @ self.offsets

@@ -72,15 +72,15 @@ class SphConfig(WaterConfig):
         return self.reference_speed or free_fall_speed(basin)
 
     def sound_speed(self, basin: Basin) -> float:
-        """c [m/s]."""
+        """Sound speed c [m/s]."""
         return self.speed(basin) / sqrt(self.compression or 0.01)
 
     def ratio(self, basin: Basin) -> float:
-        """Support over spacing."""
+        """Kernel support over particle spacing."""
         return self.support_ratio or self.default_ratio[basin.dimension - 2]
 
     def smoothing(self, basin: Basin) -> Smoothing:
-        """The kernels of a support."""
+        """Kernels of this water in a basin."""
         return Smoothing(basin.dimension, self.ratio(basin) * self.lattice(basin).spacing, self.kernel)
 
     def is_enclosed(self, basin: Basin) -> bool:
@@ -124,17 +124,17 @@ class SphConfig(WaterConfig):
         return min(MOST_PARTICLES, sizes.lattice.n * MAX_COUNT // max(counted, 1))
 
     def untouched_sizes(self, preflight: Preflight) -> GridSize:
-        """Sizes of grid and lists without anything afloat."""
+        """Sizes of grid and lists if nothing were afloat."""
         lattice = preflight.untouched
         assert isinstance(lattice, Lattice)
         return self.list_size(lattice, preflight.arch, 1)
 
     def neighbours_kept(self, basin: Basin) -> int:
-        """Neighbours on the lattice of a particle whose pairs are kept; 0 where none are."""
+        """Number of neighbours of a particle on the lattice, if the scheme keeps their pairs for a step; else 0."""
         return 0
 
     def count_problems(self, preflight: Preflight) -> Iterator[str]:
-        """Report more neighbours, or cells, than 32 bits can count."""
+        """Yield a fault if there are more neighbours, or cells, than 32 bits can count."""
         grid, most = self.untouched_sizes(preflight), self.most_particles(preflight)
         if grid.lattice.n > most:
             yield (
@@ -162,7 +162,7 @@ class SphConfig(WaterConfig):
         return [*found, *of_zones(zones(lattice)), *self.scale_warnings(lattice, preflight.support)]
 
     def scale_warnings(self, lattice: Lattice, support: float) -> Iterator[str]:
-        """Warn of too few particles for the depth or for the waves of a scene, and of waves that break."""
+        """Yield warnings of too few particles for the depth or for the waves of a scene, and of waves that break."""
         spacing, depth = lattice.spacing, lattice.basin.depth
         if support >= depth > 0.0:
             yield (
@@ -246,7 +246,7 @@ class SphConfig(WaterConfig):
         )
 
     def viscosity_scale(self, basin: Basin) -> float:
-        """h c [m2/s], over which the scheme's own viscosity is stated."""
+        """Product h c of smoothing length and sound speed [m2/s], over which the scheme's own viscosity is stated."""
         return self.smoothing(basin).length * self.sound_speed(basin)
 
     def viscosity(self, basin: Basin) -> float:
@@ -280,7 +280,7 @@ class SphConfig(WaterConfig):
         return [*found, *self.wave_statements(preflight), *super().statements(preflight)]
 
     def wave_statements(self, preflight: Preflight) -> Iterator[str]:
-        """State the height that waves of a scene lose by the scheme."""
+        """Yield sentences on the height that waves of a scene lose by the scheme."""
         if self.attenuation is None:
             return
         ratio, usual = self.ratio(preflight.tank), self.default_ratio[preflight.tank.dimension - 2]
@@ -387,14 +387,14 @@ def _of_bodies(grid: GridSize, word: int, accounts: bool, told: int) -> list[Led
 
 
 def has_bodies(basin: Basin) -> bool:
-    """True if the laws of the water meet solid bodies."""
+    """True if solid bodies act on the water by samples: obstacles, or floating bodies that it feels."""
     return bool(basin.obstacles or any(solid.is_sampled for solid in basin.afloat.values()))
 
 
 def step_limits(
     smoothing: Smoothing, sound_speed: float, viscosity: float, speed: float, acceleration: float
 ) -> Limits:
-    """See Limits; h is the smoothing length."""
+    """Limits of a time step by the formulae of Limits, with the smoothing length of the kernels as h."""
     h = smoothing.length
     return Limits(
         acoustic=h / (sound_speed + speed),
@@ -437,7 +437,7 @@ class Sph(ParticleWater):
 
     @property
     def listed_positions(self) -> tuple[ti.Field, ...]:
-        """Positions of the particles [m], x, y and z as the lists of candidates know them."""
+        """Fields x, y and z of the positions [m] from which the lists of candidates are made."""
         return tuple(self.particles.position)
 
     def advance_boundaries(self, dt: float) -> None:
@@ -479,7 +479,8 @@ class Sph(ParticleWater):
 
     @ti.func
     def damp_crowded(self, i, share):
-        """Limit the remembered push of particle i, which would add up where solid bodies fill `share` of its kernel."""
+        """Limit the acceleration of particle i that solid bodies read, which would grow where they fill `share` of its
+        kernel."""
         for component in ti.static(self.last_acceleration):
             component[i] *= tm.min(1.0, CROWDED_SHARE / tm.max(share, CROWDED_SHARE))
 
@@ -494,7 +495,7 @@ class Sph(ParticleWater):
 
     @ti.func
     def surface_bend(self, i):
-        """Change of the slope of the surface near particle i, see Exposure.bend_of."""
+        """Changes of the slope of the surface near particle i [1], see Exposure.bend_of; zero if no wind reads them."""
         bend = tm.vec3(0.0)
         if ti.static(self.exposed):
             bend = self.exposure.bend_of(i)

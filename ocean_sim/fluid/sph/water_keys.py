@@ -70,7 +70,7 @@ class WaterConfig(FluidConfig):
         return self
 
     def sums_impulses(self, read: bool) -> bool:
-        """True whether they are read or not: no observer changes a step."""
+        """True if impulses are summed; independent of `read`, since no observer changes a step."""
         return self.impulses
 
     def statements(self, preflight: Preflight) -> list[str]:
@@ -129,7 +129,7 @@ class WaterConfig(FluidConfig):
 
     @property
     def sized_by(self) -> str:
-        """The key that says how fine the water is."""
+        """Name of the key that sets how fine the water is: spacing or particles."""
         return "spacing" if self.spacing is not None else "particles"
 
     def most_particles(self, preflight: Preflight) -> int:
@@ -181,7 +181,7 @@ class WaterConfig(FluidConfig):
 
 
 def falling_warnings(basin: Basin) -> Iterator[str]:
-    """Warn of water that falls out of its basin."""
+    """Yield warnings of water that falls out of its basin."""
     if basin.gravity[1] > 0.0 and basin.walls.y != "periodic" and not basin.closed:
         yield f"gravity points upwards, {list(basin.gravity)} m/s2: the water falls out of the basin"
     elif basin.gravity[1] < 0.0 and basin.config.floor == "none" and basin.walls.y != "periodic":
@@ -189,7 +189,7 @@ def falling_warnings(basin: Basin) -> Iterator[str]:
 
 
 def rounding_warnings(preflight: Preflight) -> Iterator[str]:
-    """Positions far from the origin have few digits left in single precision."""
+    """Yield a warning if positions are so far from the origin that single precision leaves them few digits."""
     basin, spacing = preflight.tank, preflight.spacing
     far = float(np.abs([*basin.lower, *basin.upper]).max())
     step = far * float(np.finfo(np.float32).eps)
@@ -201,5 +201,5 @@ def rounding_warnings(preflight: Preflight) -> Iterator[str]:
 
 
 def free_fall_speed(basin: Basin) -> float:
-    """sqrt(|g| depth) [m/s], the speed scale of water under gravity."""
+    """Speed scale of water under gravity, sqrt(|g| depth) [m/s]."""
     return sqrt(float(np.linalg.norm(basin.gravity)) * basin.depth)

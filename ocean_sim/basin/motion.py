@@ -370,7 +370,7 @@ class Gate(Model):
 
     @property
     def moves(self) -> bool:
-        """True if it ever moves before it leaves."""
+        """True if the gate moves at some time before it is removed from the basin."""
         return self.file is not None or any(self.velocity) or any(self.acceleration)
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:

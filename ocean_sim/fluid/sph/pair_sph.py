@@ -175,8 +175,8 @@ class MomentumLaw(Force):
 
     @ti.func
     def remember_acceleration(self, i, own, total, beyond, parts: Template):
-        """Store the acceleration by which bodies continue the pressure: gravity and pressure bend isobars, friction and
-        wind do not."""
+        """Store the acceleration of particle i by gravity and pressure alone, by which bodies continue the pressure
+        beyond their faces: friction and wind do not change its gradient."""
         a_water, a_walls = parts[:2]
         a = self.fluid.pull.at_rest(vec3(own, self.row.position)) + a_water + a_walls
         if ti.static(self.sheared):

@@ -348,7 +348,7 @@ def _of_targets(lattice: Lattice, word: int) -> list[LedgerRow]:
 
 
 def _of_sea(lattice: Lattice, word: int) -> list[LedgerRow]:
-    """The ledger of the sea that the water is a patch of."""
+    """Rows of the memory ledger for the sea around a patch of particles; `word`: bytes of a number."""
     around = relaxation_band(lattice)
     if around is None or around.sea is None:
         return []

@@ -90,10 +90,10 @@ class Health(OutcomeObserver):
         self.stiffness = 0.0  # speed of sound [m/s] of the balance
         self.reported: list[str] = []  # events that are recorded once
         self.events = None if folder is None else (folder / "events.jsonl").open("w", encoding="utf-8")
-        self.event_times: dict[str, float] = {}  # [s] of the last event of a kind
         self.recorded: dict[str, Any] = {"limit": "", "clipped": 0}  # value of a kind at its last event
         self.recorded |= {f"grounding of {name}": 0 for name in simulation.ships}
         self.recorded |= {f"flight of {name}": False for name in simulation.ships}
+        self.event_times = dict.fromkeys(self.recorded, -EVENT_INTERVAL)  # [s] of the last event of a kind
         self.flown = dict.fromkeys(simulation.ships, 0.0)  # [m/s] upwards, when last in the air
         self.record_event(
             "start",
@@ -236,7 +236,7 @@ class Health(OutcomeObserver):
 
     def record_change(self, kind: str, value: object, name: str, **facts: object) -> None:
         """Record an event if the value of a kind has changed, at most every EVENT_INTERVAL for each kind."""
-        due = self.simulation.time >= self.event_times.get(kind, -EVENT_INTERVAL) + EVENT_INTERVAL
+        due = self.simulation.time >= self.event_times[kind] + EVENT_INTERVAL
         if due and value != self.recorded[kind]:
             self.record_event(name, **facts)
             self.event_times[kind], self.recorded[kind] = self.simulation.time, value
@@ -390,7 +390,7 @@ class Health(OutcomeObserver):
     def note_clipping(self, simulation: Simulation) -> None:
         clipped = simulation.fluid.status.clipped
         if simulation.outcome != "running":
-            self.event_times.pop("clipped", None)
+            self.event_times["clipped"] = -EVENT_INTERVAL
         since_last = int(clipped - self.recorded["clipped"])
         self.record_change("clipped", clipped, "clipped", particles=since_last, since_start=int(clipped))
 

@@ -74,7 +74,7 @@ def saved_attributes(value: Any) -> dict[str, Any]:
 
 def is_computed(value: Any, name: str) -> bool:
     """True if an attribute is a cached property of the object."""
-    return isinstance(getattr(type(value), name, None), cached_property)
+    return any(isinstance(vars(kind).get(name), cached_property) for kind in type(value).__mro__)
 
 
 def path_step(key: Any, number: int) -> str:

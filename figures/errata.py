@@ -214,7 +214,7 @@ def of_the_water(own: Program) -> list[Erratum]:
             "equation",
             2.22,
             2.23,
-            cited(air, r"across it\), \((2\.\d+)\)"),
+            cited(air, r"upwards: \((2\.\d+)\)"),
             "(2.22) is the drag",
         ),
         erratum(

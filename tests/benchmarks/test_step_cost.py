@@ -2,7 +2,8 @@
 
     OCEAN_SIM_RATIOS=1 ./sandbox test -n 0 -m slow tests/benchmarks/test_step_cost.py
 
-stores the ratios of this processor; run it on a quiet machine.
+stores the ratios of this processor; take the median of several on a quiet machine. Four spread by 3 % (`delta_sph`) to
+12 %.
 """
 
 import csv
@@ -10,7 +11,6 @@ import os
 import time
 from datetime import UTC, datetime
 from pathlib import Path
-from statistics import median
 
 import pytest
 
@@ -23,8 +23,8 @@ from ocean_sim.verbs.shared.history import processor_name
 pytestmark = [pytest.mark.slow, pytest.mark.optimised]
 
 RATIO_TABLE, RATIO_COLUMNS = Path(__file__).with_name("step_ratios.csv"), ("processor", "scheme", "ratio", "day")
-ROUNDS = 60
-BLOCK_SECONDS = 0.1  # of processor time, of steps and of the loop each
+ROUNDS = 200
+BLOCK_SECONDS = 0.03  # of processor time, of steps and of the loop each
 ALLOWED_SLOWDOWN = 1.1
 
 
@@ -68,11 +68,12 @@ def test_a_step_costs_no_more_than_it_did(scheme):
         for call in (simulation.step, loop.run):
             call()  # compiles
             blocks.append(max(1, round(BLOCK_SECONDS / (seconds_of(call, 20) / 20))))
-        ratios = [
-            (seconds_of(simulation.step, blocks[0]) / blocks[0]) / (seconds_of(loop.run, blocks[1]) / blocks[1])
+        costs = [
+            (seconds_of(simulation.step, blocks[0]) / blocks[0], seconds_of(loop.run, blocks[1]) / blocks[1])
             for _ in range(ROUNDS)
         ]
-    ratio, known, key = median(ratios), stored_ratios(), (processor_name(), scheme)
+    step, loop_run = map(min, zip(*costs, strict=True))  # what else is at work makes both longer, and never shorter
+    ratio, known, key = step / loop_run, stored_ratios(), (processor_name(), scheme)
     if os.environ.get("OCEAN_SIM_RATIOS"):
         known[key] = dict(zip(RATIO_COLUMNS, (*key, f"{ratio:.3f}", f"{datetime.now(UTC):%Y-%m-%d}"), strict=True))
         with RATIO_TABLE.open("w", newline="") as file:

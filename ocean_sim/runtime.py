@@ -531,7 +531,9 @@ def allocated_bytes() -> int:
 def _kernel_cache() -> Path:
     path = kernel_cache()
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        if not path.is_dir():
+            path.mkdir(parents=True, exist_ok=True)
+            _remove_unused_caches(path.parent)
         os.utime(path)
     except OSError as error:
         raise BackendMissing(f"the kernel cache {path} cannot be written: {error}; set XDG_CACHE_HOME") from error
@@ -540,11 +542,15 @@ def _kernel_cache() -> Path:
     with suppress(OSError):  # there is none, or another process has removed it
         if time.time() - lock.stat().st_mtime > STALE_LOCK_AGE:
             lock.unlink()
-    for other in path.parent.iterdir():
+    return path
+
+
+def _remove_unused_caches(folder: Path) -> None:
+    """Remove the kernels of copies of the program that have not run for UNUSED_CACHE_AGE."""
+    for other in folder.iterdir():
         with suppress(OSError):
             if time.time() - other.stat().st_mtime > UNUSED_CACHE_AGE:
                 shutil.rmtree(other) if other.is_dir() else other.unlink()
-    return path
 
 
 def _thread_ids() -> set[int]:

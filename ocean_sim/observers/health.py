@@ -375,13 +375,16 @@ class Health(OutcomeObserver):
     def note_ships(self, simulation: Simulation) -> None:
         """Record that a keel touches the bed, and that a whole hull has left the water or is back in it."""
         for name, ship in simulation.ships.items():
-            facts, grounding = ship_facts(name, ship), f"grounding of {name}"
-            self.record_change(grounding, ship.groundings, "the hull meets the bed", **facts)
-            self.recorded[grounding] = ship.groundings
+            grounding, flight = f"grounding of {name}", f"flight of {name}"
             if ship.airborne:
                 self.flown[name] = float(ship.body.velocity[1])
+            if (ship.groundings, ship.airborne) == (self.recorded[grounding], self.recorded[flight]):
+                continue
+            facts = ship_facts(name, ship)
+            self.record_change(grounding, ship.groundings, "the hull meets the bed", **facts)
+            self.recorded[grounding] = ship.groundings
             event, speed = f"the hull {'leaves' if ship.airborne else 'meets'} the water", round(self.flown[name], 3)
-            self.record_change(f"flight of {name}", ship.airborne, event, **facts, speed_m_s=speed)
+            self.record_change(flight, ship.airborne, event, **facts, speed_m_s=speed)
 
     def note_limit(self, simulation: Simulation) -> None:
         limit, step = simulation.time_step.limited_by, float(simulation.next_dt)

@@ -150,7 +150,7 @@ def film_frames(times: np.ndarray, every: float) -> list[int]:
 
 
 def known_film_frames(times: np.ndarray, every: float) -> list[int]:
-    """Those first numbers of `film_frames` that later frames of a run cannot change."""
+    """First numbers of `film_frames`, which later frames of a run cannot change."""
     moments = np.arange(times[0], times[-1] + 0.5 * every, every)
     return film_frames(times, every)[: int((moments <= times[-1]).sum())]
 

@@ -316,6 +316,8 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
         message = f"expected {_entry_count(int(found.path[-1]) + 1)}, got {len(found.node.data)}"
     elif found.kind == "missing":
         message = "missing key"
+    elif found.kind == "too_short" and found.node.data == []:
+        message = "this list is empty"
     elif found.kind in ("too_long", "too_short") and isinstance(found.node.data, list | dict):
         wanted = context["max_length"] if found.kind == "too_long" else context["min_length"]
         word = "most" if found.kind == "too_long" else "least"

@@ -25,8 +25,9 @@ LENGTH, DEPTH, SWAY = 1.0, 0.5, 0.01  # [m]
 FREE_WAVE = StandingWave(LENGTH, DEPTH, mode=1, amplitude=1.0, gravity=GRAVITY)  # the first mode
 OMEGA, PERIOD = FREE_WAVE.omega, FREE_WAVE.period  # [1/s], 1.182 s
 SWAY_OMEGA = OMEGA / 1.6  # [1/s], far from every mode
-POTENTIAL = 4.0 * LENGTH / pi**2 * SWAY * SWAY_OMEGA**3 / (OMEGA**2 - SWAY_OMEGA**2)  # C [m2/s] at the still surface
-FIRST_MODE = replace(FREE_WAVE, amplitude=POTENTIAL * OMEGA / GRAVITY)
+# C [m2/s] at the still surface
+POTENTIAL_AMPLITUDE = 4.0 * LENGTH / pi**2 * SWAY * SWAY_OMEGA**3 / (OMEGA**2 - SWAY_OMEGA**2)
+FIRST_MODE = replace(FREE_WAVE, amplitude=POTENTIAL_AMPLITUDE * OMEGA / GRAVITY)
 DISPERSION_SOURCE = "w1^2 = g k tanh(k h)"
 PROMISES = (
     Promise("period of the first mode [s]", "%", f"{DISPERSION_SOURCE}; 1 %", {"delta_sph": 1.0}),

@@ -170,9 +170,7 @@ def test_a_second_sweep_runs_again_what_names_a_file_that_has_changed(capsys):
 def test_a_plan_that_is_wrong_says_where():
     assert wrong("scene: sea.yaml\ngird: {seed: [1]}\n") == ["plan.yaml:2:1: gird: unknown key; did you mean 'grid'?"]
     assert wrong("set: {seed: 1}\n") == ["plan.yaml:1:1: scene: missing key"]
-    assert wrong("scene: sea.yaml\ngrid: {seed: []}\n") == [
-        "plan.yaml:2:14: grid.seed: expected at least 1 entry, got 0"
-    ]
+    assert wrong("scene: sea.yaml\ngrid: {seed: []}\n") == ["plan.yaml:2:14: grid.seed: this list is empty"]
     assert wrong("scene: sea.yaml\ngrid:\n  seed: 3\n") == [
         "plan.yaml:3:9: grid.seed: expected a list, got 3, as in [..., ...]"
     ]
@@ -189,7 +187,7 @@ def test_a_plan_that_is_wrong_says_where():
 def test_a_wrong_plan_is_exit_code_2_and_leaves_nothing(capsys):
     Path("plan.yaml").write_text("scene: sea.yaml\nseeds: []\n")
     assert answered(["sweep", "plan.yaml"]) == 2
-    assert "plan.yaml:2:8: seeds: expected at least 1 entry, got 0" in capsys.readouterr().err
+    assert "plan.yaml:2:8: seeds: this list is empty" in capsys.readouterr().err
     assert not Path("runs").exists()
 
 

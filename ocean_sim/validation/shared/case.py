@@ -94,7 +94,7 @@ class Problem:
         return load_without_observers(self.scene | {self.slot: part}, overrides)
 
     def schemes_for(self, asked: list[str]) -> list[str]:
-        """Those of the schemes asked for that fit the set-up, or the set-up's own if none are asked for."""
+        """Schemes that are asked for and fit the set-up; if none are asked for, the set-up's own."""
         fitting = kinds("fluid") if "delta_sph" in self.schemes else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 

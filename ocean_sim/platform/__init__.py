@@ -30,7 +30,7 @@ LIMIT_TEXTS = {
 
 
 class Cue(NamedTuple):
-    """Motion that a washout requests of a platform, row by row, along FLU: x forward, y left, z up."""
+    """Poses that a washout requests, and scaled motion to be felt, row by row along FLU: x forward, y left, z up."""
 
     pose: np.ndarray  # (n, 6) x, y, z [m] from neutral, roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)
     limited: np.ndarray  # (n,) sum of the limits that acted
@@ -39,7 +39,7 @@ class Cue(NamedTuple):
 
 
 class Commands(NamedTuple):
-    """Motion of a platform, row by row, along FLU: x forward, y left, z up."""
+    """Poses, leg lengths and felt motion of a platform, row by row along FLU axes: x forward, y left, z up."""
 
     time: np.ndarray  # (n,) [s]
     seq: np.ndarray  # (n,) number of the row
@@ -52,12 +52,12 @@ class Commands(NamedTuple):
     cue: Cue  # the request of the washout
 
     def select(self, which: slice) -> "Commands":
-        """Commands of some of the rows."""
+        """Copy with the rows that the slice `which` takes, in all columns."""
         cue = Cue(*(column[which] for column in self.cue))
         return Commands._make([*(column[which] for column in self[:-1]), cue])
 
     def rows(self) -> list[list[float | int]]:
-        """Rows of platform.csv, a list of numbers each."""
+        """Rows of platform.csv: one list of numbers for each time, in the order of PLATFORM_COLUMNS."""
         columns = (self.pose, self.legs, self.leg_velocity, self.felt_force, self.felt_rate)
         table = np.hstack(columns) + 0.0
         heads, ends = zip(self.time.tolist(), self.seq.tolist()), self.limited.tolist()
@@ -65,29 +65,33 @@ class Commands(NamedTuple):
 
 
 class Washout(Protocol):
-    """Filter from the motion of a ship to that of a platform; rows come in the order of time, any number at once."""
+    """Interface of a washout: a filter from ship motion to platform motion, fed with successive chunks of rows."""
 
-    def follow(self, ride: Ride) -> Cue: ...
+    def follow(self, ride: Ride) -> Cue:
+        """Platform poses requested for the next rows of ship motion; the state of the filter is kept between calls."""
+        ...
 
 
 class WashoutConfig(Protocol):
-    """The Config of a washout: a module of platform/washout/ has one, with its kind's name as `kind`."""
+    """Interface of the Config class of each module in platform/washout/; `kind` is the module's name."""
 
     @property
     def kind(self) -> str: ...
 
     def build(self, every: float, travel: np.ndarray) -> Washout:
-        """Build the washout for a time between rows [s] and a `travel` (3, 2), lowest and highest x, y, z [m]."""
+        """Washout for a time between rows [s] and a `travel` (3, 2): lowest and highest x, y, z of the platform [m]."""
 
 
 class Platform(Protocol):
-    """Interface of a motion platform: a washout, and the machine that follows its requests."""
+    """Interface of a motion platform: a washout, and the machine (legs) that carries out the poses it requests."""
 
     @property
     def neutral_legs(self) -> np.ndarray:
         """(6,) lengths of the legs in the neutral pose [m]."""
 
-    def follow(self, ride: Ride) -> Commands: ...
+    def follow(self, ride: Ride) -> Commands:
+        """Commands for the next rows of ship motion; the state of washout and legs is kept between calls."""
+        ...
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that lead back to neutral after the last two poses (2, 6); the last has a time [s] and number."""
+        """Commands back to neutral after the poses `past` (2, 6), of which the last has a row `time` [s] and `seq`."""

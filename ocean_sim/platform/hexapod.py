@@ -41,7 +41,7 @@ class Config(PlatformConfig):
     @field_validator("geometry", "washout", mode="before")
     @classmethod
     def _preset_value(cls, value: Any, info: Any) -> Any:
-        """The preset of a name, or the value itself."""
+        """Preset mapping that a name stands for; a value that is no name is returned unchanged."""
         return preset(info.field_name, value) if isinstance(value, str) else value
 
     def warnings(self, preflight: Preflight) -> list[str]:
@@ -55,7 +55,7 @@ class Config(PlatformConfig):
         return found
 
     def cut_short(self, duration: float) -> list[str]:
-        """Warning that a ride of a duration [s] ends before the ramp; empty if it does not."""
+        """Warning, in a list, that a ride of this duration [s] ends before the ramp does; else an empty list."""
         if duration >= self.ramp:
             return []
         share = 100.0 * float(smooth_step(np.array(duration / self.ramp)))
@@ -65,19 +65,20 @@ class Config(PlatformConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One row without fields; that of `platform_log` holds the cost of the rows."""
+        """One memory ledger row without fields; the row of `platform_log` holds the cost."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 
     def build(self, every: float) -> "Moving":
-        """Build the platform for a time between rows [s]."""
+        """Build the platform for log rows that are `every` [s] apart."""
         return Moving(self, every)
 
 
 class Moving:
-    """A platform that turns rows of ship motion into commands, any number at once."""
+    """Hexapod with its washout: turns successive chunks of ship motion into poses and leg lengths within its limits."""
 
     def __init__(self, config: Config, every: float) -> None:
+        """`every`: time between rows [s]."""
         geometry, washout = cast(Geometry, config.geometry), cast(WashoutConfig, config.washout)  # no names any more
         self.every, self.ramp, self.geometry = every, config.ramp, geometry
         self.hexapod = Hexapod(geometry)
@@ -93,6 +94,7 @@ class Moving:
         return self.hexapod.neutral_legs
 
     def follow(self, ride: Ride) -> Commands:
+        """Commands for the next rows: washout, ramp, workspace, governor and legs are applied one after the other."""
         if self.start is None:
             self.start = float(ride.time[0])
         cue = self.washout.follow(ride)
@@ -105,8 +107,8 @@ class Moving:
         return Commands(ride.time, ride.seq, pose, legs, velocity, force, rate, limited, cue)
 
     def move_legs(self, legs: Legs, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m] and speeds (n, 6) [m/s] of legs that follow poses (n, 6), and bits (n,) of the limits that
-        acted. Rows of `pose` at which legs come late are overwritten by the pose reached."""
+        """Leg lengths (n, 6) [m], leg speeds (n, 6) [m/s], and bits (n,) of the limits that acted, for wanted poses (n,
+        6). Where legs cannot reach a pose in time, its row of `pose` is overwritten by the pose reached."""
         free = self.hexapod.legs(pose)
         within = np.clip(free, self.hexapod.low, self.hexapod.high)
         lengths, speeds, limited = legs.follow(within)
@@ -119,9 +121,9 @@ class Moving:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands after a last row of a time [s] and number that bring the platform from its last two poses (2, 6)
-        back to neutral within its ramp: it glides on, within the acceleration and stroke of every leg. Legs that need
-        longer take more rows."""
+        """Commands that bring the platform from its last two poses `past` (2, 6), the last at `time` [s] in row `seq`,
+        back to neutral within its ramp: it glides on, within acceleration and stroke of every leg. Slow legs take more
+        rows."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest
@@ -140,14 +142,14 @@ class Moving:
         return rows.select(slice(end))
 
     def ramp_share(self, time: np.ndarray) -> np.ndarray:
-        """Share (n,) of the motion that is shown at times (n,) [s]: 0 to 1 over the ramp at the start."""
+        """Factors (n,) on poses at times (n,) [s]: they rise from 0 to 1 over the ramp at the start of the ride."""
         if self.ramp == 0.0:
             return np.ones(len(time))
         return smooth_step(np.clip((time - self.start) / self.ramp, 0.0, 1.0))
 
     def felt_motion(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform in its own axes, from differences of its
-        poses so far: accelerations of the row before, rates half a row late."""
+        """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform, in platform axes, from backward
+        differences of poses (n, 6) and the two before: acceleration lags by one row, the rate by half a row."""
         known = np.vstack([self.past, pose])
         self.past = known[-2:]
         rates = np.diff(known, axis=0)[1:, 3:] / self.every

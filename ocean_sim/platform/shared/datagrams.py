@@ -51,7 +51,7 @@ CHECKS = (input_file.Checked("A key, `stream.key`", (KEY_RULE,)),)
 
 
 def read_key(file: str) -> bytes:
-    """Read the key that sender and receiver share; raises Unreadable, a ValueError."""
+    """Read the signature key that sender and receiver share; raises Unreadable, a ValueError, for a wrong length."""
     key = input_file.read_bytes(file, MAX_KEY_BYTES).strip()
     if len(key) < MIN_KEY_BYTES:
         raise KEY_RULE.broken(file, f"it has {len(key)} bytes")
@@ -59,7 +59,7 @@ def read_key(file: str) -> bytes:
 
 
 def parse_address(url: str) -> tuple[str, int]:
-    """Host and port of a URL like `udp://127.0.0.1:5005`, by default of this machine. Raises ValueError."""
+    """Host (by default this machine) and port of a URL like `udp://127.0.0.1:5005`. Raises ValueError if malformed."""
     try:
         parts = urlsplit(url if "//" in url else f"//{url}", scheme="udp")
         host, port = parts.hostname or LOOPBACK_HOST, parts.port
@@ -71,7 +71,7 @@ def parse_address(url: str) -> tuple[str, int]:
 
 
 class Jitter(NamedTuple):
-    """Statistics of the times between packets sent."""
+    """Statistics of the time intervals between packets sent."""
 
     packets: int
     interval: float  # mean time from packet to packet [s]
@@ -80,6 +80,7 @@ class Jitter(NamedTuple):
     late: float  # part of the packets that came more than two intervals after the one before
 
     def __str__(self) -> str:
+        """Sentence for the user: number of packets, mean, deviation and longest interval, late packets."""
         ms = [f"{1e3 * value:.3f} ms" for value in (self.interval, self.deviation, self.longest)]
         return (
             f"{self.packets} packets, every {ms[0]}, deviation {ms[1]}, longest {ms[2]}, {100 * self.late:.2g} % late"
@@ -95,15 +96,16 @@ class Latency(NamedTuple):
     longest: float  # [s]
 
     def __str__(self) -> str:
+        """Sentence for the user: median, 99th percentile and longest delay, and number of packets."""
         ms = [f"{1e3 * value:.3f} ms" for value in (self.median, self.most, self.longest)]
         return f"there and back: median {ms[0]}, 99 % within {ms[1]}, longest {ms[2]}, of {self.packets} packets"
 
 
 class Sender:
-    """Sender of rows at the pace of their own time, signed if it has a key. Raises ValueError for a malformed address
-    or a layout without place for a signature, OSError for an unknown host.
+    """UDP sender of packets at the pace of their own times, signed if it has a key. Raises ValueError for a malformed
+    address or a layout without place for a signature, OSError for an unknown host.
 
-    A row that comes too late is sent at once and sets the clock: later rows keep their pace, without a burst.
+    A packet that comes too late is sent at once and resets the clock: later ones keep their pace, without a burst.
     """
 
     left_out = ("socket", "start", "sent", "due", "left", "readings", "key", "began")  # by a checkpoint
@@ -125,7 +127,7 @@ class Sender:
         self.readings: list[tuple[float, LegReport]] = []  # what the platform reports, and when it came [s]
 
     def send(self, packet: Packet) -> None:
-        """Wait until the time of a packet, taking reports as they come, then send it."""
+        """Wait until a packet is due, receiving reports meanwhile, then send it."""
         data, now = pack(packet, self.layout), time.perf_counter()
         data = sign(data, self.key, self.began) if self.key else data
         if self.start is None or now > self.start + packet.time:
@@ -140,7 +142,7 @@ class Sender:
         self.listen()
 
     def listen(self) -> None:
-        """Receive all reports that the platform has sent so far."""
+        """Receive all reports that the platform has sent so far into `readings`; malformed ones are dropped."""
         while True:
             try:
                 data = self.socket.recv(2048, socket.MSG_DONTWAIT)
@@ -150,7 +152,7 @@ class Sender:
                 self.readings.append((time.perf_counter(), parse_report(data)))
 
     def latency(self) -> "Latency | None":
-        """Statistics of the times from sending a packet to the report that it counted; None without reports."""
+        """Statistics of the delay from sending a packet to the platform's first report on it; None without reports."""
         first: dict[int, float] = {}
         for came, found in self.readings:
             first.setdefault(found.seq, came)
@@ -161,7 +163,7 @@ class Sender:
         return Latency(len(ways), median, most, max(ways))
 
     def stop_report(self) -> str:
-        """Sentence on a stop of the platform; empty without one."""
+        """Sentence that says when the platform reported a stop, after the first packet; empty if it reported none."""
         came = next((came for came, found in self.readings if found.stopped), None)
         return "" if came is None else f"the platform was stopped, {came - self.sent[0]:.2f} s after the first packet"
 
@@ -178,14 +180,15 @@ class Sender:
 
 
 class SmoothPose:
-    """Pose of a platform that follows packets, however they arrive.
+    """Continuous pose of a platform from packets that may be late, lost or out of order.
 
-    It lies on the line between the last two packets, one interval behind. Without packets it is held, and when
-    they begin or return it moves over to them within `ramp` [s], also to those of a new stream. After `home` [s]
-    without packets it moves back to neutral. Packets that are out of order are dropped and counted.
+    The pose is interpolated between the last two packets, one interval behind. Without packets it is held; when packets
+    begin or return, or a new stream starts, it blends into their poses within `ramp` [s]. After `home` [s] without
+    packets it returns to neutral. Packets that are out of order are dropped and counted.
     """
 
     def __init__(self, hold: float = 0.1, ramp: float = 3.0, home: float = np.inf) -> None:
+        """`hold`: silence [s] after which a stream counts as interrupted; `ramp`, `home` [s]: see the class."""
         self.hold, self.ramp, self.home = hold, ramp, home
         self.last: Packet | None = None
         self.line: list[tuple[float, np.ndarray]] = []  # the last two poses, and when they came [s]
@@ -194,17 +197,17 @@ class SmoothPose:
         self.glide: tuple[float, np.ndarray, np.ndarray] | None = None  # since when, from which pose, how fast
 
     def stop(self, now: float) -> None:
-        """Glide to rest from the pose at `now` [s], and stay there."""
+        """Stop for good: from the pose at `now` [s] glide to rest within about BRAKE_TIME, and stay there."""
         if self.glide is None:
             pose = self.pose(now)
             self.glide = now, pose, (pose - self.pose(now - COMMAND_INTERVAL)) / COMMAND_INTERVAL
 
     def silent_time(self, now: float) -> float:
-        """Time since the last packet [s]."""
+        """Time since the last packet was accepted [s]; infinite before the first."""
         return now - self.line[-1][0] if self.line else np.inf
 
     def accept(self, packet: Packet, now: float) -> None:
-        """Accept a packet that came at `now` [s], or count it as out of order."""
+        """Take over a packet that came at `now` [s], unless it is out of order, which is counted."""
         self.came += 1
         if self.last is None:
             self.returned = now
@@ -221,7 +224,7 @@ class SmoothPose:
         self.line = [*self.line[-1:], (now, np.array(packet.pose))]
 
     def pose(self, now: float) -> np.ndarray:
-        """Pose (6,) x, y, z [m], roll, pitch, yaw [rad] at `now` [s]."""
+        """Interpolated pose (6,) at `now` [s]: x, y, z [m], roll, pitch, yaw [rad]."""
         if self.glide is not None and now >= self.glide[0]:
             since, pose, speed = self.glide
             return pose + speed * BRAKE_TIME * (1.0 - np.exp((since - now) / BRAKE_TIME))
@@ -235,18 +238,19 @@ class SmoothPose:
 
 
 class Receiver(SmoothPose):
-    """Pose and legs of a platform that trusts no network.
+    """Pose and legs of a platform that checks every packet from the network.
 
-    A packet counts if it is whole and finite, from the source that the stream began with, newer than the one before,
-    and a pose to which the legs can have come since; with a `key`, also signed, and of no stream older than one seen.
-    One that stops the platform counts from anywhere, with a key if it is signed. All else is counted and dropped. In
-    silence the platform brakes and holds its pose, then it goes home, and only there a stream may come from elsewhere.
-    The legs keep their limits whatever comes.
+    A packet is accepted if it is complete and finite, comes from the stream's own source, is newer than the last one,
+    and has a pose that the legs can have reached since; with a `key`, it must also be signed and of no earlier stream.
+    A stop packet is accepted from any source, with a key only if signed. All others are counted and dropped. In silence
+    the platform brakes, holds its pose, then returns to neutral, after which another source may start a stream. The
+    legs never exceed their limits, whatever packets say.
     """
 
     def __init__(
         self, geometry: Geometry, key: bytes = b"", hold: float = 0.1, ramp: float = 3.0, home: float = 2.0
     ) -> None:
+        """`key`: signature key, empty for none; `hold`, `ramp`, `home` [s]: as in SmoothPose."""
         super().__init__(hold, ramp, home)
         self.hexapod = Hexapod(geometry)
         self.speeds = UNKNOWN_SPEEDS  # (6,) of the legs, from the last pose but one to the last [m/s]
@@ -258,7 +262,7 @@ class Receiver(SmoothPose):
         self.foreign = self.implausible = 0
 
     def accept_datagram(self, data: bytes, source: object, now: float) -> Packet | None:
-        """Packet in a datagram from a source at `now` [s]; None if it is malformed, refused, or stops the platform."""
+        """Accepted packet of a datagram from address `source` at `now` [s]; None if malformed, refused, or a stop."""
         if is_stop_packet(data, self.key):
             self.stop(now)
             return None
@@ -288,8 +292,8 @@ class Receiver(SmoothPose):
 
     @np.errstate(all="ignore")
     def is_plausible(self, pose: np.ndarray, time: float, now: float, silent: bool) -> bool:
-        """True for a pose (6,) of a time [s] that came at `now` [s] within the limits; after a silence, without
-        comparison with the one before."""
+        """True if the legs can reach a pose (6,) of packet time `time` [s], arrived at `now` [s]: stroke, speed,
+        acceleration. After a silence (`silent`) only the stroke is checked."""
         lengths, speeds = self.hexapod.legs(pose[None])[0], UNKNOWN_SPEEDS
         low, high = self.hexapod.low - NUMBER_TOLERANCE, self.hexapod.high + NUMBER_TOLERANCE
         if not ((lengths > low) & (lengths < high)).all():
@@ -312,7 +316,7 @@ class Receiver(SmoothPose):
         return True
 
     def advance(self, now: float) -> tuple[np.ndarray, np.ndarray]:
-        """Command the legs until `now` [s]: their lengths (n, 6) [m] and speeds (n, 6) [m/s] after each command."""
+        """Command the legs up to `now` [s]; returns lengths (n, 6) [m] and speeds (n, 6) [m/s], one row a command."""
         if now - self.commanded > CLOCK_RESTART_GAP:
             self.commanded = now - COMMAND_INTERVAL
         count = int((now - self.commanded) / COMMAND_INTERVAL + 1e-6)
@@ -325,23 +329,24 @@ class Receiver(SmoothPose):
         return lengths, speeds
 
     def report(self) -> bytes:
-        """Bytes of the report to the sender: lengths of the legs, and the last packet that was accepted."""
+        """Packed report to the sender: leg lengths, number and time of the last accepted packet, and if stopped."""
         seq, moment = (self.last.seq, self.last.time) if self.last is not None else (0, 0.0)
         return pack_report(LegReport(seq, moment, tuple(self.legs.length.tolist()), self.glide is not None))
 
 
 def preset_geometry(name: str) -> Geometry:
-    """Geometry of a hexapod in configs/geometry/<name>.yaml."""
+    """Geometry of the hexapod in configs/geometry/<name>.yaml."""
     return Geometry.model_validate(preset("geometry", name))
 
 
 def receive_stream(
     url: str, patience: float, report: Callable[[Packet], None], platform: Receiver | None = None
 ) -> Receiver:
-    """Wait for a first packet that counts, then receive until none counted for `patience` [s].
+    """Receive at a UDP address until no packet has been accepted for `patience` [s], and return the receiver.
 
-    Hands every such packet to `report`, and reports the legs to its sender, also when the platform is stopped; by
-    default for the platform `hexapod_a`. Raises OSError or ValueError.
+    It waits for the first packet without limit, calls `report` with every accepted one, and replies to its sender with
+    the leg lengths, also once stopped. `platform`: by default `hexapod_a`. Raises OSError or ValueError for a bad
+    address.
     """
     host, port = parse_address(url)
     platform = platform or Receiver(preset_geometry("hexapod_a"))
@@ -363,21 +368,21 @@ def receive_stream(
 
 
 def print_some(packet: Packet) -> None:
-    """Print a line for every hundredth packet."""
+    """Print time, frame and pose of every hundredth packet."""
     if packet.seq % 100 == 0:
         pose = ", ".join(f"{value:+.4f}" for value in packet.pose)
         print(f"{packet.time:8.2f} s  {packet.frame}  x y z roll pitch yaw: {pose}", flush=True)
 
 
 def stop_platform(url: str, key: bytes = b"") -> None:
-    """Stop the platform that listens at an address. Raises OSError or ValueError."""
+    """Send a stop packet, signed if there is a key, to an address. Raises OSError or ValueError for a bad address."""
     host, port = parse_address(url)
     with socket.socket(socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0][0], socket.SOCK_DGRAM) as sending:
         sending.sendto(stop_packet(key, time.time_ns()), (host, port))
 
 
 def print_stream(url: str, key: bytes = b"") -> None:
-    """Receive a stream and print a summary. Raises OSError or ValueError."""
+    """Receive a stream and print a summary of its packets. Raises OSError or ValueError for a bad address."""
     print(f"waiting for packets at {url}", flush=True)
     seen = receive_stream(url, 10.0, print_some, Receiver(preset_geometry("hexapod_a"), key))
     kinds = ("lost", "out of order", "strange", "from elsewhere", "implausible")
@@ -388,7 +393,7 @@ def print_stream(url: str, key: bytes = b"") -> None:
 
 
 def main(words: Sequence[str]) -> int:
-    """Receive a stream, or stop a platform, as the command-line words say; returns the exit code."""
+    """Run the command line (see USAGE): receive a stream or stop a platform; returns the exit code."""
     stops = [*words[:1]] == ["stop"]
     rest = words[1:] if stops else words or [f"udp://{LOOPBACK_HOST}:5005"]
     if "--help" in words or not 1 <= len(rest) <= 2:

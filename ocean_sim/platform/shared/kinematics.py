@@ -41,6 +41,7 @@ class Geometry(Model):
     @model_validator(mode="after")
     @np.errstate(all="ignore")
     def _check_assembly(self) -> "Geometry":
+        """Raise ValueError if no stroke is left, the legs do not reach, or the neutral pose is singular."""
         if self.longest - self.shortest <= 2.0 * self.buffer:
             stroke = f"{self.shortest:g} to {self.longest:g} m"
             raise ValueError(f"a stroke of {stroke} with a buffer of {self.buffer:g} m at both ends leaves no travel")
@@ -62,7 +63,7 @@ class Geometry(Model):
 
 
 class Hexapod:
-    """Kinematics of one geometry; neutral is level, with the legs half way out on average."""
+    """Kinematics of a hexapod; its neutral pose is level, with the mean leg length in the middle of the stroke."""
 
     def __init__(self, geometry: Geometry) -> None:
         self.base = np.array(geometry.base)  # (6, 3) [m]
@@ -74,7 +75,7 @@ class Hexapod:
         self.neutral_legs = self.legs(np.zeros((1, 6)))[0]
 
     def level_height(self, length: float) -> float:
-        """Height [m] of the level platform for a mean length of its legs [m], or NaN if they cannot have it."""
+        """Height [m] of the level platform above the base at which its legs have the mean `length` [m], or NaN."""
         offset = self.joints - self.base
         reach = np.linalg.norm(offset[:, :2], axis=1)
 
@@ -87,7 +88,8 @@ class Hexapod:
         return bisect_last(lambda z: mean_length(z) <= length, low, high)
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Legs (n, 6, 3) from base to platform and joints (n, 6, 3) from the platform's origin, of poses (n, 6)."""
+        """Legs (n, 6, 3) from base to platform, and its joints (n, 6, 3) from its origin [m, floor axes], poses (n,
+        6)."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm
@@ -97,19 +99,19 @@ class Hexapod:
         return np.sqrt((self.leg_vectors(pose)[0] ** 2).sum(axis=2))
 
     def jacobian(self, pose: np.ndarray) -> np.ndarray:
-        """Jacobian (n, 6, 6) of leg speeds by velocity [m/s] and rate [rad/s], axes of the floor: rows (u, R p x u)."""
+        """Jacobians (n, 6, 6) at poses (n, 6): leg speeds by velocity and turn rate, floor axes; rows (u, R p x u)."""
         leg, arm = self.leg_vectors(pose)
         along = leg / np.sqrt((leg**2).sum(axis=2))[:, :, None]
         return np.concatenate([along, np.cross(arm, along)], axis=2)
 
     def condition(self, pose: np.ndarray) -> np.ndarray:
-        """Condition numbers (n,) of the Jacobian, with turns measured at the radius of the platform's joints."""
+        """Condition numbers (n,) of the Jacobian in poses (n, 6), with turns measured at the mean joint radius."""
         values = np.linalg.svd(self.jacobian(pose) / np.repeat([1.0, self.radius], 3), compute_uv=False)
         return values[:, 0] / np.maximum(values[:, -1], 1e-300)
 
     def pose(self, legs: np.ndarray, guess: np.ndarray | None = None) -> np.ndarray:
-        """Poses (n, 6) of leg lengths (n, 6) by Newton's method from guesses (n, 6), by default from neutral; NaN for
-        lengths without a pose nearby."""
+        """Poses (n, 6) that have leg lengths (n, 6) [m], by Newton's method from poses `guess` (n, 6) or neutral; NaN
+        where it does not converge."""
         pose = np.zeros((len(legs), 6)) if guess is None else guess.copy()
         for _ in range(NEWTON_STEPS):
             miss = legs - self.legs(pose)
@@ -125,22 +127,22 @@ class Hexapod:
         return pose
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n,) of the stroke, from neutral, of the leg nearest to its end; above 1 is outside."""
+        """Largest fraction (n,) of the stroke, from neutral, that a leg uses in poses (n, 6); above 1 is outside."""
         return self.strokes(pose).max(axis=1)
 
     def strokes(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n, 6) of the stroke of each leg in poses (n, 6), out or in from neutral."""
+        """Fraction (n, 6) of the stroke, from neutral outward or inward, that each leg uses in poses (n, 6)."""
         legs, neutral = self.legs(pose), self.neutral_legs
         return (legs - neutral) / np.where(legs > neutral, self.high - neutral, self.low - neutral)
 
     def is_allowed(self, pose: np.ndarray) -> np.ndarray:
-        """True (n,) if a pose is within the stroke and not singular."""
+        """True (n,) for poses (n, 6) in which all legs are within the stroke and the Jacobian is not singular."""
         within = self.usage(pose) <= 1.0
         within[within] = self.condition(pose[within]) <= self.condition_limit
         return within
 
     def excursions(self) -> np.ndarray:
-        """Lowest and highest value (6, 2) that each motion may have by itself from neutral [m], [rad]."""
+        """Lowest and highest allowed value (6, 2) of each pose component [m, rad], the others being neutral."""
         ways = np.concatenate([-np.eye(6), np.eye(6)])  # to their lowest and highest
         most = np.where(ways[:, :3].any(axis=1), self.high, 1.5)
         steps = np.linspace(0.0, 2.0 * most, 400)
@@ -155,7 +157,7 @@ class Hexapod:
 
 
 def bisect_last(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Largest number from `low`, where `holds` is true, to `high` at which it is still true, by bisection."""
+    """Largest argument from `low` to `high` for which `holds` is true, by bisection; it must be true at `low`."""
     for _ in range(BISECTION_STEPS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)
@@ -163,7 +165,7 @@ def bisect_last(holds: Callable[[float], bool], low: float, high: float) -> floa
 
 
 def rotation_matrices(angles: np.ndarray) -> np.ndarray:
-    """Matrices (n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll) of roll, pitch, yaw (n, 3) [rad]."""
+    """Rotation matrices (n, 3, 3) Rz(yaw) Ry(pitch) Rx(roll) for angles (n, 3): roll, pitch, yaw [rad]."""
     (a, b, c), (ca, cb, cc) = np.sin(angles).T, np.cos(angles).T
     rows = [
         [cc * cb, cc * b * a - c * ca, cc * b * ca + c * a],
@@ -174,20 +176,20 @@ def rotation_matrices(angles: np.ndarray) -> np.ndarray:
 
 
 def rates_to_turn(angles: np.ndarray) -> np.ndarray:
-    """Matrices (n, 3, 3) from rates of roll, pitch and yaw to the rate of turn [rad/s] in the axes of the floor."""
+    """Matrices (n, 3, 3) at angles (n, 3) [rad] from rates of roll, pitch, yaw to angular velocity in floor axes."""
     (_, b, c), (_, cb, cc) = np.sin(angles).T, np.cos(angles).T
     zero, one = np.zeros_like(b), np.ones_like(b)
     return np.array([[cc * cb, -c, zero], [c * cb, cc, zero], [-b, zero, one]]).transpose(2, 0, 1)
 
 
 def felt_motion(pose: np.ndarray, acceleration: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Specific force (n, 3) [m/s2] and rate (n, 3) [rad/s] on the platform in its own axes, in poses (n, 6) with
-    accelerations (n, 3) [m/s2] and rates of roll, pitch and yaw (n, 3) [rad/s]."""
+    """Specific force (n, 3) [m/s2] and angular rate (n, 3) [rad/s] on the platform, in platform axes, for poses (n, 6),
+    accelerations (n, 3) [m/s2] in floor axes, and `rates` of roll, pitch, yaw (n, 3) [rad/s]."""
     turn = rotation_matrices(pose[:, 3:])
     spin = (rates_to_turn(pose[:, 3:]) @ rates[:, :, None])[:, :, 0]
     return np.einsum("nji,nj->ni", turn, acceleration + [0.0, 0.0, GRAVITY]), np.einsum("nji,nj->ni", turn, spin)
 
 
 def smooth_step(s: np.ndarray) -> np.ndarray:
-    """Step 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, without a jump in acceleration."""
+    """Smooth step 10 s^3 - 15 s^4 + 6 s^5, from 0 at s = 0 to 1 at s = 1, with zero slope and curvature there."""
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

@@ -19,21 +19,22 @@ USAGE_TOLERANCE = 1e-10  # part of the stroke
 
 
 def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np.ndarray:
-    """Soften a wanted usage (n,) of the stroke: the same up to the knee, then smoothly towards 1."""
+    """Wanted fractions (n,) of the stroke, unchanged up to `knee`, and above it compressed (tanh) to stay below 1."""
     room = np.maximum(1.0 - knee, USAGE_TOLERANCE)
     return np.where(usage > knee, knee + room * np.tanh((usage - knee) / room), usage)
 
 
 class Workspace:
-    """Allowed poses of a hexapod: every leg within its stroke, each angle within its reach alone, none singular."""
+    """Set of allowed poses of a hexapod: all legs within the stroke, each angle within its own range, no singular
+    pose."""
 
     def __init__(self, hexapod: Hexapod) -> None:
         self.hexapod = hexapod
         self.ends = hexapod.excursions()  # (6, 2) [m, rad]
 
     def usage(self, pose: np.ndarray) -> np.ndarray:
-        """Used part (n,) of the stroke in poses (n, 6), up to 6 % above that of the leg nearest to its end: a norm,
-        which stays smooth as another leg becomes the nearest."""
+        """Fraction (n,) of the stroke that poses (n, 6) use, as a 32-norm over the legs: smooth where another leg
+        becomes the most extended, and up to 6 % more than that leg uses."""
         strokes = self.hexapod.strokes(pose)
         most = strokes.max(axis=1)
         return most * ((strokes / np.maximum(most, USAGE_TOLERANCE)[:, None]) ** USAGE_NORM).sum(axis=1) ** (
@@ -41,10 +42,10 @@ class Workspace:
         )
 
     def scale_back(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) in the workspace, near the wanted ones (n, 6), and bits (n,) of the limits that acted.
+        """Poses (n, 6) in the workspace, scaled back from wanted ones (n, 6), and bits (n,) of the limits that acted.
 
-        Angles are scaled back as if there were no displacement, then the displacement to the stroke left: people notice
-        at once a deck that is tilted wrongly, but not one that travels less.
+        Angles are scaled back first, as if there were no displacement, then the displacement to the stroke left: people
+        notice at once a deck that is tilted wrongly, but not one that travels less.
         """
         far = pose / np.where(pose > 0.0, self.ends[:, 1], self.ends[:, 0])
         angles = pose * TURN_MASK * np.where(far > KNEE_USAGE, soften_usage(far) / np.maximum(far, KNEE_USAGE), 1.0)
@@ -61,7 +62,8 @@ class Workspace:
         return kept, limited
 
     def scale_factor(self, fixed: np.ndarray, moving: np.ndarray, knee: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses `moving`, added to `fixed`, that give the softened usage of the stroke."""
+        """Factors (n,) f for which the poses `fixed` + f `moving` (n, 6) use no more than the softened fraction of the
+        stroke; f is 1 for a usage below `knee` (n,)."""
         usage, factor = self.usage(fixed + moving), np.ones(len(fixed))
         far = usage > knee
         if far.any():
@@ -70,8 +72,8 @@ class Workspace:
         return factor
 
     def usage_factor(self, goal: np.ndarray, fixed: np.ndarray, moving: np.ndarray, usage: np.ndarray) -> np.ndarray:
-        """Factors (n,) on `moving`, added to `fixed`, that give a usage `goal` of the stroke, by false position
-        (Illinois)."""
+        """Factors (n,) f for which `fixed` + f `moving` (n, 6) use the fraction `goal` (n,) of the stroke, by false
+        position (Illinois); `usage` (n,) is that for f = 1."""
         low, high = np.zeros(len(goal)), np.ones(len(goal))
         below, above = np.minimum(self.usage(fixed) - goal, -USAGE_TOLERANCE), usage - goal + USAGE_TOLERANCE
         guess = (low * above - high * below) / (above - below)
@@ -87,7 +89,8 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) that keep their condition number in its limit: its first crossing, bisected."""
+        """Factors (n,) on poses (n, 6) just below which the condition number first reaches its limit, found by
+        bisection."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -102,16 +105,15 @@ class Workspace:
 
 
 class Governor:
-    """Governor that turns wanted poses into poses that a machine can follow without a jerk.
+    """Limiter that turns wanted poses into poses that a machine can follow without a jerk.
 
     Wanted poses are followed exactly within limits of the legs and of the felt acceleration; else all motions are held
     back together, never one leg by itself, which would tilt and shake the platform.
 
-    A platform that fell behind catches up with at most the acceleration `catch_up`, of its reference point and of
-    its joints as they turn. It never moves so that it could not be stopped, evenly and on a straight way, with BRAKE
-    times that before a leg is at its end: commands are held back before, so that nothing else is felt at the end of a
-    stroke. Then one velocity is always possible, that of braking, and the one commanded is the nearest to the
-    wanted one from which a stop is possible (reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
+    A platform that fell behind catches up with at most the acceleration `catch_up`, of its reference point and of its
+    joints as they turn. Its velocity always allows a stop along a straight path, braking with BRAKE_FACTOR times that,
+    before a leg reaches its end. Braking is thus always possible, and the commanded velocity is the one nearest to the
+    wanted one that still allows a stop (reference governor: Garone, Di Cairano & Kolmanovsky 2017, Automatica 75).
     """
 
     def __init__(self, geometry: Geometry, hexapod: Hexapod, every: float, catch_up: float) -> None:
@@ -124,8 +126,9 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) that the machine can follow, for `wanted` ones (n, 6) in its workspace, which come of those
-        requested, `asked` (n, 6); and bits (n,) of the limits that acted."""
+        """Poses (n, 6) that the machine can follow, and bits (n,) of the limits that acted. `wanted` (n, 6): poses
+        scaled back into the workspace; `asked` (n, 6): as the washout requested them, whose acceleration is always
+        allowed."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -152,16 +155,18 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of changes (n, 6) of the pose: of the reference point or of the turning joints, the larger."""
+        """Sizes (n,) [m] of pose changes (n, 6): the larger of the shift of the reference point and that of the turning
+        joints."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
     def motion_size(self, motion: np.ndarray) -> float:
-        """Size [m] of one change (6,) of the pose, as `motion_sizes`."""
+        """Size [m] of one pose change (6,), defined as in `motion_sizes`."""
         return float(self.motion_sizes(motion[None])[0])
 
     def can_follow(self, step: np.ndarray, allowed: float) -> bool:
-        """True if the platform is in its target pose, and may change its velocity to `step` (6,) in one row."""
+        """True if the platform is in its target pose and can take the velocity `step` (6,) [m/s, rad/s] in one row,
+        within the acceleration of its legs and a change of velocity `allowed` [m/s]."""
         if self.motion_size(self.pose - self.target) > LEG_MATCH:
             return False
         change = step - self.velocity
@@ -169,14 +174,14 @@ class Governor:
         return self.motion_size(change) <= allowed * (1.0 + 1e-9) and not hard
 
     def leg_speeds(self, motion: np.ndarray) -> np.ndarray:
-        """Speeds (6,) [m/s] of the legs in a motion (6,) from the present pose."""
+        """Leg speeds (6,) [m/s] that a pose velocity (6,) [m/s, rad/s] causes in the present pose."""
         pose = self.pose[None]
         turning = rates_to_turn(pose[:, 3:])[0] @ motion[3:]
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a platform that cannot follow by one row towards its target, which moves on at `step` (6,) [m/s],
-        [rad/s]; returns bits of the limits that acted."""
+        """Move a platform that fell behind by one row towards its target, which moves at `step` (6,) [m/s, rad/s];
+        returns bits of the limits that acted."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -191,7 +196,7 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Velocity (6,) between braking and a wanted one, the nearest to it from which the platform can stop."""
+        """Pose velocity (6,) nearest to `velocity` (6,) [m/s, rad/s], towards braking, that allows a stop."""
         braked = self.velocity * max(
             0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         )
@@ -206,25 +211,24 @@ class Governor:
         return braked + fits * (velocity - braked)
 
     def can_stop(self, pose: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-        """True (n,) if a platform in poses (n, 6) with velocities (n, 6) [m/s], [rad/s] can stop with all legs within
-        their strokes."""
+        """True (n,) if the platform in poses (n, 6) can stop from velocities (n, 6) [m/s, rad/s] within all strokes."""
         way = velocity * (0.5 * self.motion_sizes(velocity) / self.brake)[:, None]
         legs = np.hstack([self.hexapod.legs(pose + part * way) for part in STOP_WAY_SHARES])
         within = (legs >= self.hexapod.low) & (legs <= self.hexapod.high)
         return np.asarray(within.all(axis=1))
 
     def stopping_speed(self, acceleration: float, left: np.ndarray) -> np.ndarray:
-        """Highest speed [m/s] from which a stop in whole rows is possible within `left` [m]."""
+        """Highest speed [m/s] from which `acceleration` [m/s2], in whole rows, stops within distances `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
 
     def stroke_left(self, legs: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Stroke (6,) [m] that each leg has left in the direction of its speed."""
+        """Stroke (6,) [m] left for legs of lengths (6,) [m] up to the end that their speeds (6,) point to."""
         return np.where(speed > 0.0, self.hexapod.high - legs, legs - self.hexapod.low)
 
 
 class Legs:
-    """Six legs that follow lengths as fast as they can: speed and acceleration never exceed their limits.
+    """Speed and acceleration limits of six legs that follow wanted lengths as fast as they can.
 
     A leg that fell behind catches up at a speed from which it can still stop in time, then follows exactly again.
     """
@@ -232,13 +236,13 @@ class Legs:
     def __init__(
         self, geometry: Geometry, every: float, length: np.ndarray, velocity: np.ndarray | None = None
     ) -> None:
-        """`every`: time between rows [s]; (6,) length [m] and velocity [m/s] at first, by default at rest."""
+        """`every`: time between rows [s]; `length` (6,) [m] and `velocity` (6,) [m/s], by default 0: at the start."""
         self.speed, self.acceleration, self.every = geometry.leg_speed, geometry.leg_acceleration, every
         self.target, self.length = length, length
         self.velocity = np.zeros(6) if velocity is None else velocity
 
     def follow(self, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Lengths (n, 6) [m], speeds (n, 6) [m/s] for wanted lengths (n, 6), and bits (n,) of the limits that acted."""
+        """Lengths (n, 6) [m], speeds (n, 6) [m/s], bits (n,) of limits that acted, for wanted lengths (n, 6) [m]."""
         n, dt = len(targets), self.every
         wanted = np.diff(targets, axis=0, prepend=self.target[None]) / dt
         turn = np.abs(np.diff(wanted, axis=0, prepend=wanted[:1])).max(axis=1, initial=0.0)
@@ -258,14 +262,15 @@ class Legs:
         return length, velocity, limited
 
     def can_follow(self, wanted: np.ndarray) -> bool:
-        """True if the legs have their target lengths and may take the speeds `wanted` (6,) [m/s] in one row."""
+        """True if the legs have their target lengths and can take the speeds `wanted` (6,) [m/s] in one row."""
         there = float(np.abs(self.length - self.target).max()) < LEG_MATCH
         fast = float(np.abs(wanted).max()) > self.speed
         hard = float(np.abs(wanted - self.velocity).max()) > self.acceleration * self.every * (1.0 + 1e-9)
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move legs that cannot follow by one row towards their targets; returns bits of the limits that acted."""
+        """Move legs by one row towards lengths `target` (6,) [m] with speeds `wanted` (6,) [m/s]; returns limit
+        bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

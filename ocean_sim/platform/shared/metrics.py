@@ -15,14 +15,17 @@ MIN_RMS = 1e-9  # of a motion
 
 
 class Metric(NamedTuple):
+    """One measure of a platform's ride, a row of metrics.csv: name, value, unit."""
+
     quantity: str
     value: float  # NaN where it is not defined
     unit: str
 
 
 def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """Metrics of a ride and of the platform's commands: felt against scaled motion of the ship, both at the time of a
-    row, as all poses are known here, later ones too."""
+    """Metrics of a whole ride: motion felt on the platform against the scaled motion of the ship, both at the same row
+    (poses by central differences), limits that acted, use of the legs, and motion sickness. `every`: time between rows
+    [s]."""
     felt, scaled = felt_motions(done.pose, every), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []
@@ -45,20 +48,21 @@ def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> 
 
 
 def felt_motions(pose: np.ndarray, every: float) -> np.ndarray:
-    """Specific force [m/s2] and rate [rad/s] (n, 6) on a platform in poses (n, 6), by central differences; its
-    acceleration counts as 0 in the first and the last."""
+    """Specific force [m/s2] and rate [rad/s], (n, 6) in platform axes, for poses (n, 6) each `every` [s], by central
+    differences; acceleration is 0 in the first and last row."""
     known = np.vstack([2.0 * pose[0] - pose[1], pose, 2.0 * pose[-1] - pose[-2]])
     acceleration = np.diff(known[:, :3], n=2, axis=0) / every**2
     return np.hstack(kinematics.felt_motion(pose, acceleration, (known[2:, 3:] - known[:-2, 3:]) / (2.0 * every)))
 
 
 def rest_value(name: str) -> float:
-    """Value of a specific force [m/s2] or rate of this name on a platform at rest in neutral."""
+    """Value that the motion of this name has on a platform at rest in neutral: g for `force_z`, 0 for all others."""
     return GRAVITY if name == "force_z" else 0.0
 
 
 def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, every: float) -> list[Metric]:
-    """Metrics of one motion, as felt (n,) on the platform against the scaled one (n,) of the ship."""
+    """Six metrics of one motion component: `felt` (n,) on the platform against the ship's `scaled` one (n,); `every` in
+    [s]."""
     against = felt * np.sign(scaled) < 0.0
     return [
         Metric(f"{name}_scaled_rms", rms(scaled), unit),
@@ -71,19 +75,19 @@ def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, e
 
 
 def rms(signal: np.ndarray) -> float:
-    """Root mean square of a signal."""
+    """Root mean square of a signal (n,)."""
     return float(np.sqrt(np.mean(signal**2)))
 
 
 def correlation(one: np.ndarray, other: np.ndarray) -> float:
-    """Correlation coefficient of two signals, or NaN if one does not move."""
+    """Correlation coefficient of two signals (n,), or NaN if one of them is constant."""
     a, b = one - one.mean(), other - other.mean()
     size = rms(a) * rms(b)
     return float(np.mean(a * b) / size) if rms(a) > MIN_RMS and rms(b) > MIN_RMS else float("nan")
 
 
 def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
-    """Delay of `felt` for the best correlation [s], negative if it leads."""
+    """Delay [s] of `felt` after `scaled` by best correlation, negative if it leads; NaN if one is constant."""
     products = delayed_products(felt, scaled, every)
     if np.isnan(products[0]):
         return float("nan")
@@ -91,15 +95,15 @@ def best_delay(felt: np.ndarray, scaled: np.ndarray, every: float) -> float:
 
 
 def motion_gain(felt: np.ndarray, given: np.ndarray, every: float) -> float:
-    """Gain of the part of `felt` that follows `given` at the best delay, without shocks and other motions, which the
-    ratio of their rms would count."""
+    """Gain from signal `given` (n,) to signal `felt` (n,) by cross-correlation at the best delay; unlike a ratio of rms
+    values it ignores shocks and unrelated motion."""
     products = delayed_products(felt, given, every)
     return float(products.max() / np.sum((given - given.mean()) ** 2))
 
 
 def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.ndarray:
-    """Sums (2 m + 1,) of products of the deviations from the means, with `felt` shifted by -m to m steps of at most
-    LONGEST_DELAY together; NaN if one does not move."""
+    """Cross-correlation (2 m + 1,) of two signals (n,) about their means at delays of -m to m rows of `every` [s], up
+    to LONGEST_DELAY; one NaN if a signal is constant."""
     from scipy.signal import correlate
 
     a, b = felt - felt.mean(), given - given.mean()
@@ -111,15 +115,15 @@ def delayed_products(felt: np.ndarray, given: np.ndarray, every: float) -> np.nd
 
 
 def sickness_dose(vertical: np.ndarray, every: float) -> float:
-    """Motion sickness dose value [m/s^1.5] of a vertical acceleration [m/s2]: ISO 2631-1, weighting W_f."""
+    """Motion sickness dose value [m/s^1.5] of vertical acceleration (n,) [m/s2]: ISO 2631-1, weighting W_f."""
     from scipy.signal import sosfilt
 
     return float(np.sqrt(np.sum(sosfilt(sickness_weighting(every), vertical) ** 2) * every))
 
 
 def sickness_weighting(every: float) -> np.ndarray:
-    """Second-order sections of W_f (ISO 2631-1:1997, annex A): limits at 0.08 and 0.63 Hz, transition at 0.25 Hz,
-    upward step from 0.0625 to 0.1 Hz."""
+    """Filter W_f of ISO 2631-1:1997, annex A, as second-order sections for rows `every` [s]: limits at 0.08 and 0.63
+    Hz, transition at 0.25 Hz, upward step from 0.0625 to 0.1 Hz."""
     from scipy.signal import bilinear_zpk, zpk2sos
 
     def pole_pair(frequency: float, quality: float) -> np.ndarray:

@@ -65,7 +65,7 @@ CHECKS = (Checked("A motion log, `ocean-sim platform LOG`: a table over time", L
 
 
 class Ride(NamedTuple):
-    """Rows of a motion log, along FLU body axes: x forward, y left, z up."""
+    """Ship motion from rows of a motion log, along FLU body axes: x forward, y left, z up."""
 
     time: np.ndarray  # (n,) [s]
     seq: np.ndarray  # (n,) number of the row
@@ -74,13 +74,13 @@ class Ride(NamedTuple):
     attitude: np.ndarray  # (n, 3) roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll) turns body to world
 
     def chunks(self) -> Iterator["Ride"]:
-        """Yield the rows in their order, a chunk at a time."""
+        """Yield consecutive rides of at most CHUNK_ROWS rows that together hold all rows."""
         for k in range(0, len(self.time), CHUNK_ROWS):
             yield Ride(*(column[k : k + CHUNK_ROWS] for column in self))
 
 
 class MotionLog(NamedTuple):
-    """A motion log that has been read: its table, and the ride for a platform."""
+    """A motion log that has been read and checked: its table, and its ride along FLU axes."""
 
     table: Table
     frame: str  # ship, ned or flu
@@ -89,28 +89,28 @@ class MotionLog(NamedTuple):
 
     @property
     def compared_rows(self) -> int:
-        """Number of rows, of COMPARED_SECONDS or less in a short log, over which columns are compared."""
+        """Number n of rows over which columns are averaged before comparison: COMPARED_SECONDS, less in a short log."""
         return max(1, min(round(COMPARED_SECONDS / self.every), len(self.ride.time) // 4))
 
     def mean_rates(self, values: np.ndarray) -> np.ndarray:
-        """Mean rates of change (m - n, 3) of values (m, 3) over every n compared rows."""
+        """Mean rates of change (m - n, 3) [1/s] of columns (m, 3) over every n = `compared_rows` rows."""
         n = self.compared_rows
         return (values[n:] - values[:-n]) / (n * self.every)
 
     def mean_values(self, values: np.ndarray) -> np.ndarray:
-        """Means (m - n, 3) of values (m, 3) over every n compared rows, by the trapezoidal rule."""
+        """Means (m - n, 3) of columns (m, 3) over every n = `compared_rows` rows, by the trapezoidal rule."""
         n, between = self.compared_rows, 0.5 * (values[1:] + values[:-1])
         whole = np.concatenate([0.0 * values[:1], np.cumsum(between, axis=0)])
         return (whole[n:] - whole[:-n]) / n
 
 
 def frame_signs(frame: str) -> np.ndarray:
-    """Signs (3,) of roll, pitch and yaw about the axes of a frame, in their FLU sense."""
+    """Signs (3,) of x, y, z or roll, pitch, yaw between FLU and the like axes of a frame: -1 for y and z in `ned`."""
     return np.array([1.0, -1.0, -1.0]) if frame == "ned" else np.ones(3)
 
 
 def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
-    """The ride for a platform, from columns along the axes of a frame."""
+    """Ride along FLU axes from a motion log's columns, which are along the axes of `frame`."""
     groups = FORCE_COLUMNS, RATE_COLUMNS, ANGLE_COLUMNS
     force, rate, attitude = (np.column_stack([table[name] for name in names]) for names in groups)
     signs = frame_signs(frame)
@@ -119,7 +119,7 @@ def ride_of(table: dict[str, np.ndarray], frame: str) -> Ride:
 
 
 def read_log(path: str | Path) -> MotionLog:
-    """Read and check a whole motion log. Raises Unreadable, a ValueError."""
+    """Read and check a whole motion log. Raises Unreadable, a ValueError, if a rule of LOG_RULES is broken."""
     table = csv_file.Table(path)
     missing = next((name for name in REQUIRED_COLUMNS if name not in table), None)
     if missing is not None:
@@ -139,7 +139,7 @@ def read_log(path: str | Path) -> MotionLog:
 
 
 def row_interval(table: Table) -> float:
-    """Time between rows [s]; raises Unreadable if it varies."""
+    """Time between rows [s]; raises Unreadable if it varies or is too long, or if rows are missing."""
     time, steps = table[TIME_COLUMN], np.diff(table[TIME_COLUMN])
     every = float(np.median(steps))
     off = np.abs(steps - every) > INTERVAL_TOLERANCE * every + table.resolution(TIME_COLUMN)
@@ -155,13 +155,12 @@ def row_interval(table: Table) -> float:
 
 
 def round_interval(every: float) -> float:
-    """Round a time between rows [s] to the digits of a log, whose times have nine: a platform then moves alike in a run
-    and on the log of the run."""
+    """Round a time between rows [s] to the digits of a log's times, so that a run and its log move a platform alike."""
     return float(f"{every:.8g}")
 
 
 def check_plausible(log: MotionLog) -> None:
-    """Raise Unreadable for motions of no ship: jumps, other units, angles against rates, gravity along another axis."""
+    """Raise Unreadable for motion impossible for a ship: jumps, wrong units, angles against rates, wrong gravity."""
     ride, time, path, pose = log.ride, log.ride.time, log.table.path, ride_rotations(log.ride)
     jump = np.linalg.norm(np.diff(log_positions(log), axis=0), axis=1)
     leap = np.degrees((pose[:-1].inv() * pose[1:]).magnitude())
@@ -194,7 +193,7 @@ def check_plausible(log: MotionLog) -> None:
 
 
 def check_agreement(log: MotionLog) -> None:
-    """Raise Unreadable if positions disagree with their derivatives, by the changes within COMPARED_SECONDS."""
+    """Raise Unreadable if positions, velocities, accelerations, specific force and quaternion contradict each other."""
     table, pose, axes = log.table, ride_rotations(log.ride), LOG_FRAMES[log.frame]
     for unit, derived, least in (("m", "velocity_m_s", MIN_SPEED), ("velocity_m_s", "acceleration_m_s2", MIN_CHANGE)):
         pairs = [(f"{name}_{unit}", f"{name}_{derived}") for name in ("sway", "heave", "surge")]
@@ -223,8 +222,8 @@ def check_agreement(log: MotionLog) -> None:
 
 
 def compare_columns(path: str | Path, own: Columns, other: Columns, least: float, most: float = MAX_FACTOR) -> None:
-    """Raise Unreadable if columns (n, k) disagree with others (n, k) in sign, axis or unit; a column that moves less
-    than `least` is not compared."""
+    """Raise Unreadable if columns `own` (n, k) differ from `other` (n, k) in sign, axis or unit: by a factor above
+    `most`. Columns with a standard deviation below `least` are skipped."""
     (names, says), (others, follows) = own, other
     if len(says) < MIN_COMPARED_ROWS:
         return
@@ -247,19 +246,19 @@ def compare_columns(path: str | Path, own: Columns, other: Columns, least: float
 
 
 def log_positions(log: MotionLog) -> np.ndarray:
-    """Surge, sway and heave (n, 3) [m] in their FLU sense."""
+    """Forward, left and upward position (n, 3) [m] of the ship: surge, sway and heave, with signs as along FLU."""
     return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * frame_signs(log.frame)
 
 
 def ride_rotations(ride: Ride) -> Any:
-    """SciPy's rotations (n,) from body axes to those of the world."""
+    """SciPy rotations (n,) from body axes to world axes."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_euler("ZYX", ride.attitude[:, ::-1])
 
 
 def turn_to_level(attitude: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Turn vectors (n, 3) by Ry(pitch) Rx(roll), from body axes to level axes with the heading of the ship."""
+    """Rotate vectors (n, 3) by Ry(pitch) Rx(roll) from body axes to level axes with the ship's heading."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     x, y, z = vector.T
     along = sr * y + cr * z
@@ -275,8 +274,7 @@ def euler_rates(ride: Ride) -> np.ndarray:
 
 
 def convert_rows(log: MotionLog, frame: str) -> Iterator[list[str]]:
-    """Rows of a log in the axes of another frame, each plus or minus one of the log's own; columns without axes keep
-    their text."""
+    """Yield rows of a log as cell texts, with vectors along the axes of another frame and other cells unchanged."""
     names, turn = log.table.names, FRAME_AXES[frame] @ FRAME_AXES[log.frame].T
     sources = {name: (name, False) for name in names}  # of each column, and whether they change their sign
     for triple in vector_columns(names):
@@ -291,7 +289,7 @@ def convert_rows(log: MotionLog, frame: str) -> Iterator[list[str]]:
 
 
 def negate_cell(cell: str) -> str:
-    """A number in text with the other sign and the same digits; 0 has no sign."""
+    """Number in a CSV cell with the opposite sign and the same digits; 0 gets no sign."""
     cell = cell.strip().removeprefix("+")
     if cell.startswith("-"):
         return cell[1:]
@@ -299,8 +297,7 @@ def negate_cell(cell: str) -> str:
 
 
 def check_convertible(log: MotionLog) -> None:
-    """Raise Unreadable for a log that cannot be converted to other axes: a vector without a component, or a cell
-    without a number."""
+    """Raise Unreadable if a vector to convert to other axes lacks a component, or one of its cells is not a number."""
     wanted = [name for triple in vector_columns(log.table.names) for name in triple] + sign_changing_columns(
         log.table.names
     )
@@ -308,11 +305,11 @@ def check_convertible(log: MotionLog) -> None:
 
 
 def sign_changing_columns(names: list[str]) -> list[str]:
-    """Columns that change their sign between NED and the other frames."""
+    """Names of those columns (sway, heave, pitch, yaw) whose sign differs between NED and the other frames."""
     return [name for name in names if name.split("_")[0] in ("sway", "heave", "pitch", "yaw")]
 
 
 def vector_columns(names: list[str]) -> list[list[str]]:
-    """Columns along x, y and z of each vector; the last three of the quaternion are one."""
+    """Triples of column names along x, y, z, one for each vector; the vector part of the quaternion is one of them."""
     found = [["qx", "qy", "qz"]] if "qx" in names else []
     return found + [[name.replace("_x_", f"_{axis}_") for axis in "xyz"] for name in names if "_x_" in name]

@@ -43,7 +43,7 @@ FRAME_NAMES = ("flu", "ned", "ship")
 
 
 class Packet(NamedTuple):
-    """One row of platform.csv as it is sent."""
+    """One row of platform.csv as sent: number, time, pose along a frame, leg lengths, bits of limits that acted."""
 
     seq: int
     time: float  # [s]
@@ -54,13 +54,12 @@ class Packet(NamedTuple):
 
 
 def turn_to_frame(pose: np.ndarray, frame: str) -> np.ndarray:
-    """Turn poses (n, 6) from FLU to the axes of another frame: x, y, z along them, roll, pitch, yaw about its forward,
-    abeam and upright axis."""
+    """Turn poses (n, 6) from FLU to a frame; roll, pitch, yaw turn about its forward, lateral, vertical axis."""
     return np.hstack([pose[:, :3] @ FRAME_AXES[frame].T, pose[:, 3:] * frame_signs(frame)])
 
 
 def row_packets(rows: Commands, frame: str) -> Iterator[Packet]:
-    """Yield rows of platform.csv as packets whose poses are along the axes of a frame."""
+    """Yield one packet for each row of commands, with poses along the axes of `frame`."""
     poses = turn_to_frame(rows.pose, frame).tolist()
     columns = (rows.seq.tolist(), rows.time.tolist(), poses, rows.legs.tolist(), rows.limited.tolist())
     for seq, moment, pose, lengths, limited in zip(*columns):
@@ -68,20 +67,20 @@ def row_packets(rows: Commands, frame: str) -> Iterator[Packet]:
 
 
 def pack_ocean_sim(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `ocean_sim`."""
+    """Bytes of a packet in the layout `ocean_sim`: all values, without a signature."""
     head = (POSE_MAGIC, FORMAT_VERSION, FRAME_NAMES.index(packet.frame), packet.seq, packet.limited, packet.time)
     return POSE_STRUCT.pack(*head, *packet.pose, *packet.legs)
 
 
 def pack_openmotionsim(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `openmotionsim`."""
+    """Bytes of a packet in the layout `openmotionsim`: time, three angles and height."""
     upward = FRAME_AXES[packet.frame] @ [0.0, 0.0, 1.0]
     roll, pitch, yaw = np.degrees(packet.pose[3:])
     return OPENMOTIONSIM_STRUCT.pack(packet.time, yaw, pitch, roll, float(upward @ packet.pose[:3]))
 
 
 def six_motions(packet: Packet) -> list[float]:
-    """Displacements forward, abeam and upright [mm] in its frame, and turns about these axes [degrees]."""
+    """Displacements forward, lateral, vertical [mm] and turns about these axes [degrees], signed as in the frame."""
     shift = np.array(packet.pose[:3]) * 1e3
     if packet.frame == "ship":  # x is to port, y upright, z forward
         shift = shift[[2, 0, 1]]
@@ -89,12 +88,12 @@ def six_motions(packet: Packet) -> list[float]:
 
 
 def pack_floats(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `floats`."""
+    """Bytes of a packet in the layout `floats`: time, number, six motions, limits."""
     return FLOATS_STRUCT.pack(packet.time, packet.seq, *six_motions(packet), packet.limited)
 
 
 def pack_text(packet: Packet) -> bytes:
-    """Bytes of a packet in the layout `text`."""
+    """Bytes of a packet in the layout `text`: a line of time and six motions."""
     return (",".join(f"{value:.3f}" for value in [packet.time, *six_motions(packet)]) + "\n").encode()
 
 
@@ -108,12 +107,12 @@ FORMAT_NAMES = tuple(PACKET_LAYOUTS)
 
 
 def pack(packet: Packet, layout: str) -> bytes:
-    """Bytes of a packet in the layout of this name."""
+    """Bytes of a packet in a layout, one of PACKET_LAYOUTS."""
     return PACKET_LAYOUTS[layout](packet)
 
 
 def unpack(data: bytes) -> Packet:
-    """Unpack a packet of the `ocean_sim` layout; raises ValueError."""
+    """Packet from unsigned bytes of the layout `ocean_sim`; raises ValueError if they are malformed or not finite."""
     if len(data) != POSE_STRUCT.size or data[:4] != POSE_MAGIC:
         raise ValueError(f"{len(data)} bytes that are not a packet of ours")
     _, version, frame, seq, limited, moment, *rest = POSE_STRUCT.unpack(data)
@@ -131,20 +130,20 @@ def pose_along_flu(packet: Packet) -> np.ndarray:
 
 
 def sign(data: bytes, key: bytes, began: int) -> bytes:
-    """Packet with its keyed signature; `began` is the start of the stream [ns], which the signature covers."""
+    """Data followed by the start of the stream `began` [ns since 1970] and an HMAC-SHA256 signature of both."""
     data += START_STRUCT.pack(began)
     return data + hmac.digest(key, data, "sha256")
 
 
 def verify(data: bytes, key: bytes) -> tuple[bytes, int]:
-    """A packet without its signature, and the start of its stream [ns]; raises ValueError."""
+    """Packet without its signature, and start of its stream [ns since 1970]; raises ValueError if not signed so."""
     if not is_signed(data, POSE_STRUCT.size, key):
         raise ValueError("a packet that is not signed with our key")
     return data[: POSE_STRUCT.size], START_STRUCT.unpack_from(data, POSE_STRUCT.size)[0]
 
 
 def is_signed(data: bytes, size: int, key: bytes) -> bool:
-    """True if this is a packet of so many bytes, followed by a time and its signature with a key."""
+    """True if data is a packet of `size` bytes, then a time, then the HMAC-SHA256 signature of both with this key."""
     content, signature = data[:-DIGEST_BYTES], data[-DIGEST_BYTES:]
     return len(content) == size + START_STRUCT.size and hmac.compare_digest(
         signature, hmac.digest(key, content, "sha256")
@@ -152,7 +151,7 @@ def is_signed(data: bytes, size: int, key: bytes) -> bool:
 
 
 class LegReport(NamedTuple):
-    """Report of a platform on its legs."""
+    """Report from a platform to the sender: its leg lengths, the last accepted packet, and whether it was stopped."""
 
     seq: int  # of the last packet that counted
     time: float  # its time [s]
@@ -161,7 +160,7 @@ class LegReport(NamedTuple):
 
 
 def parse_report(data: bytes) -> LegReport:
-    """Unpack a report of a platform; raises ValueError."""
+    """Report from its bytes; raises ValueError if they are malformed or not finite."""
     if len(data) != LEGS_STRUCT.size or data[:4] != LEGS_MAGIC:
         raise ValueError(f"{len(data)} bytes that are not a report of legs")
     _, version, state, seq, moment, *legs = LEGS_STRUCT.unpack(data)
@@ -171,16 +170,16 @@ def parse_report(data: bytes) -> LegReport:
 
 
 def pack_report(found: LegReport) -> bytes:
-    """Pack a report into bytes."""
+    """Bytes of a report in the layout `legs`."""
     return LEGS_STRUCT.pack(LEGS_MAGIC, FORMAT_VERSION, int(found.stopped), found.seq, found.time, *found.legs)
 
 
 def stop_packet(key: bytes = b"", now: int = 0) -> bytes:
-    """Packet that stops a platform, with a key signed at a time [ns]."""
+    """Bytes of a packet that stops a platform; with a key it is signed with the time `now` [ns since 1970]."""
     data = STOP_STRUCT.pack(STOP_MAGIC, FORMAT_VERSION, 0, 0)
     return sign(data, key, now) if key else data
 
 
 def is_stop_packet(data: bytes, key: bytes = b"") -> bool:
-    """True if this packet stops a platform; with a key it must be signed."""
+    """True if data is a packet that stops a platform; if a key is given, only if it is signed with that key."""
     return data[:4] == STOP_MAGIC and (is_signed(data, STOP_STRUCT.size, key) if key else len(data) == STOP_STRUCT.size)

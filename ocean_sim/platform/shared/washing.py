@@ -26,7 +26,7 @@ Frequencies = Annotated[tuple[Positive | None, Positive | None, Positive], Field
 
 
 class WashingConfig(Model):
-    """Keys of every washout."""
+    """Config keys that all kinds of washout have: scales, tilt, high-pass of angles, and input limits."""
 
     force_scale: Vector3 = quantity("1")
     """Scale of acceleration along x, y and z."""
@@ -45,21 +45,21 @@ class WashingConfig(Model):
 
 
 class Travelling(Protocol):
-    """Interface of the travel of a platform along one axis."""
+    """Interface of a filter from acceleration to displacement of the platform along one axis."""
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where the input was cut."""
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where an acceleration was cut."""
 
 
 class Filter:
-    """A transfer function at a fixed rate (Tustin) that keeps its state between calls."""
+    """Digital filter of a transfer function (Tustin) for rows `every` [s], which keeps its state between calls."""
 
     def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
         self.sections = design_sections(zeros, poles, gain, every)
         self.state = np.zeros((len(self.sections), 2))
 
     def apply(self, signal: np.ndarray) -> np.ndarray:
-        """Filter a signal (n,): direct form II transposed, one section after the other."""
+        """Filtered signal (n,), which continues the earlier ones: direct form II transposed, section after section."""
         values, ends = signal.tolist(), []
         for section, (one, two) in zip(self.sections.tolist(), self.state.tolist()):
             b_0, b_1, b_2, _, a_1, a_2 = section
@@ -73,11 +73,12 @@ class Filter:
 
 
 def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> np.ndarray:
-    """Second-order sections (m, 6) of a transfer function at a rate: designed by SciPy once, and then in the cache, as
-    the import of `scipy.signal` takes longer than a minute of motion of a platform."""
+    """Second-order sections (m, 6) of a transfer function for rows `every` [s]. They are cached on disk, as importing
+    `scipy.signal` takes longer than a minute of platform motion."""
     import scipy
 
     def design() -> dict[str, np.ndarray]:
+        """Sections as computed by SciPy, if they are not in the cache."""
         from scipy.signal import bilinear_zpk, zpk2sos
 
         return {"sections": zpk2sos(*bilinear_zpk(zeros, poles, gain, 1.0 / every))}
@@ -87,15 +88,16 @@ def design_sections(zeros: Sequence[float], poles: Sequence[complex], gain: floa
 
 
 def second_order(frequency: float, damping: float) -> list[complex]:
-    """Poles of s^2 + 2 zeta omega s + omega^2."""
+    """Poles [rad/s] of s^2 + 2 zeta omega s + omega^2: omega is the frequency [rad/s], zeta the damping ratio."""
     root = np.sqrt(complex(damping**2 - 1.0))
     return [frequency * (-damping + root), frequency * (-damping - root)]
 
 
 class Tilt:
-    """Angle that lets gravity stand in for the slow part of a specific force, at a limited rate."""
+    """Tilt angle by which gravity stands in for the slow part of a specific force, at a limited rate."""
 
     def __init__(self, frequency: float, rate: float, every: float) -> None:
+        """`frequency`: corner of the low-pass [rad/s]; `rate`: highest [rad/s]; `every`: time between rows [s]."""
         self.slow = Filter([], second_order(frequency, 1.0), frequency**2, every)
         self.step, self.angle = rate * every, 0.0
 
@@ -113,10 +115,10 @@ class Tilt:
 
 
 class Washing:
-    """Washout of one ride: scaling, tilt and turns, with a travel for each axis."""
+    """Washout of one ride: scaling, tilt coordination and turns, with one filter of displacement for each axis."""
 
     def __init__(self, config: WashingConfig, every: float, travels: Sequence[Travelling]) -> None:
-        """`every`: time between rows [s]; `travels`: along x, y and z."""
+        """`every`: time between rows [s]; `travels`: filters of displacement along x, y and z."""
         self.config, self.travels = config, travels
         self.tilts = [Tilt(config.tilt_frequency, np.radians(config.tilt_rate_deg), every) for _ in range(2)]
         # s^2 / (s^2 + 2 omega s + omega^2) of a rate, integrated once
@@ -148,13 +150,13 @@ class Washing:
         return Cue(pose, limited, inertial + rest_force(scaled_attitude), ride.rate * config.rotation_scale)
 
     def clip_input(self, wanted: np.ndarray, limit: float, limited: np.ndarray) -> np.ndarray:
-        """Input (n, 3) clipped to a limit; marks clipped rows in `limited` (n,)."""
+        """Input (n, 3) clipped to -`limit` to `limit`; sets INPUT_LIMIT in the bits `limited` (n,) of clipped rows."""
         limited[(np.abs(wanted) > limit).any(axis=1)] |= INPUT_LIMIT
         return np.clip(wanted, -limit, limit)
 
     def lasting_force(self, ride: Ride) -> np.ndarray:
-        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without gravity's part in angles that are
-        followed as they are."""
+        """Scaled specific force (n, 2) [m/s2] along x and y for the tilt, without the gravity component of angles that
+        the platform reproduces directly."""
         force, own = ride.specific_force[:, :2].copy(), rest_force(ride.attitude)
         if self.turns[1] is None:
             force[:, 0] -= own[:, 0]
@@ -165,6 +167,6 @@ class Washing:
 
 
 def rest_force(attitude: np.ndarray) -> np.ndarray:
-    """Specific force at rest (n, 3) [m/s2] along body axes: g times the unit vector upward."""
+    """Specific force (n, 3) [m/s2] of a body at rest, in body axes at attitudes (n, 3) [rad]: g upward."""
     (sr, sp, _), (cr, cp, _) = np.sin(attitude).T, np.cos(attitude).T
     return GRAVITY * np.column_stack([-sp, cp * sr, cp * cr])

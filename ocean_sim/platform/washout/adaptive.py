@@ -38,7 +38,7 @@ class Config(WashingConfig):
 
 
 class AdaptiveTravel:
-    """Filter from acceleration to displacement along one axis."""
+    """Adaptive filter from acceleration to displacement along one axis (0, 1, 2), for rows `every` [s]."""
 
     def __init__(self, config: Config, axis: int, every: float) -> None:
         self.every, omega = every, config.return_frequency[axis]
@@ -51,7 +51,7 @@ class AdaptiveTravel:
         self.wanted, self.dear = 0.0, 0.0  # means of late: of a s'', and of s''^2 + W_s s^2 + W_v v^2 with share 1
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2]; none of them is cut."""
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and a mask (n,) of cut inputs: all False."""
         dt, moved = self.every, []
         for a in acceleration.tolist():
             whole = a - self.drag * self.whole_speed - self.pull * self.whole_place

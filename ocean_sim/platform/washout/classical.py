@@ -41,11 +41,12 @@ class Config(WashingConfig):
 
 
 class Travel:
-    """Filter from acceleration to displacement along one axis, washed out."""
+    """High-pass filter from acceleration to displacement [m] along one axis, for rows `every` [s]."""
 
     def __init__(
         self, frequency: float, damping: float, back: float, every: float, ends: Sequence[float] = (-inf, inf)
     ) -> None:
+        """`frequency`, `back` [rad/s]: corners of the high-passes, 0 is no second one; `ends`: of the travel [m]."""
         poles, zeros = second_order(frequency, damping), []
         if back > 0.0:  # s^3 / ((s^2 + 2 zeta omega s + omega^2) (s + omega_b)), integrated twice
             poles, zeros = [*poles, complex(-back)], [0.0]
@@ -53,10 +54,10 @@ class Travel:
         self.low, self.high = ends
 
     def displace(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where the input was cut.
+        """Displacements (n,) [m] for scaled accelerations (n,) [m/s2], and (n,) True where an acceleration was cut.
 
-        Beyond the end of the travel an acceleration further out is cut, so that the platform comes back as soon as the
-        motion turns, and not after a filter full of it has run empty.
+        Beyond an end of the travel, acceleration further outward counts as 0: the platform returns as soon as the
+        motion turns, and not only after the filter has run empty.
         """
         moved, cut, start = np.empty(len(acceleration)), np.zeros(len(acceleration), dtype=bool), 0
         while start < len(acceleration):
@@ -75,5 +76,5 @@ class Travel:
         return moved, cut
 
     def is_within(self, moved: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """(n,) True if a displacement is inside the travel, or the acceleration pushes towards it."""
+        """True (n,) if displacements (n,) [m] are inside the travel, or accelerations (n,) point back into it."""
         return ~(((moved > self.high) & (acceleration > 0.0)) | ((moved < self.low) & (acceleration < 0.0)))

@@ -37,14 +37,14 @@ FIRST_CASES = (
 
 
 def case_names() -> list[str]:
-    """Names of all cases, the quick ones first."""
+    """Names of all validation cases, those that run quickly first."""
     found = kinds("validation")
     return [name for name in FIRST_CASES if name in found] + [name for name in found if name not in FIRST_CASES]
 
 
 def problems(name: str, *, slow: bool = False, coarse: bool = False) -> "list[Problem]":
-    """The set-ups of a case; `coarse` takes two or more times the spacing, `slow` adds those that take minutes, and of
-    coarse ones those that a gate has no time for."""
+    """Set-ups of a case; `coarse`: with two or more times the particle spacing; `slow`: also those that take minutes,
+    or, if coarse, that take too long for the gate."""
     found: list[Problem] = import_module(f"{__name__}.{name}").problems(coarse)
     if coarse:
         found = [problem.coarsened(name) for problem in found]

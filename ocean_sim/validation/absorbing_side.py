@@ -25,19 +25,20 @@ PROMISES = (Promise("reflection", "%", "three gauges; 2 %, linear theory", {"del
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One flume, with 80 (coarse: 40) particles to the wavelength."""
     spacing = WAVELENGTH / (40 if coarse else 80)
     scene = flume_scene(LENGTH, DEPTH, spacing, RECORD_START + 8.0 * PERIOD, {"height": HEIGHT, "period": PERIOD})
     return [Problem(scene, PROMISES, measure, slow=not coarse)]
 
 
 def theoretical_reflection() -> float:
-    """Reflected over incident wave height of the zone in linear theory."""
+    """Height of the reflected waves over that of the incident ones, by linear theory for the absorbing zone."""
     rate = absorption.damping_rate(K, DEPTH, GRAVITY, WAVELENGTH)
     return float(absorption.wave_reflection(np.array([2.0 * pi / PERIOD]), DEPTH, GRAVITY, WAVELENGTH, rate)[0])
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the reflection from the records of the gauges, once the reflected waves are back."""
+    """Run the flume and measure its reflection by three gauges, next to that of linear theory."""
     points = np.stack([GAUGE_POSITIONS, 0.0 * GAUGE_POSITIONS], axis=1)
     time, found = resample_evenly(*gauge_records(simulation, points, SAMPLE_INTERVAL), RECORD_START, SAMPLE_INTERVAL)
     back = reflection_ratio(SAMPLE_INTERVAL, found, GAUGE_POSITIONS, DEPTH, (0.7 / PERIOD, 1.3 / PERIOD))

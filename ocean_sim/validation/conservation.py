@@ -18,11 +18,12 @@ LIMITS = {"f32": 1e-6, "f64": 1e-13}  # momentum lost over momentum exchanged
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The square of water in single and in double precision; coarse: with 2.5 times the particle spacing."""
     return [square_problem(precision, coarse) for precision in LIMITS]
 
 
 def square_problem(precision: str, coarse: bool) -> Problem:
-    """Set-up of the square of water in single or double precision."""
+    """Set-up of the square of water in a precision, `f32` or `f64`."""
     scene = {
         "duration": 1.0,
         "basin": free_space(4.0, 2.0),
@@ -42,7 +43,7 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the share of momentum and of angular momentum lost in the worst of a number of steps."""
+    """Run STEP_COUNT steps from random velocities; largest relative loss of both momenta in one step."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

@@ -72,6 +72,7 @@ GATE_PROMISES = tuple(
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """A sudden release and a release by a gate, with 40 (coarse: 20) particles to the width of the column."""
     left = -TANK_LENGTH * WIDTH / 2
     basin = {"length": TANK_LENGTH * WIDTH, "depth": 2.0 * WIDTH}
     scene = {
@@ -97,28 +98,28 @@ def scaled_time(time: np.ndarray, g: float, width: float) -> np.ndarray:
 
 
 def front_position(position: np.ndarray, spacing: float) -> float:
-    """Position x [m] of the front of water one spacing deep."""
+    """Position x [m] of the front among particles (n, 3) [m]: the foremost with another a spacing [m] behind it."""
     x = np.sort(position[:, 0])
     followed = x[1:][np.diff(x) <= 1.001 * spacing]  # a lattice counts, whatever the rounding
     return float(followed[-1] if followed.size else x[-1]) + spacing / 2
 
 
 def measure_gated(simulation: Simulation) -> Finding:
-    """Measure the front over time behind a gate that is pulled up."""
+    """Run the water behind a rising gate, and compare the position of its front with the experiments."""
     time, z = front_record(simulation)
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     return Finding(numbers, [Curve("front, gate", time, z)], table_curves(EXPERIMENTS), PLOT_AXES)
 
 
 def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: scaled times (n,) and positions of the front (n,), in widths of the column."""
+    """Run to the end: scaled times T (n,), and distances (n,) of the front from the wall in widths of the column."""
     every = simulation.scene.duration / 60
     times, front = record_run(simulation, every, lambda water: front_position(water.position, water.spacing))
     return scaled_time(times, GRAVITY, WIDTH), (front - simulation.basin.lower[0]) / WIDTH
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:
-    """Points of tables as curves to plot, by label."""
+    """Curves to plot, as points up to LAST_TIME, from tables: file name by label."""
     curves = []
     for label, file in tables.items():
         known = table(file)
@@ -130,15 +131,15 @@ def table_curves(tables: dict[str, str]) -> list[Curve]:
 def front_distance(
     known: dict[str, np.ndarray], time: np.ndarray, z: np.ndarray, delay: float = 0.0
 ) -> tuple[float, float, float]:
-    """Mean front of a series Z(T) released after a delay, that of a known one at its own times, and their distance
-    [%]."""
+    """Mean front of a run Z(T), mean of a `known` one (columns T, Z) at its own times, and their mean distance [%];
+    `delay`: scaled time of the release on the known one's clock."""
     at = (known["T"] >= FIRST_TIME) & (known["T"] <= LAST_TIME)
     seen, wanted = np.interp(known["T"][at] - delay, time, z), known["Z"][at]
     return float(seen.mean()), float(wanted.mean()), 100.0 * float(np.mean(np.abs(seen / wanted - 1.0)))
 
 
 def compare_front(time: np.ndarray, z: np.ndarray) -> Finding:
-    """Compare a front Z at scaled times T with all tables, at their own times."""
+    """Compare a front Z (n,) at scaled times T (n,) with all experiments and computations, at the times of each."""
     numbers = [front_distance(table(file), time, z) for file in EXPERIMENTS.values()]
     numbers += [front_distance(table(file), time, z, LETHE_DELAY) for file in MARTIN_MOYCE.values()]
     for file in EXPERIMENTS.values():

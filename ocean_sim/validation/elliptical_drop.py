@@ -25,6 +25,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up, the drop of radius 1 m with 40 (coarse: 10) particles to its radius."""
     spacing = 0.1 if coarse else 0.025
     scene = {
         "duration": END_TIME / STRAIN_RATE,
@@ -35,7 +36,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def disc_rows(spacing: float) -> list[dict]:
-    """Rows of water, each a spacing high, that hold the lattice points inside the unit disc."""
+    """Boxes of water (`min`, `max` [m]), one for each row of a lattice of this spacing [m], that fill the unit disc."""
     rows = round(1.0 / spacing)
     boxes = []
     for k in range(-rows, rows):
@@ -46,7 +47,7 @@ def disc_rows(spacing: float) -> list[dict]:
 
 
 def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times A0 t, minor and major semi-axes [m] up to A0 t = `end`, by the classical Runge-Kutta rule."""
+    """Times A0 t, minor and major semi-axes [m], (steps + 1,) each, up to A0 t = `end`, by Runge-Kutta."""
 
     def change(y: np.ndarray) -> np.ndarray:
         rate, minor = y
@@ -65,7 +66,7 @@ def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Give the drop its initial flow, and measure its shape over time."""
+    """Give the drop its exact initial flow, run, and compare its shape over time with the exact ellipse."""
     start = particle_state(simulation).position
     density, radius2 = simulation.fluid.rest_density, (start**2).sum(axis=1)
     set_state(
@@ -75,7 +76,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def compare_axes(drops: list[State]) -> Finding:
-    """Compare the semi-axes of a drop at several moments with the exact ellipse."""
+    """Compare semi-axes and kinetic energy of a drop at several times with the exact ellipse."""
     tau, minor, major = exact_ellipse(END_TIME)
     wide = np.array([2.0 * sqrt(float((drop.position[:, 0] ** 2).mean())) for drop in drops])
     high = np.array([2.0 * sqrt(float((drop.position[:, 1] ** 2).mean())) for drop in drops])

@@ -29,6 +29,7 @@ LONG_PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The tank of Adami et al. (coarse: with three times the particle spacing), and a slow tank at rest for 60 s."""
     spacing = 0.06 if coarse else 0.02
     adami = {
         "duration": 2.0,
@@ -47,13 +48,13 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure_adami(simulation: Simulation) -> Finding:
-    """Measure pressure and speed at the end of the run."""
+    """Run to the end, and compare pressure and speed with those of water at rest."""
     *_, last = sampled_states(simulation, simulation.scene.duration, simulation.scene.duration / 8)
     return compare_pressure(last, depth=0.9, g=1.0)
 
 
 def compare_pressure(water: State, depth: float, g: float) -> Finding:
-    """Compare pressure and speed of water with those at rest, for a depth [m] and a gravity g [m/s2] downwards."""
+    """Compare pressure and speed of the water with those at rest, for a depth [m] and a downward gravity `g` [m/s2]."""
     scale = DENSITY * g * depth
     y, exact = water.position[:, 1], -DENSITY * g * water.position[:, 1]
     l2 = 100.0 * float(np.sqrt(np.mean((water.pressure - exact) ** 2))) / scale
@@ -72,7 +73,7 @@ def compare_pressure(water: State, depth: float, g: float) -> Finding:
 
 
 def measure_long(simulation: Simulation) -> Finding:
-    """Measure the motion of still water within a minute."""
+    """Run for a minute; measure kinetic energy, creep of the centre of mass, and escaped particles of water at rest."""
     depth, g = simulation.basin.depth, -simulation.basin.gravity[1]
     low, up = np.array(simulation.basin.lower), np.array(simulation.basin.upper)
 

@@ -43,6 +43,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up, the dam break with 20 (coarse: 8) particles over the depth of the water."""
     low, bed = -LENGTH / 2, -DEPTH
     box = {
         "min": [low + FACE_DISTANCE, bed, -BOX_WIDTH / 2],
@@ -61,14 +62,14 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sensor_positions() -> np.ndarray:
-    """Positions (8, 3) [m] of the pressure sensors P1 to P8 in the basin."""
+    """Positions (8, 3) [m] of the pressure sensors P1 to P8, in basin coordinates."""
     front = [(FACE_DISTANCE, up, 0.0) for up in SENSOR_OFFSETS]
     top = [(FACE_DISTANCE + behind, BOX_SIDE, 0.0) for behind in SENSOR_OFFSETS]
     return np.array(front + top) - (LENGTH / 2, DEPTH, 0.0)
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Record all channels over time, and compare them with the table."""
+    """Run, record all height gauges and pressure sensors over time, and compare them with the measured table."""
     fluid, sensors = simulation.fluid, sensor_positions()
     probes = np.array([(away - LENGTH / 2, 0.0) for away in HEIGHT_GAUGES.values()])
     times, values = record_run(
@@ -78,7 +79,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> float:
-    """Time [s] at which a channel first passes a threshold, or the end of the run if it never does."""
+    """Time [s] at which a channel (n,) at times (n,) [s] first exceeds a threshold; the end of the run if never."""
     even = np.arange(0.0, END_TIME, SAMPLE_INTERVAL)
     level = np.interp(even, time, channel)
     there = np.flatnonzero(level > threshold)
@@ -90,7 +91,7 @@ def arrival_time(time: np.ndarray, channel: np.ndarray, threshold: float) -> flo
 
 
 def compare_channels(time: np.ndarray, channels: dict[str, np.ndarray]) -> Finding:
-    """Compare channels at times (n,) [s] with the table."""
+    """Compare heights [m] and pressures [Pa] (n,) by channel name, at times (n,) [s], with the measured table."""
     data = table(CHANNEL_TABLE)
     found: dict[str, Number] = {}
     within = (data["t"] <= END_TIME) & (data["t"] <= time[-1] + SAMPLE_INTERVAL)

@@ -51,12 +51,13 @@ THEORY_TOLERANCE, PATCH_TOLERANCE = 8.0, 3.0  # [%]
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The box moored, towed, and in forced heave; none if coarse."""
     moored, towed = floating_problem("moored", 0.0), floating_problem("towed", TOWING_SPEED)
     return [] if coarse else [moored, towed, heaving_problem()]
 
 
 def floating_problem(name: str, speed: float) -> Problem:
-    """Set-up of the box held in sway, or towed at a speed [m/s] along the waves, in two patches."""
+    """Set-up of the box in a patch, held in sway or towed at a speed [m/s] along x; a larger patch checks the first."""
     moves = SHIP_MOTIONS if speed == 0.0 else ("sway", *SHIP_MOTIONS)
     source, within = "linear_waves, with its table", THEORY_TOLERANCE if speed == 0.0 else None
     small_patch, larger_patch = f"{FREE_LENGTHS[0]:g} of them free", f", {FREE_LENGTHS[1]:g} wavelengths free"
@@ -64,6 +65,7 @@ def floating_problem(name: str, speed: float) -> Problem:
     promises += [motion_promise(f"{name}: {motion}{larger_patch}", PATCH_TOLERANCE, small_patch) for motion in MOTIONS]
 
     def measure(simulation: Simulation) -> Finding:
+        """Run both patches; compare motions with linear theory, and those of the larger patch with the smaller."""
         exact, small = closed_form_motions(simulation, speed), follow_motions(simulation, speed)
         with other_simulation(simulation, patch_scene(FREE_LENGTHS[1], moves)) as larger:
             large = follow_motions(larger, speed)
@@ -77,12 +79,13 @@ def floating_problem(name: str, speed: float) -> Problem:
 
 
 def heaving_problem() -> Problem:
-    """Set-up of the box moved up and down in calm water: share of its waves that comes back through the rim."""
+    """Set-up of the box in forced heave in calm water: height of waves that the rim sends back over those radiated."""
     back = Promise("heaving: wave that comes back, over that which leaves", "%", "none; 5 %", {"pressure": 5.0})
     scene = patch_scene(FREE_LENGTHS[0], ["heave"])
     scene["sea"] = {"kind": "linear_waves", "rim": scene["sea"]["rim"]}
 
     def measure(simulation: Simulation) -> Finding:
+        """Run with forced heave, and fit radiated and returned waves to the velocities of the water."""
         omega, rows, values, nexts = 2.0 * pi / PERIOD, [], [], (RUN_PERIODS - JUDGED_PERIODS) * PERIOD
         began = float(ship_of(simulation).body.position[1])
         while simulation.time < RUN_PERIODS * PERIOD:
@@ -108,8 +111,8 @@ def heaving_problem() -> Problem:
 
 
 def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities (n, 4) of waves of 1 m, cosine and sine, that leave and that come back, and velocities (n,) of the
-    water, both within the range of the fit; the patch is its own image left to right."""
+    """Velocities (n, 4) [m/s] of waves of 1 m, cosine and sine, leaving and returning, for a least-squares fit, and
+    those of the water (n,) [m/s]: both components of all particles in FIT_RANGE on either side of the box."""
     (x, y), (u, v) = water.position[:, :2].T, water.velocity[:, :2].T
     far = np.abs(x)
     first, last = (share * WAVELENGTH for share in FIT_RANGE)
@@ -126,7 +129,7 @@ def fit_columns(water: State) -> tuple[np.ndarray, np.ndarray]:
 
 
 def motion_promise(quantity: str, within: float | None, source: str) -> Promise:
-    """Promise of an amplitude of heave over that of the waves, or of pitch over their slope; tolerance [%] or None."""
+    """Promise of heave over wave amplitude, or pitch over wave slope; `within`: tolerance [%], None to report only."""
     over = "k a" if "pitch" in quantity else "a"
     if within is None:
         return Promise(f"{quantity} [{over}]", "%", f"{source}; reported")
@@ -134,7 +137,7 @@ def motion_promise(quantity: str, within: float | None, source: str) -> Promise:
 
 
 def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
-    """Scene of a patch with `free` wavelengths between its rims, and of a box with these motions."""
+    """Scene of a box, free in the motions `moves`, on a patch with `free` wavelengths between its rims."""
     rim = {"width": RIM_WIDTH * WAVELENGTH}
     return {
         "duration": RUN_PERIODS * PERIOD,
@@ -151,13 +154,13 @@ def patch_scene(free: float, moves: Sequence[str]) -> dict[str, Any]:
 
 
 def box_keys(moves: Sequence[str]) -> dict[str, Any]:
-    """Keys of the box as a ship with these motions."""
+    """Ship keys of the box, free in the motions `moves`."""
     whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells=12)
     return whole | {"free": list(moves)}
 
 
 class ImposedMotion(NamedTuple):
-    """Imposed motion of the box along one axis of the world at one time."""
+    """Position, speed and acceleration of the box along one world axis at one time."""
 
     place: float  # [m]
     speed: float  # [m/s]
@@ -165,7 +168,7 @@ class ImposedMotion(NamedTuple):
 
 
 def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> None:
-    """Move the box along an axis as given, whatever the force of the water, and hand its new state to the water."""
+    """Move the box along a world axis (0 x, 1 y) as prescribed, despite all forces, and tell the water its state."""
     ship = ship_of(simulation)
     position, velocity = ship.body.position.copy(), ship.body.velocity.copy()
     position[axis], velocity[axis] = moved.place, moved.speed
@@ -177,7 +180,7 @@ def impose_motion(simulation: Simulation, axis: int, moved: ImposedMotion) -> No
 
 
 def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
-    """Amplitudes of heave and pitch of a box at a speed [m/s] in the last periods, fitted with a trend."""
+    """Amplitudes of heave and pitch over the last periods, from rows (n, 3) of `follow_motions` at a speed [m/s]."""
     t = rows[:, 0]
     last = t > t[-1] - JUDGED_PERIODS * PERIOD
     encounter = 2.0 * pi / PERIOD - WAVENUMBER * speed  # [rad/s]
@@ -185,13 +188,12 @@ def motion_amplitudes(rows: np.ndarray, speed: float) -> list[float]:
 
 
 def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
-    """Curves of heave and pitch over time."""
+    """Curves of heave and pitch over time, from rows (n, 3) of `follow_motions`; `suffix` ends their labels."""
     return [Curve(f"{motion}{suffix}", rows[:, 0] / PERIOD, rows[:, k + 1]) for k, motion in enumerate(MOTIONS)]
 
 
 def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Run the box held in sway, or towed at a speed [m/s] along the waves: rows (n, 3) of time [s], heave over the
-    amplitude of the waves, pitch over their slope."""
+    """Run the box, held in sway or towed at a speed [m/s]: rows (n, 3) of time [s], heave / a and pitch / k a."""
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:
@@ -206,7 +208,7 @@ def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
 
 
 def closed_form_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Rows of `follow_motions` in `linear_waves`; sway is imposed, so no acceleration of its own turns the box."""
+    """Rows (n, 3) as by `follow_motions`, of the box in `linear_waves`; sway is imposed, so it cannot turn the box."""
     extra = {"kind": "dynamic", "radiation": str(table_path("box_radiation")), "damping": {"cross_flow": 0.0}}
     of_waves = {"height": 2.0 * AMPLITUDE, "period": PERIOD, "heading_deg": 90.0}
     scene = at_sea(box_keys(SHIP_MOTIONS) | extra, BREADTH, PERIOD / PERIOD_STEPS, RUN_PERIODS * PERIOD, **of_waves)

@@ -45,6 +45,7 @@ PACKET_WAVES = slice(2, 10)  # the judged ones, by their number on the patch
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Regular waves at rest and under way, packets, a nonlinear and a random sea; coarse: one regular wave at rest."""
     if coarse:
         return [regular_problem(0.15, 0.0, 10.0, COARSE_PARTICLES, 7.0, 15.0)]
     found = [regular_problem(ka, 0.0, 20.0, FINE_PARTICLES, 5.0, 10.0) for ka in (0.05, 0.15)]
@@ -59,7 +60,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def patch_scene(length: float, particles: int, sea: dict, periods: float) -> dict:
-    """Scene of a patch of a length [wavelengths], with a number of particles to the wave and keys of the sea."""
+    """Scene of a patch `length` wavelengths long with `particles` to the wave, for so many periods; `sea`: its keys."""
     return {
         "duration": periods * PERIOD,
         "basin": {"length": length * LENGTH, "depth": DEPTH, "walls": "periodic", "gravity": [0.0, -G, 0.0]},
@@ -78,8 +79,8 @@ def regular_problem(
     slow: bool = False,
     kind: str = "linear_waves",
 ) -> Problem:
-    """Set-up of a regular wave of a steepness in a sea of a kind, from a point at a speed [group speeds] for a number
-    of periods; tolerances of height [%] and phase [deg]."""
+    """Set-up of a wave of steepness `ka` in a sea, around a point at a `speed` [group speeds], for so many periods;
+    tolerances `within` [%] of height and `degrees` of phase."""
     where = "at rest" if speed == 0.0 else f"at {speed:+g} group speeds"
     name = f"ka {ka:g}, {where}" + ("" if kind == "linear_waves" else ", nonlinear")
     height = Promise(f"{name}: height over that of the sea", "%", f"{SOURCE_TEXT}; {within:g} %", {"delta_sph": within})
@@ -91,8 +92,8 @@ def regular_problem(
 
 
 def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]:
-    """Complex height of the wave around x [m] over that of the sea, and current [m/s], by least squares of the
-    velocities there."""
+    """Complex height of the wave near x = `at` [m] over `amplitude` [m], that of the sea, and current [m/s], by least
+    squares of the velocities of the water there."""
     x, y = water.position[:, 0], water.position[:, 1]
     far = (x - at + 0.5 * PATCH_LENGTH * LENGTH) % (PATCH_LENGTH * LENGTH) - 0.5 * PATCH_LENGTH * LENGTH
     near = (np.abs(far) < FIT_DISTANCE * LENGTH) & (y < -amplitude) & (y > LOWEST_FIT * DEPTH)
@@ -107,7 +108,8 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Measure height, phase and current in the last periods."""
+    """Run, and measure height, phase and current around a point at a `speed` [m/s], in a sea of this `amplitude`
+    [m]."""
     time, fits = record_run(
         simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
     )
@@ -125,7 +127,7 @@ def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> F
 
 
 def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
-    """Complex height of the sea around the patch over that of its linear waves, at rising times (n,) [s]."""
+    """Complex height (n,) of the surrounding sea over that of its linear waves, at rising times (n,) [s]."""
     around_it = relaxation_band(with_particles(simulation.fluid).config.lattice(simulation.basin))
     if around_it is None or around_it.sea is None or around_it.nonlinear is None:
         return np.ones(len(time), dtype=complex)
@@ -141,7 +143,7 @@ def linear_wave_share(simulation: Simulation, time: np.ndarray) -> np.ndarray:
 
 
 def packet_problem(width: float, within: float) -> Problem:
-    """Set-up of a packet of waves in a calm sea, and a rim of a width [wavelengths]; tolerance [%]."""
+    """Set-up of a wave packet in a calm sea, with a rim of a width [wavelengths]; `within`: tolerance [%]."""
     quantity = f"rim of {width:g} wavelengths: height of a packet that returns once round"
     promise = Promise(quantity, "%", f"none; {within:g} %", {"delta_sph": within})
     periods = PACKET_WAY * LENGTH / GROUP_SPEED / PERIOD + 1.0
@@ -150,7 +152,7 @@ def packet_problem(width: float, within: float) -> Problem:
 
 
 def measure_packet(simulation: Simulation) -> Finding:
-    """Measure the height of the returned packet over that which the scheme would leave of it without a rim."""
+    """Run until the packet has gone round; its height over that which losses of the scheme alone would leave."""
     basin, water = simulation.basin, with_particles(simulation.fluid)
     side = basin.periods[0]
     k = 2.0 * pi * np.arange(1, 4 * round(side / LENGTH) + 1) / side
@@ -177,8 +179,7 @@ def measure_packet(simulation: Simulation) -> Finding:
 
 
 def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
-    """Complex heights (k,) [m] of the waves of a sea, in either direction, by least squares of the velocities below the
-    troughs."""
+    """Complex heights (k,) [m] of a sea's k waves, whichever way they run, from the velocities below the troughs."""
     x, y = water.position[:, 0], water.position[:, 1]
     deep = (y < -PACKET_SLOPE / K * 2.0) & (y > LOWEST_FIT * DEPTH)
     angle = x[deep, None] * sea.wavenumber
@@ -192,7 +193,7 @@ def fit_heights(water: State, sea: waves.Components) -> np.ndarray:
 
 
 def part_directions(found: np.ndarray, omega: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parts (m,) that travel ahead and back, of complex heights (n, m) at times (n,) [s] over a period."""
+    """Split complex heights (n, m) at times (n,) [s] over a period into those that travel ahead and back, (m,) each."""
     turned = np.exp(1j * omega * time[:, None])
     return (found * turned.conj()).mean(axis=0), (found * turned).mean(axis=0)
 
@@ -210,7 +211,7 @@ def random_problem() -> Problem:
 
 
 def measure_random(simulation: Simulation) -> Finding:
-    """Measure heights in the free part over the second half of the run."""
+    """Run, and compare height and phase in the free part, over the second half of the run, with linear theory."""
     sea = patch_waves(simulation.basin, simulation.fluid.spacing)
     assert sea is not None
     half = (0.5 * RANDOM_PATCH - RANDOM_RIM) * LENGTH

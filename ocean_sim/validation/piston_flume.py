@@ -33,12 +33,12 @@ SOURCE_TEXT = "linear theory of a piston that begins"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Two flumes, with the far gauge 2 and 6 wavelengths away; 20 (coarse: 10) particles over the depth."""
     return [flume_problem(2, 6.5, 2.0, coarse), flume_problem(6, 15.5, 5.0, coarse, slow=True)]
 
 
 def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: bool = False) -> Problem:
-    """Set-up of a flume with gauges one and `far` wavelengths from the piston, read from `begin` [s] on, and the
-    tolerance [%] of the height at the far one. The absorbing zone is a wavelength long."""
+    """Set-up of a flume with gauges 1 and `far` wavelengths away, read from `begin` [s] on; `tolerance` [%] at far."""
     zone = 0.5 * (GROUP_SPEED * (begin + RECORD_LENGTH) + far * WAVELENGTH)  # [m] from the piston to the zone
     waves_made = {"height": HEIGHT, "period": PERIOD}
     scene = flume_scene(zone + WAVELENGTH, DEPTH, DEPTH / (10 if coarse else 20), begin + RECORD_LENGTH, waves_made)
@@ -52,6 +52,7 @@ def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: 
     away = (1, far)
 
     def measure(simulation: Simulation) -> Finding:
+        """Run, and compare the harmonics at both gauges with linear theory."""
         piston, distances = simulation.basin.piston, WAVELENGTH * np.array(away)
         assert piston is not None
         gauges = np.stack([simulation.basin.lower[0] + distances, np.zeros(2)], axis=1)
@@ -63,7 +64,7 @@ def flume_problem(far: int, begin: float, tolerance: float, coarse: bool, slow: 
 
 
 def transient_elevation(piston: Piston, distances: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Elevations (n, m) [m] of linear theory at times (n,) [s] and distances (m,) [m] from a piston that moves at u(t)
+    """Elevations (n, m) [m] by linear theory at times (n,) [s] and distances (m,) [m] from a piston that moves at u(t)
     from time 0 on: 2 / pi times the integral over k of cos(k s) tanh(k h) / k times that of u(t') cos(w (t - t')) over
     the time, w^2 = g k tanh(k h)."""
     k = WAVENUMBER_STEP * (np.arange(round(MAX_WAVENUMBER / WAVENUMBER_STEP)) + 0.5)
@@ -82,7 +83,7 @@ def transient_elevation(piston: Piston, distances: np.ndarray, times: np.ndarray
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
-    """Amplitude a of the Re(a exp(i w t)) nearest to a signal, fitted with a mean and a second harmonic."""
+    """Complex amplitude a of the Re(a exp(i w t)) fitted to a signal (n,), with its mean and second harmonic."""
     angle = OMEGA * times
     parts = np.stack([np.cos(angle), -np.sin(angle), np.cos(2 * angle), np.sin(2 * angle), np.ones_like(angle)], axis=1)
     found = np.linalg.lstsq(parts, signal, rcond=None)[0]
@@ -92,8 +93,7 @@ def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
 def compare_harmonics(
     times: np.ndarray, elevation: np.ndarray, theory: np.ndarray, stroke: float, away: tuple[int, int]
 ) -> Finding:
-    """Compare elevations, a column a gauge, `away` wavelengths from a piston that moves by S/2 sin(w t), with those of
-    linear theory."""
+    """Compare elevations (n, 2) [m] `away` wavelengths from a piston of a stroke [m] with linear theory (n, 2)."""
     late = times >= times[-1] - RECORD_LENGTH
     near, far = (first_harmonic(times[late], column[late]) for column in elevation.T)
     near_theory, far_theory = (first_harmonic(times[late], column[late]) for column in theory.T)

@@ -45,6 +45,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One channel, with 10 (coarse: 5) layers of particles."""
     layers = 5 if coarse else 10
     spacing = DEPTH / layers
     scene = {
@@ -61,19 +62,19 @@ def bed_stress(speed: float, height: float) -> float:
 
 
 def steady_profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
-    """Exact speed [m/s] of the steady flow at heights z [m], with the lowest row at half a spacing [m]."""
+    """Exact speed [m/s] of the steady flow at heights `z` [m], for a spacing [m] whose half is the lowest row's."""
     z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
     lowest_speed = sqrt(STRESS / DENSITY) / KARMAN_CONSTANT * log(GRAINS_PER_Z0 * lowest / ROUGHNESS)
     return lowest_speed + SLOPE_GRAVITY / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))
 
 
 def mean_speed(spacing: float) -> float:
-    """Exact mean speed U [m/s] of the steady flow."""
+    """Exact mean speed U [m/s] of the steady flow for a particle spacing [m]."""
     return float(steady_profile(0.0, spacing)) + SLOPE_GRAVITY * DEPTH**2 / (3.0 * VISCOSITY)
 
 
 def measure_flow(simulation: Simulation, spacing: float) -> Finding:
-    """Start the flow too slow, then measure means over the last seconds of the run."""
+    """Start the flow too slow, run, and compare bed stress and speeds over the last seconds with theory."""
     start = particle_state(simulation).position
     set_state(simulation, start, START_SHARE * np.outer(steady_profile(start[:, 1] + DEPTH, spacing), [1.0, 0.0, 0.0]))
     times, means, rows, seen = [], [], [], []

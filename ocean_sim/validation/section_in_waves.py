@@ -48,6 +48,7 @@ SOURCE_TEXT = "Sundsdal et al. (2025), measured"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The section in closed-form waves, by scenario, and on particles, by period; coarse: one scenario, two periods."""
     if coarse:
         return [closed_form_problem("heave+roll", True)]
     closed_form = [closed_form_problem(scenario) for scenario in FREE_MOTIONS]
@@ -55,7 +56,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
-    """Set-up of all periods of a scenario, one after the other, in closed-form waves."""
+    """Set-up of all wave periods of a scenario of FREE_MOTIONS, one after the other, in closed-form waves."""
     seen, freed = measured_amplitudes(scenario), FREE_MOTIONS[scenario]
     periods = sorted(seen, reverse=True)[1:3] if coarse else sorted(seen, reverse=True)
     pairs = [(period, motion) for period in periods for motion in freed if motion in seen[period]]
@@ -70,6 +71,7 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
+        """Run all periods, and compare motions with those measured."""
         found = {period: wave_response(simulation, period) for period in periods}
         numbers = [percent_error(found[period][motion], seen[period][motion]) for period, motion in pairs]
         curves, expected = [], []
@@ -91,7 +93,7 @@ def closed_form_problem(scenario: str, coarse: bool = False) -> Problem:
 
 
 def is_resonant(period: float) -> bool:
-    """True if, in heave at a period [s], damping exceeds mass and stiffness together."""
+    """True if at a wave period [s] the damping of heave exceeds mass and stiffness together."""
     table, omega = csv_file.Table(table_path("section_radiation")), 2.0 * pi / period
     added, damping = (
         float(np.interp(omega, table["omega_rad_s"], table[name])) for name in ("heave_added_kg", "heave_damping_kg_s")
@@ -100,7 +102,7 @@ def is_resonant(period: float) -> bool:
 
 
 def sway_springs() -> list[dict[str, Any]]:
-    """Keys of two mooring lines that hold the section in sway, tight by a metre, and too long to hold heave."""
+    """Keys of two mooring lines that act as a spring in sway, and are too long to hold heave."""
     half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
     half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
     ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]
@@ -108,7 +110,7 @@ def sway_springs() -> list[dict[str, Any]]:
 
 
 def particle_problem(period: float) -> Problem:
-    """Set-up of the section on particles in a patch of open sea, at one period [s]."""
+    """Set-up of the section on particles in a patch of open sea, in waves of a period [s]."""
     k = float(waves.wavenumber(2.0 * pi / period, DEPTH, GRAVITY))
     length = 2.0 * pi / k
     promises = tuple(
@@ -137,7 +139,7 @@ def particle_problem(period: float) -> Problem:
 
 
 def measure_particles(simulation: Simulation, period: float) -> Finding:
-    """Measure heave over the wave amplitude a, and roll over k a, in the last periods."""
+    """Run in waves of a period [s]; compare heave over wave amplitude, and roll over wave slope, with measured ones."""
     rows = [(t, b.position[1], b.angles[2]) for t, b in follow_body(simulation, simulation.scene.duration)]
     t, heave, roll = np.array(rows).T
     late = t > t[-1] - JUDGED_WAVES * period
@@ -154,13 +156,13 @@ def measure_particles(simulation: Simulation, period: float) -> Finding:
 
 
 def section_keys(cells: int) -> dict[str, Any]:
-    """Keys of the section as a ship."""
+    """Ship keys of the section, free in heave and roll, with so many cells to the draught."""
     whole = ship_of_section(BREADTH, HEIGHT, BILGE, LENGTH, MASS, KG, ROLL_RADIUS, cells)
     return whole | {"free": ["heave", "roll"]}
 
 
 def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, float]]:
-    """Measured first harmonics over the amplitude a, roll over k a, by period [s] and motion; means of repetitions."""
+    """Measured amplitudes by period [s] and motion: over the wave amplitude a, roll over k a; means of repetitions."""
     table = csv_file.read_columns(table_path("sundsdal2025_section"))
     found: dict[float, dict[str, float]] = {}
     for motion in FREE_MOTIONS[scenario]:
@@ -172,7 +174,7 @@ def measured_amplitudes(scenario: str = "heave+roll") -> dict[float, dict[str, f
 
 
 def wave_response(simulation: Simulation, period: float) -> dict[str, float]:
-    """Motions over the amplitude a, roll over k a, in a regular wave of a period [s]."""
+    """Run in a regular wave of a period [s]; amplitudes of sway and heave over a, and roll over k a."""
     rest, omega = KG - floating_ship(simulation).hydrostatics.draught, 2.0 * pi / period
     t, sway, heave, _, _, _, roll = record_in_waves(simulation, rest, 2.0 * AMPLITUDE, period, 90.0)
     sway, heave, roll = first_harmonics(t, np.stack([sway, heave, roll], axis=1), omega) / AMPLITUDE

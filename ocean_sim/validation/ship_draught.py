@@ -24,12 +24,13 @@ SOURCE_TEXT = "Archimedes, closed form"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Four shapes, each at five relative densities (coarse: one), and a trimmed barge."""
     wanted = (0.95,) if coarse else RELATIVE_DENSITIES
     return [*(shape_problem(shape, density) for shape in SHAPES for density in wanted), trim_problem()]
 
 
 def submerged_volume(shape: str, draught: float) -> float:
-    """Volume of a shape under water [m3] at a draught [m]."""
+    """Volume under water [m3] of a shape of SHAPES at a draught [m]."""
     s, t = SHAPES[shape], draught
     if shape == "box":
         return s["length"] * s["breadth"] * t
@@ -45,7 +46,7 @@ def submerged_volume(shape: str, draught: float) -> float:
 
 
 def exact_draught(shape: str, density: float) -> float:
-    """Draught [m] of a shape of a relative density, by bisection."""
+    """Draught [m] of a shape of SHAPES at a density relative to water, by bisection."""
     low, high = 0.0, HEIGHT
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -55,7 +56,7 @@ def exact_draught(shape: str, density: float) -> float:
 
 
 def shape_problem(shape: str, density: float) -> Problem:
-    """Set-up of a shape at a relative density."""
+    """Set-up of a shape of SHAPES at a density relative to water."""
     name = f"{shape} {density:g}"
     hull = {"shape": SHAPES[shape], "mass": density * submerged_volume(shape, HEIGHT) * WATER_DENSITY}
     promise = Promise(f"{name}: draught [m]", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, 1.0))
@@ -64,7 +65,7 @@ def shape_problem(shape: str, density: float) -> Problem:
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
-    """Measure the draught at which weight and buoyancy balance, upright."""
+    """Balance the upright ship, and compare its draught with the exact one [m]."""
     ship = floating_ship(simulation)
     balance_heave(simulation, UPRIGHT)
     found = float(ship.hydrostatics.matter.centre[1] - ship.body.position[1])
@@ -72,12 +73,13 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 
 def trim_problem() -> Problem:
-    """Set-up of the barge with 10 t moved 5 m aft."""
+    """Set-up of the barge whose load of 10 t is moved 5 m aft."""
     promise = Promise(
         "trim of a barge by shifted load [deg]", "%", "w x / (W GM_L)", dict.fromkeys(COMPARED_SHIPS, 1.0)
     )
 
     def measure(simulation: Simulation) -> Finding:
+        """Compare the trim of the balanced barge with the closed form."""
         ship = ship_of(simulation)
         return Finding([percent_error(-degrees(ship.body.angles[0]), degrees(BARGE_TRIM))])
 

@@ -26,6 +26,7 @@ DAMPING = {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Drift in a head sea from eight phases (coarse: four), and yaw in two beam seas."""
     ship = {"hull": "yacht", "cells_per_draught": 4, "damping": DAMPING}
     limits = dict.fromkeys(COMPARED_SHIPS, MAX_SPREAD)
     spread = Promise("drift in a head sea, over phases [m/s]", "m/s", "one drift", limits)
@@ -42,7 +43,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure_drift(simulation: Simulation, phases: int) -> Finding:
-    """Measure the mean speed along the ship for each phase of the waves at the start."""
+    """Run once from each of so many initial wave phases; spread and mean of the drift speed [m/s] along the ship."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     rest = np.array([0.0, floating_ship(simulation).first_body.position[1], 0.0])
     train = waves.regular_wave(HEIGHT, PERIOD, waves.heading_vector(180.0, 3), simulation.basin.depth, GRAVITY)
@@ -61,7 +62,7 @@ def measure_drift(simulation: Simulation, phases: int) -> Finding:
 
 
 def measure_yaw(simulation: Simulation) -> Finding:
-    """Measure the largest yaw in waves from abeam."""
+    """Run in waves from abeam; largest yaw [deg]."""
     t, yaw = np.array([(t, body.angles[1]) for t, body in follow_body(simulation, BEAM_DURATION)]).T
     yaw = np.degrees(np.unwrap(yaw))
     return Finding([absolute_error(float(np.abs(yaw).max()))], [Curve("yaw", t, yaw)], [], ("t [s]", "yaw [deg]"))

@@ -23,6 +23,7 @@ CONSTANT_KEYS = {"added_mass": {"heave": ADDED_MASS}, "damping": {"heave": DAMPI
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The drop with constant added mass, and with memory; 8 (coarse: 4) cells to the draught."""
     memory = {"radiation": str(table_path("sphere_radiation"))}
     return [
         drop_problem("constant", CONSTANT_KEYS, PARTICIPANT_SPREAD, coarse),
@@ -31,11 +32,12 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def drop_problem(name: str, keys: dict[str, Any], limit: float, coarse: bool) -> Problem:
-    """Set-up of the drop, with keys for constant added mass and damping, or for a memory; tolerance [m]."""
+    """Set-up of the drop with ship `keys` of added mass and damping, or memory; `limit`: tolerance [m] of heave."""
     ship = {"hull": "sphere", "free": ["heave"], "cells_per_draught": 4 if coarse else 8} | keys
     promise = Promise(f"{name}: rms of heave [m]", "m", "OES Task 10, mean of six; their spread", {"dynamic": limit})
 
     def measure(simulation: Simulation) -> Finding:
+        """Drop the sphere, and compare its heave with the mean of the participants."""
         real = table("oes_task10_sphere_1m")
         others = np.stack([column for name, column in real.items() if name != "time_s"])
         ship = ship_of(simulation)

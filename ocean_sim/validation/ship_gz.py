@@ -22,18 +22,20 @@ SOURCE_TEXT = "hull sections clipped as polygons"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Three hulls at two resolutions (coarse: one), and the barge under the thesis's columns."""
     cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
     found = [hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS]
     return [*found, thesis_problem()]
 
 
 def hull_problem(hull: str, cells: int, limit: float) -> Problem:
-    """Set-up of a hull at a resolution of `cells` to the draught; tolerance `limit` [%]."""
+    """Set-up of a hull of RIGHTING_LEVERS with so many cells to the draught; `limit`: tolerance of the lever [%]."""
     name = f"{hull}, {cells} cells"
     scene = at_sea({"hull": hull, "cells_per_draught": cells}, HULL_SIZE[hull], 0.01)
     promise = Promise(f"{name}: largest error of GZ", "%", SOURCE_TEXT, dict.fromkeys(COMPARED_SHIPS, limit))
 
     def measure(simulation: Simulation) -> Finding:
+        """Compare the righting levers with the exact ones; the worst counts."""
         heels, exact = np.array(list(RIGHTING_LEVERS[hull])), np.array(list(RIGHTING_LEVERS[hull].values()))
         found = righting_levers(simulation, heels)
         error = 100.0 * (found / exact - 1.0)
@@ -49,7 +51,7 @@ def hull_problem(hull: str, cells: int, limit: float) -> Problem:
 
 
 def thesis_problem() -> Problem:
-    """Set-up of the barge under the thesis's columns, as printed."""
+    """Set-up of the barge under the force law of the thesis, as printed, with its own righting levers as reference."""
     scene = at_sea({"hull": "barge20", "cells_per_draught": 16}, 20.0, 0.01)
     promises = tuple(
         Promise(
@@ -62,6 +64,7 @@ def thesis_problem() -> Problem:
     )
 
     def measure(simulation: Simulation) -> Finding:
+        """Compare the righting levers with COLUMN_LEVERS."""
         found = righting_levers(simulation, np.array(list(COLUMN_LEVERS)))
         return Finding([absolute_error(*pair) for pair in zip(found, COLUMN_LEVERS.values(), strict=True)])
 
@@ -69,7 +72,7 @@ def thesis_problem() -> Problem:
 
 
 def righting_levers(simulation: Simulation, heels: np.ndarray) -> np.ndarray:
-    """Righting levers GZ (n,) [m] at heels (n,) [deg]; the ship is free to sink at each."""
+    """Righting levers GZ (n,) [m] at heel angles (n,) [deg], with weight and buoyancy balanced at each."""
     ship = ship_of(simulation)
     weight = ship.body.mass * 9.81
     return np.array([-balance_heave(simulation, turn_quaternion(2, float(heel))).torque[2] / weight for heel in heels])

@@ -20,6 +20,7 @@ TOLERANCE, SOURCE_TEXT = {"manoeuvring": 0.5}, "PythonVehicleSimulator, otter.py
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """A straight run and a turn, both independent of `coarse`."""
     ahead = {"throttle": 100.0 / MAX_PROPELLER_RATE}
     turn = {"throttle": 80.0 / MAX_PROPELLER_RATE, "rudder": -20.0 / MAX_PROPELLER_RATE * MAX_RUDDER}
     straight = tuple(Promise(name, "%", SOURCE_TEXT, TOLERANCE) for name in STRAIGHT_RESULTS)
@@ -46,7 +47,7 @@ def sail_record(simulation: Simulation) -> np.ndarray:
 
 
 def measure_straight(simulation: Simulation) -> Finding:
-    """Measure the final speed, the way to 95 % of it, and the trim."""
+    """Run straight ahead; compare final speed, way to 95 % of it, and trim with the published program."""
     t, _, z, u, pitch, _, _ = sail_record(simulation)
     way = z[np.argmax(u >= 0.95 * u[-1])] - z[0]
     found = (u[-1], way, np.degrees(pitch[-1]))
@@ -55,7 +56,7 @@ def measure_straight(simulation: Simulation) -> Finding:
 
 
 def measure_turn(simulation: Simulation) -> Finding:
-    """Measure the steady turn, and the tactical quantities from the order of the turn."""
+    """Run the turn; compare steady turn and tactical quantities, from the order on, with the published program."""
     t, x, z, u, _, yaw, rate = sail_record(simulation)
     begin = np.argmax(t >= 20.0)
     turned = np.abs(np.degrees(np.unwrap(yaw)))

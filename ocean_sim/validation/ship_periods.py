@@ -27,6 +27,7 @@ SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The barge with added mass by rule, and as given; 8 (coarse: 4) cells to the draught."""
     rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
     given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}
@@ -39,11 +40,12 @@ def problems(coarse: bool) -> list[Problem]:
 def release_problem(
     name: str, keys: dict[str, Any], limits: dict[str, float], schemes: tuple[str, ...], cells: int
 ) -> Problem:
-    """Set-up of the barge with added mass by rule, or given by keys; tolerances [%] by scheme."""
+    """Set-up of the barge with ship `keys` (none: added mass by rule), and tolerances `limits` [%] by scheme."""
     ship = {"hull": "barge20", "cells_per_draught": cells, "free": list(STIFFNESS)} | keys
     promises = tuple(Promise(f"{name}: {motion} period [s]", "%", SOURCE_TEXT, limits) for motion in STIFFNESS)
 
     def measure(simulation: Simulation) -> Finding:
+        """Release the barge in each motion, and compare its period with the exact one."""
         wet = ship_of(simulation).added.any()
         numbers, curves = [], []
         for motion, k in STIFFNESS.items():
@@ -57,7 +59,7 @@ def release_problem(
 
 
 def release_record(simulation: Simulation, motion: str, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] from a release by 2 cm or half a degree, and displacements (n,) [m] or [rad] from rest."""
+    """Release the ship from 2 cm or half a degree in a motion, and run: times (n,) [s], values (n,) [m] or [rad]."""
     rest = np.array([0.0, 0.5, 0.0])
     turn = {"roll": turn_quaternion(2, 0.5), "pitch": turn_quaternion(0, 0.5), "heave": turn_quaternion(0, 0.0)}[motion]
     set_pose(simulation, position=rest + [0.0, 0.02 if motion == "heave" else 0.0, 0.0], orientation=turn)

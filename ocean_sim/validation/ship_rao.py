@@ -30,6 +30,7 @@ SOURCE_TEXT = "Capytaine, linear potential flow"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Barge and Wigley hull in head and beam seas under each scheme; coarse: two frequencies, fewer cells."""
     found = []
     for (hull, sea), omegas in WAVE_FREQUENCIES.items():
         for schemes, keys in ((("hydrostatic",), {}), (("dynamic",), ROLL_KEYS if sea == "beam" else {})):
@@ -46,7 +47,7 @@ def problems(coarse: bool) -> list[Problem]:
 def hull_problem(
     hull: str, sea: str, omegas: tuple[float, ...], schemes: tuple[str, ...], keys: dict[str, Any], cells: int
 ) -> Problem:
-    """Set-up of a hull in waves of frequencies [rad/s] from ahead or abeam."""
+    """Set-up of a hull in a `head` or `beam` sea of frequencies `omegas` [rad/s], with further ship `keys`."""
     name, turn = f"{hull}, {sea} sea", "pitch" if sea == "head" else "roll"
     name += ", memory" if "radiation" in keys else ""
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
@@ -64,6 +65,7 @@ def hull_problem(
     )
 
     def measure(simulation: Simulation) -> Finding:
+        """Run at each frequency, and compare two motions with potential flow."""
         reference, numbers = table(f"{hull}_rao"), []
         for omega in omegas:
             heave, pitch, roll = wave_response(simulation, omega, HULL_LENGTH[hull], 180.0 if sea == "head" else 90.0)
@@ -89,7 +91,7 @@ def hull_problem(
 
 
 def allowed_error(hull: str, omega: float, motion: str) -> float | None:
-    """Tolerance [%] of `dynamic` for a motion at a frequency [rad/s], or None."""
+    """Tolerance [%] of scheme `dynamic` for a motion of a hull at a frequency [rad/s], or None for no tolerance."""
     length = 2.0 * np.pi * GRAVITY / omega**2
     if length > 6.0 * HULL_LENGTH[hull]:
         return LONG_TOLERANCE
@@ -99,8 +101,8 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Heave [m/m], pitch and roll [deg/m] in a regular wave of a frequency [rad/s], from the motion at that frequency;
-    length of the hull [m], heading of the wave [deg]."""
+    """Run in a wave of a frequency [rad/s] and heading [deg], its amplitude a STEEPNESS of the hull's length [m]:
+    amplitudes of heave [m/m], pitch and roll [deg/m]."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

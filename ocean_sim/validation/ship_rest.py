@@ -10,6 +10,7 @@ REST_DURATION = 60.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up, with 8 (coarse: 4) cells to the draught."""
     ship = {"hull": "yacht", "cells_per_draught": 4 if coarse else 8, "heading_deg": 30.0}
     scene = at_sea(ship, 15.0, 0.05, REST_DURATION) | {"runtime": {"precision": "f32"}}
     promises = (
@@ -20,7 +21,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure drift and largest roll."""
+    """Run for a minute in calm water; drift speed [mm/s] and largest roll [deg]."""
     ship = ship_of(simulation)
     start = ship.body.position
     rows = [(t, *(b.position - start), b.angles[2]) for t, b in follow_body(simulation, REST_DURATION)]

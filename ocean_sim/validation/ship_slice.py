@@ -28,13 +28,14 @@ PRESSURE_SCHEMES = ("pressure",)
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Boxes of six relative densities (coarse: one), and a cylinder released."""
     found = [box_problem(density, coarse) for density in ((0.5,) if coarse else BOX_DENSITIES)]
     return [*found, cylinder_problem(coarse)]
 
 
 def box_problem(density: float, coarse: bool) -> Problem:
-    """Set-up of a box that draws ten spacings (coarse: five). It settles, and the record then lasts a period of its
-    heave, with the added mass of half a plate."""
+    """Set-up of a box of a relative density, with ten (coarse: five) spacings in its draught. It settles, and is then
+    recorded for a period of its heave, with the added mass of half a plate."""
     draught = BOX_SIDE * density
     period = 2.0 * np.pi * np.sqrt((density * BOX_SIDE**2 + np.pi / 8.0 * BOX_SIDE**2) / (GRAVITY * BOX_SIDE))
     shape = {"kind": "box", "length": 1.0, "breadth": BOX_SIDE, "height": BOX_SIDE}
@@ -58,8 +59,8 @@ def box_problem(density: float, coarse: bool) -> Problem:
 
 
 def measure_draught(simulation: Simulation, exact: float) -> Finding:
-    """Measure the depth of the keel under the level of the water, from half a breadth beside the hull on. A level by
-    the volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
+    """Run; compare the keel's depth under the level of the water beside the hull with the exact draught [m]. A level by
+    volume at rest density would be about 15 mm too high: 1.2 m of water compressed by 2 % is 12 mm lower."""
     apart = np.linspace(BOX_SIDE, 0.5 * TANK_LENGTH - 0.1, 8)
     gauges = np.array([(x, 0.0) for x in (*-apart, *apart)])
     until = simulation.scene.duration
@@ -74,7 +75,7 @@ def measure_draught(simulation: Simulation, exact: float) -> Finding:
 
 
 def cylinder_problem(coarse: bool) -> Problem:
-    """Set-up of the heave decay of the cylinder, with ten spacings in its radius (coarse: five)."""
+    """Set-up of the heave decay of the cylinder, with ten (coarse: five) spacings to its radius."""
     hull = {
         "shape": {"kind": "cylinder", "length": 1.0, "radius": RADIUS},
         "mass": 500.0 * np.pi * RADIUS**2,
@@ -103,7 +104,7 @@ def cylinder_problem(coarse: bool) -> Problem:
 
 
 def measure_extrema(simulation: Simulation) -> Finding:
-    """Measure the extrema of heave one after the other, over the level of the water."""
+    """Run, and compare times and heights of successive extrema of heave, over the water level, with linear theory."""
     drop = simulation.fluid.surface_drop
     path = [(t, (b.position[1] + drop) / RISE) for t, b in follow_body(simulation, 1.0)]
     t, y = np.array([(0.0, 1.0), *path]).T

@@ -17,6 +17,7 @@ THRUST_TIME, COAST_TIME = 30.0, 20.0  # [s]
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up, independent of `coarse`."""
     ship = {
         "hull": "yacht",
         "cells_per_draught": 4,
@@ -33,7 +34,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Compare speed and way with the closed form."""
+    """Run under thrust, then coasting; compare speed and distance with the closed form."""
     ship = ship_of(simulation)
     whole = MASS + float(ship.added[2])
     top = sqrt(THRUST / DRAG)

@@ -42,12 +42,13 @@ SOURCE_TEXT = "IMO MSC.137(76), 5.3"
 
 
 def coarse_preset(name: str) -> dict[str, Any]:
-    """Keys of a shipped ship (configs/ship), at a coarser resolution."""
+    """Keys of a ship in configs/ship, without its kind, with 4 cells to the draught."""
     keys = yaml_file.read_mapping(library("configs") / "ship" / f"{name}.yaml").plain()
     return {key: value for key, value in keys.items() if key != "kind"} | {"cells_per_draught": 4}
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Turning circles of yacht and tug, and zig-zags by 10 and 20 degrees; coarse: yacht only, zig-zag by 20."""
     scene = at_sea(coarse_preset("yacht"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
     found = [circle_problem("yacht", scene)]
     for angle in (20.0,) if coarse else (10.0, 20.0):
@@ -61,14 +62,14 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def circle_problem(name: str, scene: dict[str, Any], prefix: str = "") -> Problem:
-    """Set-up of the turning circle of a ship; `prefix` begins the names of its quantities."""
+    """Set-up of the turning circle of a ship of SHIP_LENGTHS; `prefix` begins the names of its quantities."""
     promises = tuple(bounded_promise(prefix + quantity, limits) for quantity, limits in CIRCLE_LIMITS.items())
     look = partial(measure_circle, length=SHIP_LENGTHS[name])
     return Problem(scene, promises, look, f"circle of the {name}", slot="ship", schemes=COMPARED_SHIPS)
 
 
 def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
-    """Promise that a quantity lies between two limits, or a report of it without limits. Its unit ends its name."""
+    """Promise that a quantity, whose name ends with its [unit], lies within limits; only reported without them."""
     unit = name[name.index("[") + 1 : -1]
     if limits is None:
         return Promise(name, unit, "reported")
@@ -76,7 +77,7 @@ def bounded_promise(name: str, limits: tuple[float, float] | None) -> Promise:
 
 
 def bounded_number(value: float | None, limits: tuple[float, float] | None) -> Number:
-    """A value, the middle of its limits, and its distance from there."""
+    """Value, middle of its limits as reference, and distance from there; None for the latter two without limits."""
     if limits is None or value is None:
         return value, None, None
     middle = 0.5 * (limits[0] + limits[1])
@@ -84,7 +85,7 @@ def bounded_number(value: float | None, limits: tuple[float, float] | None) -> N
 
 
 def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
-    """Quantities of a zig-zag by an angle [deg], and their limits."""
+    """Limits, or None, by quantity of a zig-zag by an angle [deg]."""
     name = f"zig-zag {angle:g}/{angle:g}: "
     first, second = ((0.0, most) if most is not None else None for most in MAX_OVERSHOOTS[angle])
     return {
@@ -97,8 +98,8 @@ def zigzag_limits(angle: float) -> dict[str, tuple[float, float] | None]:
 def sail_rows(
     simulation: Simulation, orders: Callable[[float, float], float], duration: float
 ) -> Iterator[tuple[float, ...]]:
-    """Run, and yield time [s], x, z [m], yaw, heel [rad] and velocity along x and z [m/s] after every step, once the
-    ship has gathered way; `orders`: the rudder [rad] at a time and a yaw."""
+    """Gather way, then run for a duration [s] with `orders`, the rudder [rad] at a time [s] and yaw [rad]; yield after
+    every step time [s], x, z [m], yaw, heel [rad], velocity along x and z [m/s], from the first order on."""
     ship = ship_of(simulation)
     helm = ship.hand_over()
     helm.give(1.0, 0.0)
@@ -115,7 +116,7 @@ def sail_rows(
 
 
 def measure_circle(simulation: Simulation, length: float) -> Finding:
-    """Measure a turn to port of a ship of a length [m]."""
+    """Turn a ship of a length [m] to port; measure advance, transfer, diameter, speeds, drift angle and heel."""
     rows = np.array(list(sail_rows(simulation, lambda time, yaw: radians(RUDDER_ANGLE), TURN_TIME)))
     t, x, z, yaw, heel, vx, vz = rows.T
     turned = np.abs(np.unwrap(yaw))
@@ -124,6 +125,7 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
     drift = np.unwrap(np.arctan2(vx, vz)) - np.unwrap(yaw)
 
     def at(angle: float, y: np.ndarray) -> float | None:
+        """Value of |y| at a yaw `angle` [deg], or None if the ship did not turn as far."""
         return float(np.interp(radians(angle), turned, np.abs(y))) if turned[-1] > radians(angle) else None
 
     lengths = [at(90.0, z), at(90.0, x), at(180.0, x), speed[last].mean() / rate]
@@ -134,10 +136,11 @@ def measure_circle(simulation: Simulation, length: float) -> Finding:
 
 
 def measure_zigzag(simulation: Simulation, angle: float) -> Finding:
-    """Measure a zig-zag by an angle [deg]: rudder to port, to starboard, to port."""
+    """Run a zig-zag by an angle [deg], first to port; measure overshoots, and time between rudder orders."""
     way, executed = [1.0], []
 
     def orders(time: float, yaw: float) -> float:
+        """Rudder angle [rad]: reversed each time that the yaw has reached the angle on its side."""
         if way[0] * yaw >= radians(angle):
             way[0] = -way[0]
             executed.append(time)

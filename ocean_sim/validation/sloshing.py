@@ -47,6 +47,7 @@ SERIES_PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """A deep tank in sway and, slow, the shallow tank of series 5; coarse: with fewer particles."""
     free = {
         "duration": 8.0 * PERIOD,
         "basin": {"length": LENGTH, "depth": DEPTH, "motion": sway_motion(SWAY, SWAY_OMEGA)},
@@ -65,20 +66,21 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def sway_motion(amplitude: float, omega: float) -> dict[str, str | float]:
-    """Keys of a sway of the tank, which starts at full speed with its water."""
+    """Basin keys of a sway A sin(w t) with amplitude A [m] and w = `omega` [rad/s], which starts at full speed."""
     return {"kind": "harmonic", "axis": "x", "amplitude": amplitude, "period": 2.0 * pi / omega, "ramp": 0.0}
 
 
 def measure_mode(simulation: Simulation) -> Finding:
-    """Measure the first mode over time."""
+    """Run, and compare the amplitude of the first mode over time with linear theory."""
     return compare_mode(*record_run(simulation, PERIOD / 40, FIRST_MODE.amplitude_share))
 
 
 def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
-    """Compare a first mode with cos(w1 t) - cos(w t), by a fit."""
+    """Compare a signal (n,) of the first mode at times (n,) [s] with cos(w1 t) - cos(w t), by a fit of both parts."""
     from scipy.optimize import curve_fit
 
     def model(t: np.ndarray, a: float, b: float, omega: float, rate: float, c: float, d: float) -> np.ndarray:
+        """Fit function: a decaying free oscillation plus the response at SWAY_OMEGA."""
         rings = (a * np.cos(omega * t) + b * np.sin(omega * t)) * np.exp(-rate * t)
         return rings + c * np.cos(SWAY_OMEGA * t) + d * np.sin(SWAY_OMEGA * t)
 
@@ -97,20 +99,20 @@ def compare_mode(times: np.ndarray, signal: np.ndarray) -> Finding:
 
 
 def measure_series(simulation: Simulation) -> Finding:
-    """Measure the elevation near the left wall over time."""
+    """Run the shallow tank, and compare the elevation near the left wall with the measurement."""
     gauge = np.array([[simulation.basin.lower[0] + GAUGE_DISTANCE, 0.0]])
     times, elevation = gauge_records(simulation, gauge, SHALLOW_PERIOD / 100)
     return compare_series(times / SHALLOW_PERIOD, elevation[:, 0])
 
 
 def arrival_time(times: np.ndarray, elevation: np.ndarray, level: float) -> float:
-    """Time at which the elevation first rises above a level, or the last time if it never does."""
+    """Time at which the elevation (n,) first rises above a level [m], in the unit of `times`; the last one if never."""
     above = np.flatnonzero((elevation[1:] > level) & (elevation[:-1] <= level))
     return float(times[1 + above[0]]) if above.size else float(times[-1])
 
 
 def compare_series(times: np.ndarray, elevation: np.ndarray) -> Finding:
-    """Compare an elevation [m] over times [periods of the sway] with the measured one, within the measured times."""
+    """Compare an elevation (n,) [m] at times (n,) [periods of the sway] with the measured one: crest and arrival."""
     data = table("sloshing_bouscasse2013_series5")
     order = np.argsort(data["t_s"], kind="stable")
     known_times, known = data["t_s"][order], data["eta_m"][order]

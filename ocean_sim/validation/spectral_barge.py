@@ -18,11 +18,12 @@ SOURCE_TEXT = "linear_waves, the same waves"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The barge in a head and in a beam sea, with 8 (coarse: 4) cells to the draught."""
     return [barge_problem(sea, 4 if coarse else 8) for sea in SEA_HEADINGS]
 
 
 def barge_problem(sea: str, cells: int) -> Problem:
-    """Set-up of the barge in a head or beam sea."""
+    """Set-up of the barge in a `head` or `beam` sea, with so many cells to the draught."""
     turn, heading = "pitch" if sea == "head" else "roll", SEA_HEADINGS[sea]
     free = ["surge", "heave", "pitch"] if sea == "head" else ["sway", "heave", "roll"]
     ship = {"kind": "dynamic", "hull": "barge20", "cells_per_draught": cells, "free": free}
@@ -41,6 +42,7 @@ def barge_problem(sea: str, cells: int) -> Problem:
     made = Promise(f"{sea} sea: how far the barge moves the water's surface [m]", "m", "above zero")
 
     def measure(simulation: Simulation) -> Finding:
+        """Run on `spectral_sea` and in `linear_waves`, and compare motions."""
         ours = frequency_responses(simulation, heading)
         highest = float(np.abs(sea_of(simulation).made[0].layer.eta).max())
         with other_simulation(simulation, closed_form) as other:
@@ -53,5 +55,5 @@ def barge_problem(sea: str, cells: int) -> Problem:
 
 
 def frequency_responses(simulation: Simulation, heading: float) -> dict[float, tuple[float, float, float]]:
-    """Heave [m/m], pitch and roll [deg/m] of the barge by frequency [rad/s] of the waves."""
+    """Heave [m/m], pitch and roll [deg/m] of the barge in waves of a heading [deg], by frequency [rad/s]."""
     return {omega: wave_response(simulation, omega, HULL_LENGTH["barge20"], heading) for omega in WAVE_FREQUENCIES}

@@ -28,6 +28,7 @@ RAY_ANGLE, RAY_END = np.pi / 8.0, 7.0  # [rad]; over the width of the Gaussian
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up of a moving pressure, independent of `coarse`."""
     promises = tuple(
         Promise(f"height of the wake {n} x {SHIP_LENGTH:g} m abeam [m]", "%", "Havelock 1932", {"spectral_sea": 5.0})
         for n in BEAM_DISTANCES
@@ -66,11 +67,12 @@ class GaussianPressure(Displacing):
         self.body, self.share = SimpleNamespace(position=np.zeros(3)), 0.0
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 2) x, z [m] and displaced volumes (n,) [m3] at the present position."""
         return self.points + self.body.position[[0, 2]], self.share * self.whole
 
 
 def passing_waters(simulation: Simulation) -> tuple:
-    """Water seen by another ship, water seen by the passing ship itself, and the position of the latter along x [m]."""
+    """Run a moving pressure; water as another ship and as the pressure itself sees it, and its position x [m]."""
     patch, other = GaussianPressure(), GaussianPressure()
     by_itself, by_another = sea_of(simulation).add_ships([patch, other])
     while simulation.time < END_TIME - 0.5 * TIME_STEP:
@@ -81,12 +83,12 @@ def passing_waters(simulation: Simulation) -> tuple:
 
 
 def steady_wake(x: np.ndarray, z: float, long: float, broad: float) -> np.ndarray:
-    """Elevations (n,) [m] at x (n,) ahead of a Gaussian pressure of two widths, z beside its track [m]."""
+    """Elevations (n,) [m] at `x` (n,) ahead and `z` beside a Gaussian pressure of widths `long`, `broad` [m]."""
     return np.array([elevation_at(each, z, long, broad) for each in x])
 
 
 def elevation_at(x: float, z: float, long: float, broad: float) -> float:
-    """Elevation [m] at one point x ahead and z beside a Gaussian pressure of two widths [m]."""
+    """Elevation [m] at a point `x` ahead and `z` beside a Gaussian pressure of widths `long`, `broad` [m]."""
     edge = np.arctan2(-x, z)  # w changes its sign here
     total = 0.0
     for low, high in ((-0.5 * np.pi, edge), (edge, 0.5 * np.pi)):

@@ -23,6 +23,7 @@ FREE_SHARE = 0.35  # of the side, from the pressure to the rim
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One set-up of a towed pressure at three speeds, independent of `coarse`."""
     resistance = tuple(
         Promise(f"wave resistance at {u:g} m/s [N]", "%", "Havelock 1932", {"spectral_sea": 0.5}) for u in TOWING_SPEEDS
     )
@@ -47,7 +48,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def havelock_resistance(u: float) -> float:
-    """Wave resistance [N] of the pressure at a speed [m/s], by Havelock's integral."""
+    """Wave resistance [N] of the pressure at a speed `u` [m/s], by Havelock's integral."""
     t, k0 = np.linspace(0.0, np.pi / 2 - 1e-4, 200_001), GRAVITY / u**2
     k = k0 / np.cos(t) ** 2
     spread = (k * np.cos(t) * WIDTH_ALONG) ** 2 + (k * np.sin(t) * WIDTH_ACROSS) ** 2
@@ -56,7 +57,7 @@ def havelock_resistance(u: float) -> float:
 
 
 def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
-    """Tow the pressure at a speed [m/s]: mean steady resistance [N], and elevation (cells, rows) [m] at the end."""
+    """Tow the pressure at a speed `u` [m/s]: mean steady resistance [N], and elevation (cells, rows) [m] at the end."""
     tile = sea_of(simulation).tile
     layer, steps, found = Layer(tile), round(END_TIME / TIME_STEP), []
     for n in range(1, steps + 1):
@@ -71,8 +72,7 @@ def tow_pressure(simulation: Simulation, u: float) -> tuple[float, np.ndarray]:
 
 
 def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Distances behind the pressure (n,) [m], elevations (n,) [m] on the track there, and the wavelength [m] by their
-    zeros."""
+    """Distances behind the pressure, elevations there (n,) [m], and wavelength [m], from `eta` (cells, rows) [m]."""
     tile = sea_of(simulation).tile
     behind = np.arange(2.0 * np.pi * u**2 / GRAVITY, FREE_SHARE * TILE_SIDE, 0.01)
     points = np.stack([u * END_TIME - behind, np.zeros(len(behind))], axis=1)
@@ -83,8 +83,7 @@ def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.
 
 
 def energy_outside_cusp(simulation: Simulation, eta: np.ndarray, u: float) -> float:
-    """Share of the wake's energy, from a wavelength behind the pressure on, outside the cusp angle and the angle of a
-    cell seen from there."""
+    """Share of the energy of a wake `eta` (cells, rows) [m] outside the cusp angle, past the first wavelength."""
     tile = sea_of(simulation).tile
     x, z = nearest_image(tile, np.array([u * END_TIME, 0.0]))
     length = 2.0 * np.pi * u**2 / GRAVITY

@@ -25,6 +25,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One patch, with 80 (coarse: 25) particles to its side."""
     scene = {
         "duration": END_TIME / SPIN_RATE,
         "basin": free_space(6.0 * SIDE, 3.0 * SIDE),
@@ -38,7 +39,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Set the patch spinning, then measure its voids and conserved quantities."""
+    """Set the patch spinning, run, and measure voids, angular momentum and kinetic energy."""
     start = particle_state(simulation).position
     velocity = SPIN_RATE * np.stack([start[:, 1], -start[:, 0], 0.0 * start[:, 0]], axis=1)
     set_state(simulation, start, velocity, simulation.fluid.rest_density * SPIN_RATE**2 * initial_pressure(start))
@@ -46,7 +47,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def initial_pressure(position: np.ndarray) -> np.ndarray:
-    """Initial pressure over rho w^2 [m2]: the solution of laplacian p = 2 rho w^2 that vanishes on the sides."""
+    """Initial pressure (n,) over rho w^2 [m2] at positions (n, 3) [m]: laplacian p = 2 rho w^2, zero on the sides."""
     odd = np.arange(1, 80, 2)
     x, y = (np.sin(np.pi * np.outer(position[:, k] / SIDE + 0.5, odd)) for k in (0, 1))
     m, n = np.meshgrid(odd, odd, indexing="ij")
@@ -54,7 +55,7 @@ def initial_pressure(position: np.ndarray) -> np.ndarray:
 
 
 def void_diameter(water: State) -> float:
-    """Diameter, in spacings, of the largest empty circle around the centre of the patch."""
+    """Diameter [spacings] of the largest circle without particles near the centre of the patch."""
     from scipy.spatial import cKDTree
 
     middle = water.position.mean(axis=0)
@@ -67,7 +68,7 @@ def void_diameter(water: State) -> float:
 
 
 def compare_patches(patches: list[State]) -> Finding:
-    """Time of the first tear, largest void and conserved quantities of a patch at several moments."""
+    """Compare states of a patch at successive times: first tear, largest void, and conserved quantities."""
     times = np.array([SPIN_RATE * patch.time for patch in patches])
     voids = np.array([void_diameter(patch) for patch in patches])
     torn = np.flatnonzero(voids > MAX_VOID)

@@ -25,7 +25,7 @@ STEEP_SOURCE = f"{VISCOUS_SOURCE}; of its amplitude, Tadjbakhsh & Keller 1960"
 
 @dataclass(frozen=True)
 class StandingWave:
-    """A mode of a tank from -length/2 to length/2, the still water at y = 0."""
+    """Standing-wave mode of a tank that reaches from x = -length/2 to length/2, with the still level at y = 0."""
 
     length: float  # [m]
     depth: float  # [m]
@@ -45,11 +45,11 @@ class StandingWave:
 
     @property
     def period(self) -> float:
-        """Period [s]."""
+        """Period [s] by the dispersion relation, without viscosity."""
         return 2.0 * pi / self.omega
 
     def viscosity(self, reynolds: float) -> float:
-        """Viscosity [m2/s] at a Reynolds number sqrt(g h) h / nu."""
+        """Kinematic viscosity [m2/s] for a Reynolds number sqrt(g h) h / nu."""
         return sqrt(self.gravity * self.depth) * self.depth / reynolds
 
     def leading_rate(self, viscosity: float) -> float:
@@ -57,9 +57,9 @@ class StandingWave:
         return 2.0 * viscosity * self.k**2
 
     def viscous_root(self, viscosity: float) -> complex:
-        """Complex rate n [1/s] of a wave exp(n t) in deep water of a viscosity [m2/s]: the root near i w of
-        (n + 2 nu k^2)^2 + w^2 = 4 nu^2 k^4 sqrt(1 + n / (nu k^2)) (Lamb, art. 349). -1 / real part is the decay time,
-        2 pi / imaginary part the period."""
+        """Complex rate n [1/s] of a wave exp(n t) in deep water of a viscosity [m2/s]: the root near i w of (n + 2 nu
+        k^2)^2 + w^2 = 4 nu^2 k^4 sqrt(1 + n / (nu k^2)) (Lamb, art. 349). -1 / real part is the decay time, 2 pi /
+        imaginary part the period."""
         if viscosity == 0.0:
             return 1j * self.omega
         shear = viscosity * self.k**2
@@ -69,7 +69,8 @@ class StandingWave:
         return complex(n)
 
     def steep_period(self, root: complex, times: np.ndarray) -> float:
-        """Period [s] that `fit_damped_cosine` finds in a wave exp(root t) that has this amplitude at the start.
+        """Period [s] that `fit_damped_cosine` finds at times (n,) [s] in a wave exp(root t) of this amplitude at the
+        start.
 
         At a steepness k a the frequency of linear theory rises by a share w2 (k a)^2 / 2 w0, with w0^2 = tanh(k h) and
         w2 = (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5) / 32 (Tadjbakhsh & Keller 1960, J. Fluid Mech. 8); in deep water it
@@ -85,22 +86,23 @@ class StandingWave:
         return self.fit_damped_cosine(times, np.cos(phase) * np.exp(root.real * times))[0]
 
     def unit_flow(self, position: np.ndarray) -> np.ndarray:
-        """Velocity (n, 3) [m/s] in linear theory of the wave of amplitude 1 m, as it passes through the still level."""
+        """Velocity (n, 3) [m/s] at positions (n, 3) [m] of the wave of amplitude 1 m while it is level, by linear
+        theory."""
         x, y = position[:, 0] + 0.5 * self.length, position[:, 1] + self.depth
         scale = self.gravity * self.k / self.omega / np.cosh(self.k * self.depth)
         along, up = -np.sin(self.k * x) * np.cosh(self.k * y), np.cos(self.k * x) * np.sinh(self.k * y)
         return scale * np.stack([along, up, np.zeros_like(x)], axis=1)
 
     def decaying_signal(self, times: np.ndarray, rate: float) -> np.ndarray:
-        """Velocity over its first amplitude at times [s], for a decay rate [1/s], in linear theory."""
+        """Velocity (n,) over its first amplitude at times (n,) [s], for a decay rate [1/s], in linear theory."""
         return np.cos(self.omega * times) * np.exp(-rate * times)
 
     def amplitude_ratio(self, rate: float) -> float:
-        """Amplitude over that of one period before, for a decay rate [1/s]."""
+        """Ratio of amplitudes one period apart, later over earlier, for a decay rate [1/s]."""
         return exp(-rate * self.period)
 
     def finding(self, numbers: tuple[Number, ...], times: np.ndarray, share: np.ndarray, rate: float) -> Finding:
-        """Finding of a run: its numbers, and its curve next to that of a decay rate [1/s]."""
+        """Finding with these numbers, and the measured curve `share` next to a wave that decays at a rate [1/s]."""
         return Finding(
             numbers,
             [Curve("wave", times / self.period, share)],
@@ -109,20 +111,19 @@ class StandingWave:
         )
 
     def amplitude_share(self, water: State) -> float:
-        """Share of the mode in the velocities of the water, over the amplitude at the start."""
+        """Velocity amplitude of the mode in the water, over that at the start; negative in the opposite direction."""
         mode = self.unit_flow(np.minimum(water.position, [np.inf, 0.0, np.inf]))
         return float((water.velocity * mode).sum() / (mode * mode).sum()) / self.amplitude
 
     def follow_mode(self, simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-        """Start the wave in water at rest and follow it: times [s], and the part of the velocity in its mode over the
-        first amplitude."""
+        """Start the wave in water at rest and run: times (n,) [s], and `amplitude_share` (n,) at them."""
         start = particle_state(simulation).position
         set_state(simulation, start, self.amplitude * self.unit_flow(start))
         return record_run(simulation, self.period / 60, self.amplitude_share)
 
     def fit_damped_cosine(self, times: np.ndarray, signal: np.ndarray) -> tuple[float, float]:
-        """Period [s] and decay rate [1/s] of the a cos(w t + b) exp(-c t) nearest to a signal, from a quarter of a
-        period on: before, the signal holds the sound of the start."""
+        """Period [s] and decay rate [1/s] of a cos(w t + b) exp(-c t), fitted to a signal (n,) at times (n,) [s] from a
+        quarter of a period on: before, the signal holds the sound of the start."""
         from scipy.optimize import curve_fit
 
         def model(t: np.ndarray, a: float, b: float, omega: float, rate: float) -> np.ndarray:
@@ -138,6 +139,7 @@ DEEP_WAVE = StandingWave(length=2.0, depth=1.0, mode=2, amplitude=0.05, gravity=
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The wave at Re 250, without viscosity, and (slow) at Re 2500; coarse: with twice the particle spacing."""
     return [
         wave_problem(250.0, coarse, {"delta_sph": 10.0}),
         wave_problem(None, coarse, {}),
@@ -146,7 +148,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], slow: bool = False) -> Problem:
-    """Set-up of the wave at a Reynolds number sqrt(g H) H / nu, or without viscosity."""
+    """Set-up of the wave at a Reynolds number sqrt(g H) H / nu (None: inviscid); `decay`: tolerances by scheme."""
     name = f"Re {reynolds:g}" if reynolds else "nu 0"
     viscosity = DEEP_WAVE.viscosity(reynolds) if reynolds else 0.0
     scene = {
@@ -166,7 +168,7 @@ def wave_problem(reynolds: float | None, coarse: bool, decay: dict[str, float], 
 
 
 def compare_wave(times: np.ndarray, share: np.ndarray, viscosity: float) -> Finding:
-    """Compare period and decay rate of a signal with those of cos(w t) exp(-2 nu k^2 t)."""
+    """Compare period and decay rate of a signal `share` (n,) at times (n,) [s] with theory for a viscosity [m2/s]."""
     period, rate = DEEP_WAVE.fit_damped_cosine(times, share)
     expected, root = DEEP_WAVE.leading_rate(viscosity), DEEP_WAVE.viscous_root(viscosity)
     effective = rate / DEEP_WAVE.leading_rate(1.0)

@@ -16,6 +16,7 @@ DISPERSION_SOURCE, DECAY_SOURCE = "w^2 = g k tanh(k h)", "2 nu k^2, Lamb, Hydrod
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Shallow and deep waves with several numbers of layers; coarse: one shallow wave with 8 layers."""
     shallow = [
         wave_problem(SHALLOW_WAVE, "kh 1", layers, 1000.0, 4.0, {"delta_sph": 1.0, "dfsph": 2.0}, {"delta_sph": 25.0})
         for layers in (8, 16)
@@ -39,7 +40,8 @@ def wave_problem(
     period: dict[str, float],
     decay: dict[str, float],
 ) -> Problem:
-    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu, for numbers of layers of particles and of periods."""
+    """Set-up of a wave at a Reynolds number sqrt(g h) h / nu, with so many layers of particles, over so many periods;
+    `period` and `decay`: tolerances [%] by scheme."""
     spacing, viscosity = wave.depth / layers, wave.viscosity(reynolds)
     width = LAYERS_ACROSS * spacing
     scene = {
@@ -56,7 +58,7 @@ def wave_problem(
 
 
 def measure_wave(simulation: Simulation, wave: StandingWave, viscosity: float) -> Finding:
-    """Measure period and decay rate of the part of the velocity in the mode of the wave."""
+    """Run, and compare period and decay rate of a wave with theory for a viscosity [m2/s]."""
     times, share = wave.follow_mode(simulation)
     period, rate = wave.fit_damped_cosine(times, share)
     expected = wave.leading_rate(viscosity)

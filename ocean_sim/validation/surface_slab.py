@@ -27,6 +27,7 @@ LEVEL_SOURCE = "mean offset below a tenth of a spacing, as for a ball of particl
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One slab; coarse: with twice the particle spacing."""
     spacing = 0.2 if coarse else 0.1
     scene = {
         "duration": FRAME_INTERVAL,
@@ -45,12 +46,12 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def smoothing_loss(spacing: float, apart: float) -> float:
-    """Share of the height of a wave lost between particles `spacing` [m] and nodes `apart` [m] from each other."""
+    """Share of a wave's height lost by smoothing, for a particle spacing and a node distance `apart` [m]."""
     return (K * POLY6_RADIUS * spacing) ** 2 / 20.0 + (K * apart) ** 2 / 12.0
 
 
 def wave_positions(position: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) [m] of the particles with the wave on them."""
+    """Positions (n, 3) [m] of particles, sheared vertically so that their surface is the wave."""
     moved = position.copy()
     share = np.clip((position[:, 1] + DEPTH) / (DEPTH - RIGID_DEPTH), 0.0, 1.0)
     moved[:, 1] += share * AMPLITUDE * np.cos(K * position[:, 0])
@@ -58,7 +59,7 @@ def wave_positions(position: np.ndarray) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the surface along the middle of the slab, after it has settled, against the wave put on the particles."""
+    """Shear the slab, let the surface settle, and compare it along the middle with the wave."""
     start = particle_state(simulation).position
     set_state(simulation, wave_positions(start), np.zeros_like(start))
     surface: Any = simulation.surface

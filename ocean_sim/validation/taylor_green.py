@@ -26,6 +26,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One periodic square with 50 (coarse: 25) particles to its side."""
     scene = {
         "duration": 1.0,
         "basin": {
@@ -52,7 +53,7 @@ def exact_flow(position: np.ndarray, time: float) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Disturb the lattice and set it in motion, then measure the decay."""
+    """Disturb the lattice, start the exact flow, run, and compare its decay with theory."""
     start = particle_state(simulation)
     low, period = np.array(simulation.basin.lower), np.array(simulation.basin.periods)
     at = start.position + random_shifts(simulation, start.position, SHIFT_SIZE * start.spacing)
@@ -63,7 +64,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def compare_decay(waters: list[State]) -> Finding:
-    """Compare vortices at several moments with the exact ones."""
+    """Compare states of the vortices at successive times with the exact flow."""
     times = np.array([water.time for water in waters])
     fastest = np.array([water.max_speed for water in waters])
     last = waters[-1]

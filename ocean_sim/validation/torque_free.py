@@ -15,6 +15,7 @@ REFERENCE_ORIENTATION = np.array([-0.84949542, 0.21516101, -0.09205273, -0.47285
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One spinning body, independent of `coarse`."""
     box = {
         "shape": {"kind": "box", "length": 1.0, "breadth": 1.0, "height": 1.0},
         "mass": 500.0,
@@ -31,7 +32,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the errors of orientation, energy and angular momentum at the end."""
+    """Run for a minute; errors of orientation [deg], energy and angular momentum (relative) at the end."""
     ship = ship_of(simulation)
     set_pose(simulation, position=np.array([0.0, AIR_HEIGHT, 0.0]), angular_momentum=ship.body.angular_momentum)
     energy = lambda b: 0.5 * float(b.angular_velocity @ b.angular_momentum)

@@ -25,7 +25,7 @@ SENSOR_POINTS = 9  # over the height of a sensor
 
 @dataclass(frozen=True)
 class Sensor:
-    """Range of heights over which pressure was measured, and the table of it."""
+    """Pressure sensor of a reference: its range of heights on the wall, and the table of its record."""
 
     name: str
     low: float  # [H]
@@ -45,6 +45,7 @@ PROMISES = tuple(
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One dam break, with 80 (coarse: 20) particles over the height of the column."""
     left = -TANK_LENGTH * HEIGHT / 2
     scene = {
         "duration": END_TIME / np.sqrt(GRAVITY / HEIGHT).item(),
@@ -64,7 +65,7 @@ def scaled_time(time: np.ndarray, g: float, height: float) -> np.ndarray:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the mean pressure on both sensors over time, and compare it with the tables."""
+    """Run, and compare the mean pressure on each sensor over time with its table."""
     wall, duration = simulation.basin.upper[0], simulation.scene.duration
     heights = np.stack([np.linspace(sensor.low, sensor.high, SENSOR_POINTS) for sensor in SENSORS]) * HEIGHT
     points = np.stack([np.full(heights.size, wall), heights.ravel() - HEIGHT, np.zeros(heights.size)], axis=1)
@@ -75,7 +76,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
-    """Arrival time t* and impulse of a pressure p*(t*), after a moving mean; its times need not be even."""
+    """Arrival time t* and impulse [p* t*] of a pressure p* (n,) at times t* (n,), even or not, after a moving mean."""
     even = np.arange(0.0, END_TIME, 0.01)
     order = np.argsort(time, kind="stable")
     width = round(MEAN_TIME / 0.01)
@@ -86,7 +87,7 @@ def arrival_and_impulse(time: np.ndarray, pressure: np.ndarray) -> tuple[float, 
 
 
 def compare_pressures(time: np.ndarray, pressure: np.ndarray) -> Finding:
-    """Compare pressures p*(t*), a column a sensor, with both tables."""
+    """Compare pressures p* (n, 2), a column for each of SENSORS, at times t* (n,) with the tables."""
     numbers: list[Number] = []
     measured, expected = [], []
     for k, sensor in enumerate(SENSORS):

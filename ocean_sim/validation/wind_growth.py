@@ -35,6 +35,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """One periodic wave, with 64 (coarse: 32) particles to its length."""
     scene = {
         "duration": PERIODS * PERIOD,
         "basin": {"length": WAVELENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},
@@ -49,7 +50,7 @@ def problems(coarse: bool) -> list[Problem]:
 
 
 def wave_amplitude(water: State) -> float:
-    """Amplitude [m] of the case's wave along +x, from the velocities of the water."""
+    """Amplitude [m] of the wave that travels along +x, from the velocities of the water."""
     position, velocity = water.position, water.velocity
     c, s = waves.profiles(K, np.minimum(position[:, 1], 0.0), DEPTH)
     turn = np.exp(-1j * K * position[:, 0])
@@ -58,13 +59,13 @@ def wave_amplitude(water: State) -> float:
 
 
 def growth_rate(times: np.ndarray, sizes: np.ndarray) -> float:
-    """Growth rate of the wave's energy [1/s] after the first period."""
+    """Growth rate [1/s] of the wave's energy after the first period, from amplitudes `sizes` (n,) at times (n,) [s]."""
     later = times > PERIOD
     return 2.0 * float(np.polyfit(times[later], np.log(sizes[later]), 1)[0])
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the growth of the wave under the wind and under still air."""
+    """Run under the wind and under still air, and compare the growth rates of the wave with theory."""
     times, under_wind = record_run(simulation, PERIOD / 20, wave_amplitude)
     with without_wind(simulation) as without:
         _, under_still = record_run(without, PERIOD / 20, wave_amplitude)

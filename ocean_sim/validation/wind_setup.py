@@ -35,6 +35,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """The basin with 10 layers of particles and, unless coarse, with 20 (slow)."""
     return [basin_problem(10)] if coarse else [basin_problem(10), basin_problem(20, slow=True)]
 
 
@@ -52,8 +53,8 @@ def basin_problem(layers: int, slow: bool = False) -> Problem:
 
 
 def mean_slopes(simulation: Simulation, begin: float, until: float) -> tuple[float, float, np.ndarray]:
-    """Mean slopes of the pressure on the bed (over rho g) and of the surface, and heights above the bed [m] and speeds
-    [m/s] (n, 2) of the particles in the middle."""
+    """Run to a time [s]; mean slopes, from `begin` [s] on, of bed pressure (over rho g) and of surface, and heights [m]
+    and speeds [m/s] (n, 2) of particles in the middle."""
     x = np.linspace(-PARALLEL_HALF_LENGTH, PARALLEL_HALF_LENGTH, 21)
     bed = np.stack([x, np.full_like(x, -DEPTH), np.zeros_like(x)], axis=1)
     pressure, height, flow = [], [], []
@@ -68,7 +69,7 @@ def mean_slopes(simulation: Simulation, begin: float, until: float) -> tuple[flo
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure means over the last fifth of the run, and briefly those of the same water without wind."""
+    """Run with and without wind, and compare slopes and surface drift over the last fifth with laminar flow."""
     until = simulation.scene.duration
     on_bed, on_top, flow = mean_slopes(simulation, 0.8 * until, until)
     with without_wind(simulation) as without:

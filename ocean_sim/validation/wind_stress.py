@@ -26,12 +26,14 @@ SOURCE_TEXT = "dP/dt = tau A, exact"
 
 
 def problems(coarse: bool) -> list[Problem]:
+    """Slices of several spacings in single and double precision; coarse: fewer layers."""
     if coarse:
         return [slice_problem(DEPTH / 5, "f32"), slice_problem(DEPTH / 10, "f64")]
     return [*(slice_problem(DEPTH / n, "f32") for n in (10, 20)), slice_problem(DEPTH / 20, "f64")]
 
 
 def slice_problem(spacing: float, precision: str) -> Problem:
+    """Set-up of a periodic slice with a particle spacing [m], in a precision, `f32` or `f64`."""
     name = f"spacing {spacing:g} m" if precision == "f32" else f"spacing {spacing:g} m, {precision}"
     limit = {"delta_sph": MOMENTUM_TOLERANCE[precision]}
     scene = {
@@ -50,13 +52,13 @@ def slice_problem(spacing: float, precision: str) -> Problem:
 
 
 def gained_momentum(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """Run to the end: times (n,) [s] and gain of momentum along x (n,) [N s] since the start."""
+    """Run to the end: times (n,) [s], and momentum along x (n,) [N s] gained since the start."""
     times, momentum = record_run(simulation, DURATION / 20, lambda water: water.momentum[0])
     return times, momentum - momentum[0]
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Measure the momentum over time, under the wind and under still air."""
+    """Run with and without wind, and compare the gain of momentum with stress times plan area."""
     times, momentum = gained_momentum(simulation)
     water: Any = simulation.fluid  # of a kind that has exposed areas
     reached = np.count_nonzero(water.exposure.area.to_numpy()[:, 1])
@@ -74,12 +76,12 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
-    """Keys of a wind along +x that exerts a stress [Pa]; its gain replaces the law of Wu."""
+    """Keys of a wind along +x with a stress [Pa], set by its gain; `keys`: further ones."""
     return {"kind": "stress", "u10": WIND_SPEED, "heading_deg": 90.0, "gain": stress / WU_STRESS, **keys}
 
 
 def without_wind(simulation: Simulation) -> Simulation:
-    """The simulation of the same scene without wind, from the start."""
+    """New simulation of the same scene without wind."""
     assert isinstance(simulation.scene, SceneConfig)
     return Simulation(
         simulation.scene.model_copy(update={"wind": config_of("wind", "still").model_validate({"kind": "still"})})

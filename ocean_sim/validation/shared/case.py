@@ -21,7 +21,7 @@ Number = tuple[float | None, float | None, float | None]
 
 @dataclass(frozen=True)
 class Promise:
-    """A number to be measured: the unit of its error, the largest error of each scheme, and their source."""
+    """A quantity that a case measures: name, unit of its error, source of its reference, and tolerance by scheme."""
 
     quantity: str
     unit: str
@@ -30,7 +30,7 @@ class Promise:
     """Tolerance by scheme; the error of any other scheme is only reported."""
 
     def row(self, case: str, scheme: str, value: float | None, reference: float | None, error: float | None) -> dict:
-        """One row of the table of results; a number that could not be measured misses its tolerance."""
+        """Row of the results table (ROW_KEYS) for one run; an error of None misses its tolerance."""
         tolerance = self.tolerance.get(scheme)
         numbers = {"value": value, "reference": reference, "error": error}
         return {
@@ -45,7 +45,7 @@ class Promise:
         }
 
     def coarsened(self, case: str) -> "Promise":
-        """Promise at coarse resolution: the fine one, unless the table of coarse tolerances has its quantity."""
+        """Copy with the tolerances of the table `coarse` added; itself if the table has no row of this quantity."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self
@@ -54,7 +54,7 @@ class Promise:
 
 @dataclass(frozen=True)
 class Curve:
-    """Line of a plot, or its points."""
+    """Line of a plot, or points: label and coordinates."""
 
     label: str
     x: np.ndarray
@@ -74,7 +74,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Problem:
-    """One set-up of a case."""
+    """One set-up of a validation case: its scene, promised quantities, and the function that measures them."""
 
     scene: dict[str, Any]
     promises: tuple[Promise, ...]
@@ -89,17 +89,17 @@ class Problem:
     """Schemes that run by default. Every kind of fluid can run what `delta_sph` runs; else no other scheme can."""
 
     def load(self, scheme: str, overrides: Mapping[str, Any] | None = None) -> SceneConfig:
-        """Scene of the set-up under a scheme, without observers."""
+        """Read the scene with this scheme, and `overrides` by key, without observers."""
         part = self.scene[self.slot] | {"kind": scheme}
         return load_without_observers(self.scene | {self.slot: part}, overrides)
 
     def schemes_for(self, asked: list[str]) -> list[str]:
-        """Schemes that are asked for and fit the set-up; if none are asked for, the set-up's own."""
+        """Those of the schemes `asked` that fit the set-up; its default schemes if none are asked for."""
         fitting = kinds("fluid") if "delta_sph" in self.schemes else self.schemes
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """Run the set-up under a scheme: rows of the table, and the finding; rows say so if the run diverged."""
+        """Run under a scheme: rows of the results table, and finding; it is empty if the run diverged, as rows say."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
@@ -110,7 +110,7 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """The coarse set-up with its own tolerances; slow if a gate has no time for it or it has none to judge."""
+        """Copy with tolerances for coarse resolution; slow if it is too long for the gate, or has no tolerance."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()
@@ -118,30 +118,30 @@ class Problem:
 
 
 def load_without_observers(scene: dict[str, Any], overrides: Mapping[str, Any] | None = None) -> SceneConfig:
-    """Read a scene, and leave out all observers that it need not have."""
+    """Read a scene, with settings `overrides` by key, and drop all observers except the manifest."""
     return load(scene | {name: None for name in observer_names() if name != "manifest"}, dict(overrides or {}))
 
 
 def other_simulation(simulation: Simulation, scene: dict[str, Any]) -> Simulation:
-    """Simulation of another scene without observers, on the same processor."""
+    """Simulation of another scene, without observers, with the processor and precision of the given one."""
     return Simulation(load_without_observers(scene | {"runtime": simulation.scene.resolved()["runtime"]}))
 
 
 def percent_error(value: float, reference: float) -> Number:
-    """Value, reference and percentage error of the value."""
+    """Value, reference, and error of the value in percent of the reference."""
     return value, reference, 100.0 * (value / reference - 1.0)
 
 
 def absolute_error(value: float, reference: float = 0.0) -> Number:
-    """Value, reference and difference between them."""
+    """Value, reference, and their difference as the error."""
     return value, reference, value - reference
 
 
 def reported(value: float) -> Number:
-    """Value without reference or error, which is only reported."""
+    """Value that is reported only: without reference and error."""
     return value, None, None
 
 
 def free_space(length: float, depth: float) -> dict[str, Any]:
-    """Keys of a basin of a length and depth [m] without gravity, walls or floor."""
+    """Scene keys of a basin of a length and depth [m] without gravity, walls or floor."""
     return {"length": length, "depth": depth, "gravity": [0.0, 0.0, 0.0], "walls": "none", "floor": "none"}

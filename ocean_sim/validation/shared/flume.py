@@ -13,7 +13,7 @@ MIN_FIT_SHARE = 1e-3  # regularisation: amplitude over the largest that the reco
 
 
 def flume_scene(length: float, depth: float, spacing: float, duration: float, piston: dict[str, Any]) -> dict[str, Any]:
-    """Scene of a length, depth and spacing [m] and a duration [s]; `piston` has keys of the wavemaker."""
+    """Scene of a flume: length, depth, spacing [m], duration [s]; `piston`: keys of the wavemaker beside its wall."""
     return {
         "duration": duration,
         "basin": {
@@ -34,7 +34,7 @@ def gauge_records(simulation: Simulation, points: np.ndarray, every: float) -> t
 def resample_evenly(
     times: np.ndarray, elevation: np.ndarray, begin: float, every: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate records (n, m) to even times (k,) [s] from `begin` [s] on: the times, and records (k, m)."""
+    """Interpolate records (n, m) to even times (k,), `every` [s] from `begin` on; returns times and records (k, m)."""
     even = np.arange(begin, times[-1], every)
     return even, np.stack([np.interp(even, times, column) for column in elevation.T], axis=1)
 
@@ -42,7 +42,7 @@ def resample_evenly(
 def reflection_ratio(
     every: float, elevation: np.ndarray, positions: np.ndarray, depth: float, band: tuple[float, float]
 ) -> float:
-    """Height of the reflected waves over that of the incident ones, from records (n, m) at positions (m,) [m] along the
+    """Height of reflected over incident waves, from records (n, m) [m] `every` [s] at positions (m,) [m] along the
     waves, in a band of frequencies [Hz].
 
     Waves of the dispersion relation that run both ways are fitted to all records at once, by least squares in space and
@@ -56,7 +56,7 @@ def reflection_ratio(
     k = waves.wavenumber(omega, depth)
 
     def wave_columns(x: np.ndarray, way: float) -> np.ndarray:
-        """Columns (n * len(x), 2 * frequencies) of waves that run up the positions, or down (`way` -1)."""
+        """Columns (n * len(x), 2 * frequencies), cosines and sines at x [m], of waves towards +x, or -x (`way` -1)."""
         angle = way * np.outer(x, k)[None] - np.outer(time, omega)[:, None]
         return np.concatenate([np.cos(angle), np.sin(angle)], axis=2).reshape(n * len(x), -1)
 

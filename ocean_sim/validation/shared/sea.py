@@ -15,7 +15,7 @@ SPECTRAL_SCHEMES = ("spectral_sea",)
 
 
 def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500.0, **keys: Any) -> dict[str, Any]:
-    """Scene of a tile of a side [m] and a number of cells along it; calm water unless `keys` of the fluid say more."""
+    """Scene of a tile of a side [m] and so many cells along it, 2-D if `slice_`; calm without `keys` of the fluid."""
     basin = {"length": side, "depth": depth, "walls": "none"} | ({} if slice_ else {"width": side})
     return {
         "duration": 1.0,
@@ -26,25 +26,25 @@ def tile_scene(side: float, cells: int, slice_: bool = False, depth: float = 500
 
 
 def sea_of(simulation: Simulation) -> "SpectralSea":
-    """The water of a simulation under `spectral_sea`."""
+    """Fluid of a simulation, typed as SpectralSea."""
     return cast("SpectralSea", simulation.fluid)
 
 
 def nearest_image(tile: Tile, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x (cells, 1) and z (1, rows) [m] of the nearest image of each cell, from a centre (2,) [m]."""
+    """Distances x (cells, 1) and z (1, rows) [m] from a centre (2,) [m] to the nearest periodic image of each cell."""
     x, z = tile.nodes()
     dx, dz = x - centre[0], z - centre[1]
     return (dx - tile.side * np.round(dx / tile.side))[:, None], (dz - tile.width * np.round(dz / tile.width))[None, :]
 
 
 def smooth_ramp(share: float) -> float:
-    """Ramp from 0 to 1 without a jump in speed, over a share from 0 to 1; 1 beyond."""
+    """Smooth step s^2 (3 - 2 s) for a `share` s: from 0 at 0 to 1 at 1 without a jump in slope, and 1 beyond."""
     part = min(1.0, share)
     return part**2 * (3.0 - 2.0 * part)
 
 
 def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
-    """Set an elevation (cells, rows) [m] of a layer and the potential with which it travels towards +x."""
+    """Give a layer an elevation (cells, rows) [m] and the surface potential with which it travels towards +x."""
     tile = layer.tile
     e, omega = tile.to_modes(eta), np.where(tile.omega > 0.0, tile.omega, np.inf)
     layer.eta = tile.to_values(e)
@@ -52,7 +52,7 @@ def travel_ahead(layer: Layer, eta: np.ndarray) -> None:
 
 
 def stokes_wave(steepness: float, k: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Elevation [m] and surface potential [m2/s] of a deep-water wave of height 2 steepness / k with a crest at x = 0,
+    """Elevation [m] and surface potential [m2/s] at x [m] of a deep-water wave of height 2 steepness / k, crest at 0,
     and its speed [m/s]: Stokes's series to the fifth order after Fenton (1985, J. Waterway 111)."""
     s, angle = steepness, k * x
     first = s - 0.375 * s**3 - 422.0 / 384.0 * s**5

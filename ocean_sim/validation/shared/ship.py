@@ -24,7 +24,7 @@ COMPARED_SHIPS = compared("ship")  # the kinds that studies compare
 
 
 def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, **waves: float) -> dict[str, Any]:
-    """Scene of a ship of a size [m] on a wide and deep sea, calm unless `waves` are given; step and duration [s]."""
+    """Scene of a ship of a `size` [m] on a wide, deep sea, calm without keys `waves`; step `dt` and duration [s]."""
     return {
         "duration": duration,
         "basin": {"length": 40.0 * size, "width": 40.0 * size, "depth": 20.0 * size, "walls": "none"},
@@ -38,8 +38,8 @@ def at_sea(ship: dict[str, Any], size: float, dt: float, duration: float = 1.0, 
 def ship_of_section(
     breadth: float, height: float, bilge: float, length: float, mass: float, kg: float, roll_radius: float, cells: int
 ) -> dict[str, Any]:
-    """Keys of a ship of one section with round bilges and flat ends: breadth, height over the keel, bilge radius and
-    length [m], mass [kg], height `kg` of its centre over the keel and radius of roll inertia [m]."""
+    """Ship keys of a prismatic hull with round bilges and flat ends: breadth, height over the keel, bilge radius,
+    length [m], mass [kg], height `kg` of the centre of mass over the keel, and radius of roll inertia [m]."""
     angles, inner = np.linspace(0.0, pi / 2.0, BILGE_CORNERS + 1), breadth / 2.0 - bilge
     side = [(breadth / 2.0, height)] + [(inner + bilge * cos(a), bilge - bilge * sin(a)) for a in angles]
     points = [[float(x), float(y), end * length / 2.0] for x, y in side for end in (1.0, -1.0)]
@@ -56,37 +56,37 @@ def ship_of_section(
 
 
 def first_harmonics(t: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
-    """Amplitudes (k,) of records (n, k) over times (n,) [s] at a frequency [rad/s], fitted with a mean and a trend."""
+    """Amplitudes (k,) of records (n, k) at times (n,) [s] at a frequency [rad/s], fitted with mean and trend."""
     base = np.stack([np.cos(omega * t), np.sin(omega * t), np.ones_like(t), t], axis=1)
     fit = np.linalg.lstsq(base, values, rcond=None)[0]
     return np.hypot(fit[0], fit[1])
 
 
 def ship_of(simulation: Simulation) -> "Ship":
-    """The ship `ship` of a simulation."""
+    """Ship that the simulation has under the name `ship`."""
     return simulation.ships["ship"]
 
 
 def floating_ship(simulation: Simulation) -> "FloatingShip":
-    """The ship `ship`, of a kind that floats by its volume."""
+    """Ship of the simulation, typed as FloatingShip."""
     return cast("FloatingShip", simulation.ships["ship"])
 
 
 def set_pose(simulation: Simulation, **changes: Any) -> None:
-    """Replace parts of the state of the ship's body; velocity and angular momentum become 0 unless given."""
+    """Replace fields of the ship's body, given by name; velocity and angular momentum become 0 unless given."""
     ship = ship_of(simulation)
     still = {"velocity": np.zeros(3), "angular_momentum": np.zeros(3)}
     ship.body = replace(ship.body, **(still | changes))
 
 
 def current_load(simulation: Simulation) -> "Load":
-    """Load on the ship in its present pose."""
+    """Load (force and torque) on the ship in its present pose."""
     surface = simulation.surface or simulation.fluid
     return ship_of(simulation).load(simulation.wind_on_ship, simulation.fluid, surface)
 
 
 def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
-    """Turn the ship to an orientation and move it to where weight and buoyancy balance; returns its load there."""
+    """Turn the ship to an orientation (quaternion), and lift or lower it to where it floats; its load there."""
     shape = floating_ship(simulation).shape
     assert shape is not None
     span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))
@@ -100,21 +100,21 @@ def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
 
 
 def turn_quaternion(axis: int, degrees: float) -> np.ndarray:
-    """Quaternion of a turn [deg] about axis 0 (x), 1 (y) or 2 (z)."""
+    """Unit quaternion (4,), real part first, of a turn [deg] about axis 0 (x), 1 (y) or 2 (z)."""
     half = np.radians(degrees) / 2.0
     return np.concatenate([[np.cos(half)], np.sin(half) * np.eye(3)[axis]])
 
 
 def follow_body(simulation: Simulation, until: float) -> Iterator[tuple[float, "RigidBody"]]:
-    """Run until a time [s], and yield the time [s] and the body after every step."""
+    """Run until a time [s]; yield time [s] and body of the ship after every step."""
     while simulation.time < until:
         simulation.step()
         yield simulation.time, ship_of(simulation).body
 
 
 def record_in_waves(simulation: Simulation, rest: float, height: float, period: float, heading: float) -> np.ndarray:
-    """Put the ship upright at the height `rest` [m] into regular waves of a height [m], a period [s] and a heading
-    [deg], and run: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] in the last waves."""
+    """Run the ship, at first upright at the height `rest` [m], in regular waves of a height [m], period [s] and heading
+    [deg]: rows (7, n) of time [s], position [m], pitch, yaw and roll [rad] over the last JUDGED_WAVES waves."""
     fluid: Any = simulation.fluid  # of kind linear_waves
     clock: Any = simulation.time_step  # of kind fixed
     set_pose(simulation, position=np.array([0.0, rest, 0.0]), orientation=UPRIGHT)
@@ -126,7 +126,7 @@ def record_in_waves(simulation: Simulation, rest: float, height: float, period: 
 
 
 def zero_crossing_period(times: np.ndarray, values: np.ndarray) -> float:
-    """Period [s] of a signal: twice the mean time between its crossings of zero."""
+    """Period [s] of a signal (n,) at times (n,) [s]: twice the mean time between its crossings of zero."""
     k = np.flatnonzero(values[1:] * values[:-1] < 0.0)
     crossings = times[k] + (times[k + 1] - times[k]) * values[k] / (values[k] - values[k + 1])
     return 2.0 * float(np.diff(crossings).mean())

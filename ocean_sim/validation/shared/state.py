@@ -16,7 +16,7 @@ SHIFT_STREAM = 501  # of the random numbers that disturb a lattice
 
 @dataclass(frozen=True)
 class State:
-    """All particles at one moment, in f64."""
+    """State of all particles at one time, in the order of their ids, in double precision."""
 
     time: float  # [s]
     mass: float  # [kg] of each
@@ -49,7 +49,7 @@ class State:
 
 
 def particle_state(simulation: Simulation) -> State:
-    """State of all particles now."""
+    """Read the present state of all particles."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = np.argsort(particles.id.to_numpy())
@@ -61,7 +61,7 @@ def particle_state(simulation: Simulation) -> State:
 def set_state(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
-    """Restart from positions, velocities and, if a scheme steps its density, pressures, in the order of the ids."""
+    """Restart from positions (n, 3) [m], velocities (n, 3) [m/s] and, to step density, pressures (n,), by id."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = particles.id.to_numpy()
@@ -74,14 +74,14 @@ def set_state(
 
 
 def random_shifts(simulation: Simulation, at: np.ndarray, size: float) -> np.ndarray:
-    """Random vectors (n, 3), one for each position (n, 3), within a cube of half-width `size`; flat in 2-D."""
+    """Random vectors (n, 3), one for each position `at` (n, 3), within a cube of half-width `size`; flat in 2-D."""
     random = size * numpy_uniform3(simulation.scene.seed, SHIFT_STREAM, np.arange(len(at)), 0)
     random[:, simulation.basin.dimension :] = 0.0
     return random
 
 
 def sampled_states(simulation: Simulation, until: float, every: float) -> Iterator[State]:
-    """Yield the state now and about every `every` [s] until a time [s]; raises Diverged once it is not finite."""
+    """Yield states from now until a time [s], about `every` [s] apart; raises Diverged if one is not finite."""
     yield particle_state(simulation)
     for moment in np.arange(every, until + 0.5 * every, every):
         simulation.run(until=float(moment))
@@ -93,7 +93,7 @@ def sampled_states(simulation: Simulation, until: float, every: float) -> Iterat
 def record_run(
     simulation: Simulation, every: float, quantity: Callable[[State], float | Sequence[complex] | np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) [s] about `every` [s] apart over the whole run, and a quantity of each state, (n,) or (n, m)."""
+    """Run to the end: times (n,) [s], about `every` [s] apart, and values of `quantity` at them, (n,) or (n, m)."""
     seen = [(state.time, quantity(state)) for state in sampled_states(simulation, simulation.scene.duration, every)]
     times, values = zip(*seen)
     return np.array(times), np.array(values)

@@ -12,18 +12,18 @@ from ocean_sim.files import csv_file
 
 
 def table_path(name: str) -> Path:
-    """Path of a table in `data/`."""
+    """Path of the table validation/data/<name>.csv."""
     return Path(__file__).parents[1] / "data" / f"{name}.csv"
 
 
 def table(name: str) -> dict[str, np.ndarray]:
-    """Columns of data/<name>.csv by name."""
+    """Columns of the table validation/data/<name>.csv by name."""
     return csv_file.Table(table_path(name))
 
 
 @cache
 def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
-    """Tolerances of each scheme that misses its fine one at coarse resolution, by case and quantity."""
+    """Tolerances at coarse resolution, by (case, quantity), and then by each scheme that misses the fine one."""
     found: dict[tuple[str, str], dict[str, float]] = {}
     for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
         found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
@@ -32,6 +32,6 @@ def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
 
 @cache
 def too_long_for_gate() -> dict[tuple[str, str], float]:
-    """Processor time [s], kernels in the cache, of set-ups that take too long for a gate, by case and set-up."""
+    """Processor time [s], with compiled kernels, of set-ups too long for the gate, by (case, set-up)."""
     rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

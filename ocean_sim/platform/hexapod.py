@@ -121,9 +121,8 @@ class Moving:
         return lengths, speeds, limited
 
     def return_home(self, past: np.ndarray, time: float, seq: int) -> Commands:
-        """Commands that bring the platform from its last two poses `past` (2, 6), the last at `time` [s] in row `seq`,
-        back to neutral within its ramp: it glides on, within acceleration and stroke of every leg. Slow legs take more
-        rows."""
+        """Commands that glide from poses `past` (2, 6), the last at `time` [s] in row `seq`, back to neutral within the
+        ramp, as far as acceleration and stroke of the legs allow; slow legs take more rows."""
         lengths, every, machine = self.hexapod.legs(past), self.every, self.geometry
         longest = (
             machine.longest - machine.shortest

@@ -52,14 +52,14 @@ Varied = dict[str, list[Node]]
 
 @dataclass(frozen=True)
 class Budget:
-    """Time that a run may take on an idle machine: per 1/60 s simulated [ms], per simulated second, or in all [s]."""
+    """Time limit of a run on an idle machine: per 1/60 s simulated [ms], per second simulated [s], or in all [s]."""
 
     name: str
     most: float
 
     @classmethod
     def of(cls, text: str) -> "Budget":
-        """Budget from a text: `realtime`, or a time as 16ms or 30s. Raises ValueError for any other."""
+        """Budget from a text: `realtime`, or a time such as 16ms or 30s. Raises ValueError for any other."""
         found = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)|realtime", text.strip())
         if found is None or (found[1] and float(found[1]) <= 0.0):
             raise ValueError(
@@ -68,27 +68,28 @@ class Budget:
         return cls(text.strip(), float(found[1]) if found[1] else 1.0)
 
     def seconds(self, row: dict[str, Any]) -> float | None:
-        """Time [s] that the budget limits: per simulated second, or of the whole run with compilation. The less of wall
-        time (more where a run waits) and processor time (more on several cores) counts; None if unknown."""
+        """Time [s] of the kind that the budget limits, from a row of costs: per simulated second, or in all with
+        compilation; the less of wall and processor time, as either can be raised by waiting or by several cores. None
+        if unknown."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
     def spent(self, row: dict[str, Any]) -> float | None:
-        """Time that a run takes, in the unit of the budget's limit `most`; None if unknown."""
+        """Time that a run, in a row of costs, took in the unit of the limit `most`; None if unknown."""
         cost = self.seconds(row)
         return 1e3 * cost / 60.0 if cost is not None and self.name.endswith("ms") else cost
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One combination of the varied values by key, and its scenes, one for each seed."""
+    """One combination of the varied values, by key, with one scene for each seed; `finest`: the reference."""
 
     values: dict[str, Any]
     scenes: tuple[SceneConfig, ...]
     finest: bool
 
     def line(self) -> str:
-        """Options of `ocean-sim run SCENE` for this setting."""
+        """Command-line options of `ocean-sim run SCENE` that select this setting."""
         words = [f"--profile {self.values['profile']}"] if "profile" in self.values else []
         for key, value in self.values.items():
             if key != "profile":
@@ -99,21 +100,21 @@ class Setting:
 
 @dataclass(frozen=True)
 class Repeat:
-    """Run of a setting with one of its seeds."""
+    """One run of a study: a setting with one of its seeds."""
 
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order of this run, as plain data."""
+        """Order of this run: plain data for the process that makes it."""
         return run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row: the answer of the run, with its folder under the key `run`."""
+        """One row: outcome, costs and measures of the run, with its result folder under the key `run`."""
         return [answer | {"run": run}]
 
 
 def vary_setting(texts: list[str]) -> Varied:
-    """Values by key, from texts KEY=A,B,C; raises SceneError."""
+    """Parse texts KEY=A,B,C into values by key; raises SceneError if a text is malformed."""
     found: Varied = {}
     for text in texts:
         key, equals, values = text.partition("=")
@@ -128,7 +129,7 @@ def vary_setting(texts: list[str]) -> Varied:
 
 
 def finest_setting(key: str, values: list[Any]) -> Any:
-    """The finest value: last in a known order of names, or least number, or greatest for keys MORE_IS_FINER."""
+    """Finest value of a key: last in a known order, greatest for keys MORE_IS_FINER, else the least number."""
     place, _, name = key.rpartition(".")
     if key in FROM_COARSE or (slot_of(place) in SLOTS and name == "kind"):
         order = FROM_COARSE.get(key) or from_coarse(slot_of(place))
@@ -139,7 +140,7 @@ def finest_setting(key: str, values: list[Any]) -> Any:
 
 
 def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: Varied, quick: bool) -> list[Setting]:
-    """Settings of all combinations of values, each with one seed more, to test the best setting; raises SceneError."""
+    """Settings of all combinations of values, each with a seed to spare, to test the best one; raises SceneError."""
     count = prod(map(len, vary.values()))
     if not 2 <= count <= MOST_SETTINGS:
         location = Location("--vary")
@@ -165,7 +166,7 @@ def setting_grid(scene: str, profile: str | None, sets: dict[str, Node], vary: V
 
 
 def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: int) -> tuple[SceneConfig, ...]:
-    """Scenes with `count` successive seeds, without pictures, and with a gauge if without ships and gauges."""
+    """Scenes with `count` successive seeds and without pictures; one without ships and gauges gets a gauge."""
     quiet: dict[str, Any] = dict.fromkeys(PICTURE_OBSERVERS) | sets
     first = load(scene, quiet, profile)
     if not first.ships and "gauges" not in first.observers:
@@ -175,7 +176,7 @@ def _with_seed(scene: str, profile: str | None, sets: dict[str, Node], count: in
 
 
 def errors_against(result: Result, reference: Result) -> dict[str, float | None]:
-    """Differences of a run from the reference by quantity: rms over time, wave heights, periods [m, rad, s]."""
+    """Errors of a run against a reference run, by quantity: rms over time, wave heights, wave periods [m, rad, s]."""
     found: dict[str, float | None] = {}
     legs = []
     motions = [f"{name}_{unit}" for name in Motions._fields for unit in ("m", "rad")]
@@ -202,7 +203,7 @@ def errors_against(result: Result, reference: Result) -> dict[str, float | None]
 
 
 def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> dict[str, float | None]:
-    """Differences of wave heights [m] and period [s] at a gauge between two runs; None where a record holds no wave."""
+    """Differences of wave heights [m] and period [s] at a gauge between two tables; None where one holds no wave."""
     a, b = (wave_heights(gauge, table["time_s"], table[f"{gauge}_m"]) for table in (own, other))
     return {key: abs(a[key] - b[key]) if a[key] is not None and b[key] is not None else None for key in b}  # type: ignore[operator]
 
@@ -210,7 +211,7 @@ def _of_waves(gauge: str, own: dict[str, np.ndarray], other: dict[str, np.ndarra
 def rms_difference(
     time: np.ndarray, values: np.ndarray, other_time: np.ndarray, others: np.ndarray, whole: float = np.inf
 ) -> float:
-    """Rms difference of two records over the time that they share, NaN if none; `whole`: period of angles."""
+    """Rms difference of two records over the times that both cover, NaN if none; `whole`: full turn, for angles."""
     shared = other_time[(other_time >= time[0]) & (other_time <= time[-1])]
     gap = np.interp(shared, time, values) - np.interp(shared, other_time, others)
     if np.isfinite(whole):
@@ -221,7 +222,7 @@ def rms_difference(
 def tradeoff_summary(
     setting: Setting, answers: list[dict[str, Any]], apart: list[dict[str, float | None]]
 ) -> dict[str, Any]:
-    """Row of a setting over its seeds: median costs, mean and spread of errors, which are None if a run failed."""
+    """Row of a setting over its seeds: median costs, and mean and spread of errors `apart`, None if a run failed."""
     lost = next((answer for answer in answers if answer["outcome"] != "done"), None)
     row: dict[str, Any] = dict(setting.values) | {
         "setting": setting.line(),
@@ -241,7 +242,7 @@ def tradeoff_summary(
 
 
 def measure_names(rows: list[dict[str, Any]]) -> list[str]:
-    """Names of all errors in the rows, in this order: leg lengths, motions, elevations, wave heights, periods."""
+    """Names of all errors in the rows, sorted: leg lengths, motions, elevations, wave heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]
@@ -249,21 +250,21 @@ def measure_names(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def best_setting(rows: list[dict[str, Any]], by: str, budget: Budget) -> dict[str, Any] | None:
-    """The cheapest of the rows within the budget whose error `by` exceeds the least one by no more than the spread of
-    the seeds; None if no row is within the budget."""
+    """Cheapest row within the budget whose error `by` exceeds the least by no more than the seeds' spread, or None."""
     able = [row for row in rows if row.get(by) is not None and (budget.spent(row) or np.inf) <= budget.most]
     if not able:
         return None
     least = min(able, key=lambda row: row[by])
 
     def alike(row: dict[str, Any]) -> bool:
+        """True if the row's error is no worse than the least one, within the spread over seeds."""
         return row[by] - least[by] <= max(one[f"{by}_spread"] or 0.0 for one in (row, least))
 
     return min(filter(alike, able), key=lambda row: budget.spent(row) or np.inf)
 
 
 def clocks_differ(rows: list[dict[str, Any]]) -> str:
-    """Sentence on the difference of wall and processor time; empty where they are within CLOCKS_APART."""
+    """Sentence that wall and processor time of the rows differ, and why; empty if within a factor CLOCKS_APART."""
     shares = [row["wall_per_s"] / row["cpu_per_s"] for row in rows if row["wall_per_s"] and row["cpu_per_s"]]
     share = median(shares) if shares else 1.0
     if 1.0 / CLOCKS_APART <= share <= CLOCKS_APART:

@@ -45,7 +45,7 @@ VERDICT_WORDS = ("stable", "degraded", "stopped", "none")
 
 @dataclass(frozen=True)
 class Axis:
-    """A setting that is taken to its extremes: name, scene key, unit, and values in the quick and in the full study."""
+    """Setting that a stability map varies: name, scene key, unit, and its values in the quick and in the full study."""
 
     name: str
     key: str
@@ -56,7 +56,7 @@ class Axis:
     quick_steps: tuple[float, ...] = (1.0, 4.0)
 
     def settings(self, value: float) -> dict[str, Any]:
-        """Scene settings by key that give the axis this value."""
+        """Scene settings by key that give the varied quantity this value."""
         if self.name == "wind":
             everywhere = [{"kind": "box", "half_size": [1e4, 1e4, 1e4]}]
             volume = {"include": everywhere, "acceleration": [value, 0.0, 0.0]}
@@ -106,11 +106,11 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order of this run on one thread, as plain data."""
+        """Order of this run on one thread: plain data for the process that makes it."""
         return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row of the table: setting, time step, limits of the time step, verdict with its reason, and times."""
+        """One row: setting, time step, limits of the time step, verdict with its reason, and clock times."""
         outcome, why, numbers = verdict_of(
             answer, unwrapped_table(run, "accuracy"), self.scene, self.axis.name == "wind"
         )
@@ -121,11 +121,12 @@ class Spot:
 
 
 def grid_points(quick: bool, scene: str | None = None) -> list[Spot]:
-    """All runs of all maps, with the study's own scenes or a user's `scene`; raises SceneError."""
+    """All runs of all maps, with the study's own scenes or a user's `scene`; raises SceneError for an invalid scene."""
     return [spot for axis in EXTREME_AXES for spot in _of_axis(axis, quick, scene)]
 
 
 def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
+    """Yield the runs of one map, or none if it does not apply to the user's scene."""
     afloat, theirs = axis.of == "ship", None if scene is None else load(scene).fluid
     if theirs is not None and (afloat or not theirs.made_of_particles):
         return  # a hull has a mass of its own, and water without particles cannot become unstable
@@ -163,7 +164,7 @@ def _of_axis(axis: Axis, quick: bool, scene: str | None) -> Iterator[Spot]:
 def verdict_of(
     answer: dict[str, Any], accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool
 ) -> tuple[str, str, dict[str, float]]:
-    """Verdict, its reason, and the numbers that it rests on: relative gain of energy, greatest mean compression."""
+    """Verdict (VERDICT_WORDS), its reason, and its numbers: relative gain of energy, greatest mean compression."""
     gain, dense = (
         energy_gain(accuracy, scene, driven),
         float(np.max(accuracy.get("compression_mean", [0.0]), initial=0.0)),
@@ -186,8 +187,8 @@ def verdict_of(
 
 
 def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: bool) -> float:
-    """Largest unexplained gain of energy over mass times the square of the reference speed; 0 without a table.
-    `driven`: work of the wind is subtracted. Walls at rest do none, whatever a scheme books for single forces."""
+    """Largest unexplained gain of energy over mass times squared reference speed, 0 without a table. `driven`: wind
+    work is subtracted. Walls at rest do no work, whatever a scheme books for single forces."""
     if not len(accuracy.get("kinetic_energy_J", ())):
         return 0.0
     names = ("kinetic_energy_J", "potential_energy_J", "internal_energy_J")
@@ -200,7 +201,7 @@ def energy_gain(accuracy: dict[str, np.ndarray], scene: SceneConfig, driven: boo
 
 
 def map_summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows, one for each scheme and value of a map: longest stable step, shortest unstable one, and limits."""
+    """One row for each scheme and value of a map: longest stable step, shortest unstable step, and limits."""
     found = []
     for key in dict.fromkeys((row["map"], row["scheme"], row["value"]) for row in rows):
         here = [row for row in rows if (row["map"], row["scheme"], row["value"]) == key]

@@ -51,26 +51,25 @@ class PlanConfig(Model):
 
 @dataclass(frozen=True)
 class Planned:
-    """One run of a plan: its own settings, its scene, and its order (plain data), made when the plan was read."""
+    """Run of a plan: its own settings, its scene, and its order (plain data), made when the plan was read."""
 
     settings: dict[str, Any]
     scene: SceneConfig
     planned: dict[str, Any]
 
     def order(self) -> dict[str, Any]:
-        """Order of this run, as plain data."""
+        """Order of this run: plain data for the process that makes it."""
         return self.planned
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """One row of the table; clock times stand last, since only they change from call to call."""
+        """One row: settings and answer of the run; clock times stand last, as only they change from call to call."""
         head = {"run": run.folder.name} | self.settings
         facts = {key: value for key, value in answer.items() if key not in CLOCK_COLUMNS}
         return [head | facts | {key: answer.get(key) for key in CLOCK_COLUMNS}]
 
 
 def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
-    """The runs of a plan file in its order, on `threads` where a scene leaves them open; raises SceneError with all
-    that is wrong."""
+    """Read the runs of a plan file; `threads`: for scenes that set none. Raises SceneError with all problems."""
     node = read_mapping(path)
     problems: list[Problem] = []
     plan = validated(PlanConfig, node, (), problems)
@@ -94,7 +93,7 @@ def read_plan(path: Path, threads: int | None = None) -> list[Planned]:
 
 
 def _grid_settings(node: Node) -> Iterator[Settings]:
-    """Yield the settings of every run, each value with its location in the plan."""
+    """Yield the settings of each run of a plan, by key; every value knows its location in the file."""
     listed, grid, seeds = (node.child(key) for key in ("list", "grid", "seeds"))
     groups = [group.data for group in listed.data] if listed is not None else [{}]
     keys = list(grid.data) if grid is not None else []
@@ -105,13 +104,13 @@ def _grid_settings(node: Node) -> Iterator[Settings]:
 
 
 def _without_pictures(settings: Settings) -> Settings:
-    """Settings that switch off the picture observers, except those that the given settings name."""
+    """Settings that switch off all picture observers that `settings` do not name."""
     named = {key.split(".")[0] for key in settings}
     return {name: node_of(None, Location("sweep")) for name in PICTURE_OBSERVERS if name not in named}
 
 
 def _run_order(plan: Node, settings: Settings, found: Problem) -> Problem:
-    """A problem of a scene, located in the plan if it has no line of a file or concerns a part that the plan sets."""
+    """Problem of a scene, located in the plan if it has no line of a file or concerns a part that the plan sets."""
     touched = [value for key, value in settings.items() if key.split(".")[0] == found.key.split(".")[0]]
     if found.line is not None and found.file != plan.location.file and touched:
         message = f"{found.message} (together with {found.file}:{found.line})"

@@ -66,7 +66,7 @@ class Trial:
 
     @property
     def schemes(self) -> tuple[str, ...]:
-        """Kinds of the slot (schemes) that are run."""
+        """Kinds of the slot under which the case is run."""
         return self.only or compared(self.slot)
 
 
@@ -96,7 +96,7 @@ TRIAL_CASES = (
 
 @dataclass(frozen=True)
 class Point:
-    """One run to be made: a trial under a scheme, at a resolution, with at most one other setting changed."""
+    """One run of the study: a case under a scheme, at a resolution, with at most one other setting changed."""
 
     trial: Trial
     scheme: str
@@ -105,12 +105,12 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
-        """Order of this run, as plain data."""
+        """Order of this run: plain data for the process that makes it."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return run_order(*given)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """A row for every error of the case; one row without an error if the run gave none."""
+        """One row for each error of the case; a single row without an error if the run gave none."""
         names = {"case": self.trial.case, "set_up": self.trial.set_up, "scheme": self.scheme, "changed": self.changed}
         head = (
             names | {"coarse": self.coarse} | {key: self.settings.get(key) for key in ("resolution", *varied_points())}
@@ -121,7 +121,7 @@ class Point:
 
     @property
     def changed(self) -> str:
-        """The setting that differs from the scheme's default, as text `key=value`; empty if none does."""
+        """Setting other than resolution that differs from the default, as text `key=value`; empty if none does."""
         rest = {key: value for key, value in self.settings.items() if key != "resolution"}
         return ", ".join(f"{key}={value}" for key, value in rest.items())
 
@@ -132,12 +132,13 @@ def varied_points() -> list[str]:
 
 
 def study_points(quick: bool) -> list[Point]:
-    """All runs of the study; the cheap ones of every case come first."""
+    """All runs of the study, the cheap ones of all cases first."""
     found = [point for trial in TRIAL_CASES if trial.quick or not quick for point in _of_trial(trial, quick)]
     return sorted(found, key=lambda point: (not point.coarse, point.settings.get("resolution", 1.0) < 1.0))
 
 
 def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
+    """Yield the runs of one case: every scheme, at each resolution, and with each other setting changed."""
     for scheme in trial.schemes:
         slot = problem_of(trial.case, trial.set_up, True, scheme).slot
         for coarse, factor in _case_levels(trial, quick) if slot in RESOLVED_SLOTS else [(True, 1.0)]:
@@ -153,7 +154,7 @@ def _of_trial(trial: Trial, quick: bool) -> Iterator[Point]:
 
 
 def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
-    """Resolutions (coarse set-up or not, factor) of a case, from coarse to fine, each particle spacing once."""
+    """Resolutions of a case, (coarse set-up or not, factor on its spacing), from coarse to fine, each spacing once."""
     spacings: dict[float, tuple[bool, float]] = {}
     for coarse, factor in RESOLUTION_LEVELS[:QUICK_LEVELS] if quick else RESOLUTION_LEVELS:
         spacing = problem_of(trial.case, trial.set_up, coarse, trial.schemes[0]).scene["fluid"]["spacing"] * factor
@@ -162,7 +163,7 @@ def _case_levels(trial: Trial, quick: bool) -> list[tuple[bool, float]]:
 
 
 def _is_other_setting(point: Point) -> bool:
-    """True if the scheme has the setting, heeds it, and has another default."""
+    """True if the scheme reads the settings of the point, and they differ from its defaults."""
     if not all(reads_key(point.scheme, key) for key in point.settings):
         return False
     problem = problem_of(point.trial.case, point.trial.set_up, point.coarse, point.scheme)
@@ -173,14 +174,14 @@ def _is_other_setting(point: Point) -> bool:
 
 
 def clock_column(rows: list[dict[str, Any]]) -> str:
-    """Name of the column by which speed is compared: wall time, or processor time where the machine was busy."""
+    """Name of the column by which speed is compared: wall time, or processor time if the machine was busy."""
     done = [row for row in rows if row.get("wall_per_s") and row.get("cpu_per_s")]
     shares = sorted(row["wall_per_s"] / row["cpu_per_s"] for row in done)
     return "cpu_per_s" if shares and shares[len(shares) // 2] > BUSY_CLOCK_RATIO else "wall_per_s"
 
 
 def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
-    """Indices of the pairs (cost, error) on the Pareto front: no other is as cheap and accurate, and better in one."""
+    """Indices of pairs (cost, error) on the Pareto front: no other is as good in both and better in one."""
     order = sorted(range(len(pairs)), key=lambda k: pairs[k])
     kept: list[int] = []
     for k in order:
@@ -190,7 +191,7 @@ def pareto_front(pairs: list[tuple[float, float]]) -> list[int]:
 
 
 def equal_cost_rows(rows: list[dict[str, Any]], speed: str) -> list[dict[str, Any]]:
-    """Rows that compare schemes at equal time, the column `speed`, and at equal number of particles, by one error each.
+    """Best row of each scheme in each case, at equal time (column `speed`) and at equal numbers of particles.
 
     At equal time it is the least error of each scheme within the time of the slowest scheme's cheapest run; at equal
     number, for every number, that of each scheme with its defaults.

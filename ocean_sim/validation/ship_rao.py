@@ -101,8 +101,7 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Run in a wave of a frequency [rad/s] and heading [deg], its amplitude a STEEPNESS of the hull's length [m]:
-    amplitudes of heave [m/m], pitch and roll [deg/m]."""
+    """Heave [m/m], pitch and roll [deg/m] of a hull in waves: frequency [rad/s], hull length [m], heading [deg]."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

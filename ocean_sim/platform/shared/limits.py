@@ -25,8 +25,7 @@ def soften_usage(usage: np.ndarray, knee: np.ndarray | float = KNEE_USAGE) -> np
 
 
 class Workspace:
-    """Set of allowed poses of a hexapod: all legs within the stroke, each angle within its own range, no singular
-    pose."""
+    """Set of allowed poses of a hexapod: legs within the stroke, angles each within its own range, not singular."""
 
     def __init__(self, hexapod: Hexapod) -> None:
         self.hexapod = hexapod
@@ -89,8 +88,7 @@ class Workspace:
         return guess
 
     def condition_factor(self, pose: np.ndarray) -> np.ndarray:
-        """Factors (n,) on poses (n, 6) just below which the condition number first reaches its limit, found by
-        bisection."""
+        """Factors (n,) on poses (n, 6) just below those at which the condition number first exceeds its limit."""
         low, high = np.zeros(len(pose)), np.ones(len(pose))
         out = np.zeros(len(pose), dtype=bool)
         for part in np.linspace(0.0, 1.0, 17)[1:]:
@@ -126,9 +124,8 @@ class Governor:
         self.asked = np.zeros((2, 6))  # the last two requested poses
 
     def follow(self, wanted: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (n, 6) that the machine can follow, and bits (n,) of the limits that acted. `wanted` (n, 6): poses
-        scaled back into the workspace; `asked` (n, 6): as the washout requested them, whose acceleration is always
-        allowed."""
+        """Poses (n, 6) that the machine can follow, and bits (n,) of limits that acted. `wanted` (n, 6): poses in the
+        workspace; `asked` (n, 6): those requested by the washout, whose accelerations are allowed."""
         n, dt = len(wanted), self.every
         known, free = np.vstack([self.target, wanted]), np.vstack([self.asked, asked])
         self.asked = free[-2:]
@@ -155,8 +152,7 @@ class Governor:
         return given, limited
 
     def motion_sizes(self, motion: np.ndarray) -> np.ndarray:
-        """Sizes (n,) [m] of pose changes (n, 6): the larger of the shift of the reference point and that of the turning
-        joints."""
+        """Sizes (n,) [m] of pose changes (n, 6): shift of the reference point, or of the turning joints if larger."""
         along, around = np.linalg.norm(motion[:, :3], axis=1), np.linalg.norm(motion[:, 3:], axis=1)
         return np.maximum(along, self.hexapod.radius * around)
 
@@ -180,8 +176,8 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a platform that fell behind by one row towards its target, which moves at `step` (6,) [m/s, rad/s];
-        returns bits of the limits that acted."""
+        """Move a late platform by one row towards its target, moving at `step` (6,) [m/s, rad/s]; returns limit
+        bits."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -269,7 +265,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move legs by one row towards lengths `target` (6,) [m] with speeds `wanted` (6,) [m/s]; returns limit
+        """Move late legs by one row towards lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; returns limit
         bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length

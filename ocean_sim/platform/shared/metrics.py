@@ -23,9 +23,8 @@ class Metric(NamedTuple):
 
 
 def ride_metrics(ride: Ride, done: Commands, hexapod: Hexapod, every: float) -> list[Metric]:
-    """Metrics of a whole ride: motion felt on the platform against the scaled motion of the ship, both at the same row
-    (poses by central differences), limits that acted, use of the legs, and motion sickness. `every`: time between rows
-    [s]."""
+    """Metrics of a ride: motion felt on the platform against the ship's scaled motion at the same row, with poses by
+    central differences; limits, legs, motion sickness. `every`: time between rows [s]."""
     felt, scaled = felt_motions(done.pose, every), np.hstack([done.cue.force, done.cue.rate])
     names = [f"force_{axis}" for axis in "xyz"] + [f"rate_{axis}" for axis in "xyz"]
     found = []
@@ -61,8 +60,7 @@ def rest_value(name: str) -> float:
 
 
 def compare_motion(name: str, unit: str, felt: np.ndarray, scaled: np.ndarray, every: float) -> list[Metric]:
-    """Six metrics of one motion component: `felt` (n,) on the platform against the ship's `scaled` one (n,); `every` in
-    [s]."""
+    """Six metrics of a motion component: `felt` (n,) on the platform against the ship's `scaled` one (n,)."""
     against = felt * np.sign(scaled) < 0.0
     return [
         Metric(f"{name}_scaled_rms", rms(scaled), unit),

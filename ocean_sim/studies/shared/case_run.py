@@ -21,20 +21,20 @@ WATCHED_SCENES: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
 
 
 def run_order(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
-    """Order (plain data, see `runs`) to run one set-up of a validation case. The run is timed `MAX_REPEATS` times, but
-    not again once `patience` [s] of processor time have passed."""
+    """Order (plain data, see `runs`) to run a set-up of a validation case; it is timed up to MAX_REPEATS times, but not
+    again once `patience` [s] of processor time have passed."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
     return order | {"set": settings, "machine": {"patience": patience}}
 
 
 def problem_of(case: str, set_up: str, coarse: bool, scheme: str) -> Problem:
-    """The set-up with this name in a validation case; of several, the first that the scheme can run."""
+    """Set-up of a case with this name, slow or not; if several have it, the first that the scheme can run."""
     found = [problem for problem in problems(case, slow=True, coarse=coarse) if problem.name == set_up]
     return next(problem for problem in found if problem.schemes_for([scheme]))
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the set-up of an order, several times on one thread; returns errors (equal in all runs) and median costs."""
+    """Run the set-up of an order on one thread, several times; outcome, errors (equal in all runs) and median costs."""
     problem = problem_of(order["case"], order["set_up"], order["coarse"], order["scheme"])
     scene = problem.load(
         order["scheme"], {"runtime.threads": 1} | WATCHED_SCENES.get(problem.slot, {}) | dict(order["set"])
@@ -77,7 +77,7 @@ def measure_run(problem: Problem, order: dict[str, Any], scene: Any) -> dict[str
 
 
 def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[str, Any]:
-    """One measured quantity of a case: value, reference, error, unit, tolerance, and `ok` if it is within tolerance."""
+    """Row of a promised quantity: value, reference, error, unit, tolerance, and `ok` if it is within tolerance."""
     found = promise.row(order["case"], order["scheme"], *number)
     kept = ("quantity", "value", "reference", "error", "unit", "tolerance", "ok")
     return {key: found[key] for key in kept} | plain_values(
@@ -86,7 +86,7 @@ def error_row(order: dict[str, Any], promise: Promise, number: Number) -> dict[s
 
 
 def neighbour_count(fluid: Fluid) -> float | None:
-    """Mean number of neighbours of a particle now; None for water without particles, or where it diverged."""
+    """Mean number of neighbours of a particle at present; None for water without particles, or after it diverged."""
     water = fluid.of_particles
     if water is None:
         return None

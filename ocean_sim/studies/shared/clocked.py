@@ -15,7 +15,7 @@ TIMED_PARTS, BLOCK_STEPS = (
 
 
 class Clocked(Simulation):
-    """Simulation that records simulated, wall and processor time of each step, without the work of observers."""
+    """Simulation that records the simulated, wall and processor time of each step, excluding the work of observers."""
 
     def __init__(self, *given: Any) -> None:
         self.spent: list[tuple[float, float, float]] = []
@@ -25,12 +25,13 @@ class Clocked(Simulation):
         return self
 
     def step(self) -> None:
+        """Advance by one time step, and record its simulated, wall and processor time [s]."""
         dt, wall, cpu = float(self.next_dt), perf_counter(), process_time()
         super().step()
         self.spent.append((dt, perf_counter() - wall, process_time() - cpu))
 
     def frame(self) -> None:
-        """Let the surface follow the water for a sixtieth of a second and make its triangles: counted like a step."""
+        """Advance the drawn water surface by 1/60 s and triangulate it; recorded like a step."""
         surface = self.surface
         assert surface is not None
         wall, cpu = perf_counter(), process_time()
@@ -39,8 +40,8 @@ class Clocked(Simulation):
         self.spent.append((FRAME_SECONDS, perf_counter() - wall, process_time() - cpu))
 
     def costs(self) -> list[dict[str, float]]:
-        """Wall and processor seconds per simulated second, and the mean time step [s], of each of TIMED_PARTS
-        interleaved parts of the run, since a disturbance rarely hits two of them. Empty for too short a run."""
+        """Costs (see `median_cost`) of each of TIMED_PARTS interleaved parts of the run, since a disturbance rarely
+        hits two of them; empty if the run is too short."""
         parts = [
             [step for k, step in enumerate(self.spent[WARM_UP_STEPS:]) if k // BLOCK_STEPS % TIMED_PARTS == n]
             for n in range(TIMED_PARTS)
@@ -48,12 +49,12 @@ class Clocked(Simulation):
         return [median_cost(steps) for steps in parts if steps]
 
     def cost(self) -> dict[str, float | None]:
-        """Cost of the whole run, with the same keys as `costs`; all values are None for too short a run."""
+        """Cost of the whole run, with the keys of `median_cost`; all values are None if the run is too short."""
         steps = self.spent[WARM_UP_STEPS:]
         return median_cost(steps) if steps else dict.fromkeys(("wall_per_s", "cpu_per_s", "time_step_s"))  # type: ignore[return-value]
 
 
 def median_cost(steps: list[tuple[float, float, float]]) -> dict[str, float]:
-    """Cost per simulated second, and mean time step [s], of steps (simulated, wall, processor time [s])."""
+    """Wall and processor time per simulated second, and mean time step [s], of steps (simulated, wall, processor)."""
     simulated, wall, cpu = (sum(column) for column in zip(*steps))
     return {"wall_per_s": wall / simulated, "cpu_per_s": cpu / simulated, "time_step_s": simulated / len(steps)}

@@ -17,13 +17,13 @@ LIMIT_LINES = {"acoustic": ("h / c", "-"), "viscous": ("h² / nu", "--"), "force
 
 
 def draw_maps(path: Path, name: str, rows: list[dict[str, Any]]) -> None:
-    """Draw one stability map into a picture file; `name`: label of the varied setting."""
+    """Draw one stability map, from rows of the study's table, into a picture file; `name`: label of its setting."""
     with atomic_write(path) as draft:
         draw_map(name, rows).savefig(draft, dpi=110)
 
 
 def draw_map(name: str, rows: list[dict[str, Any]]) -> Any:
-    """Matplotlib figure of one stability map, with a panel for each scheme."""
+    """Matplotlib figure of one stability map: time step against setting `name`, a panel for each scheme."""
     from matplotlib.figure import Figure
 
     schemes = list(dict.fromkeys(row["scheme"] for row in rows))

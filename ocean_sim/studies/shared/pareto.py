@@ -20,7 +20,7 @@ MIN_DRAWN_ERROR = 1e-6  # an error of nothing still has a position on a logarith
 
 
 def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str) -> None:
-    """Draw the error of one case against the time in the column `speed`, and against the number of particles if any."""
+    """Draw error against time, column `speed` of the rows, and against particles if any, of one case into a file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,7 +43,7 @@ def draw_pareto(path: Path, trial: Trial, rows: list[dict[str, Any]], speed: str
 
 
 def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw the error of a case over the column `key`, with the Pareto front and failed runs."""
+    """Draw the error of a case against the column `key` of the rows, with the Pareto front and failed runs."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     there = [row for row in rows if row.get(key)]
@@ -67,7 +67,7 @@ def draw_panel(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) ->
 
 
 def spread_heights(axis: Any) -> None:
-    """Label a logarithmic axis with fixed ends by a few readable numbers, however short it is."""
+    """Label a logarithmic matplotlib axis, whose ends are set, with a few readable numbers, however short it is."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
@@ -78,11 +78,12 @@ def spread_heights(axis: Any) -> None:
 
 
 def text_height(row: dict[str, Any]) -> float:
+    """Absolute error of a row, at least MIN_DRAWN_ERROR so that a logarithmic axis can show it."""
     return max(abs(row["error"]), MIN_DRAWN_ERROR)
 
 
 def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]) -> None:
-    """Draw rows as points: full and joined over resolutions with a scheme's defaults, hollow with another setting."""
+    """Draw rows as points over column `key`: full and joined with a scheme's defaults, hollow with another setting."""
     for n, scheme in enumerate(trial.schemes):
         own = [row for row in rows if row["scheme"] == scheme]
         look = {"color": SERIES[n % len(SERIES)], "marker": MARK_SHAPES[n % len(MARK_SHAPES)]}
@@ -102,13 +103,13 @@ def scatter_points(axes: Any, key: str, trial: Trial, rows: list[dict[str, Any]]
 
 
 def name_points(axes: Any, name: str, at: tuple[float, float], **look: Any) -> None:
-    """Write a name beside a point; `shift_apart` then moves it to a free place."""
+    """Write a name beside the point `at`, in data coordinates; `shift_apart` then moves it to a free place."""
     line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6", "shrinkA": 0.0, "shrinkB": 2.0}
     axes.annotate(name, at, NAME_SHIFTS[0], textcoords="offset points", arrowprops=line, in_layout=False, **look)
 
 
 def shift_apart(figure: Any) -> None:
-    """Move the names of points to where they cover neither each other nor a point, and stay within their panel."""
+    """Move the names of points in a figure so that they hide neither each other nor points, within their panel."""
     from matplotlib.text import Annotation, Text
     from matplotlib.transforms import Bbox
 
@@ -131,7 +132,7 @@ def shift_apart(figure: Any) -> None:
 
 
 def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
-    """Draw failed runs, which have no error, as crosses along the upper edge."""
+    """Draw runs that failed, and have no error, as crosses at their `key` along the upper edge."""
     for n, scheme in enumerate(schemes):
         own = [row[key] for row in rows if row["scheme"] == scheme and row.get(key)]
         if own:
@@ -141,7 +142,7 @@ def list_failures(axes: Any, key: str, schemes: tuple[str, ...], rows: list[dict
 
 
 def draw_scene(path: Path, rows: list[dict[str, Any]], names: list[str], budget: Budget | None) -> None:
-    """Draw the settings of one scene: a panel for each error over time, with the spread of seeds, and the budget."""
+    """Draw the settings of one scene into a file: panels of errors `names` over time, spread of seeds, budget."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -38,11 +38,11 @@ _over = Event()  # the caller has stopped: start nothing
 
 
 class ClusterMissing(Lacking):
-    """The Dask cluster that was asked for cannot be reached from here."""
+    """Raised if the Dask cluster of a study cannot be reached, or its package is not installed."""
 
 
 def run_address(order: dict[str, Any]) -> str:
-    """Folder name of an order: the hash of its content, without MACHINE_KEY, and of the package."""
+    """Name of the folder of an order: hash of its content, without MACHINE_KEY, and of the package."""
     content = {key: value for key, value in order.items() if key != MACHINE_KEY}
     return hashlib.sha256(
         json.dumps([installed_version("ocean-sim") or "", program_hash(), content], sort_keys=True).encode()
@@ -52,7 +52,8 @@ def run_address(order: dict[str, Any]) -> str:
 def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Yield (index in the list, answer) of every order once it is finished, those of earlier calls at once.
+    """Yield (index in the list, answer) of each order as it is finished, first those that have an answer from earlier
+    calls.
 
     `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """
@@ -87,7 +88,7 @@ def run_answers(
 
 
 def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) -> dict[str, Any]:
-    """The answer of an order, computed in a child of this process unless it exists already."""
+    """Answer of an order: read from its folder, or else computed by a child process within `limit` [s] of wall time."""
     run = Path(folder)
     kept = input_file.read_json_object(run / ANSWER_FILE)
     if kept:
@@ -121,13 +122,13 @@ def perform_run(order: dict[str, Any], folder: str, limit: float | None = None) 
 
 
 def failure_row(reason: str, wall: float | None = None) -> dict[str, Any]:
-    """Answer in place of a run that left none: the outcome `failed`, its reason, and wall time [s]."""
+    """Answer for a run that gave none: the outcome `failed`, the reason, and wall time [s]."""
     return {"outcome": "failed", "reason": reason, "wall_s": wall}
 
 
 @contextmanager
 def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Executor of many orders: threads of a local Dask cluster that wait for child processes, or a remote cluster."""
+    """Context with an executor of orders: local threads that wait for child processes, or a remote Dask cluster."""
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -145,7 +146,7 @@ def _make_executor(workers: int, scheduler: str | None) -> Iterator[Executor]:
 
 
 def _death_reason(code: int, errors: str) -> str:
-    """Reason why a process with this exit code and standard error left no answer."""
+    """Reason why a process gave no answer, from its exit code and standard error."""
     if code < 0:
         hint = ", as happens where memory runs out" if -code == signal.SIGKILL else ""
         return f"its process was ended by {signal.Signals(-code).name}{hint}"
@@ -154,7 +155,7 @@ def _death_reason(code: int, errors: str) -> str:
 
 
 def _run_child(folder: Path) -> None:
-    """Answer the order in a folder, as a child process; the last line on standard error is the reason if it fails."""
+    """Run the order in a folder, as a child process, and write its answer; a refusal goes to standard error."""
     exit_with_parent()
     with stoppable(), Claim(folder):
         order = input_file.read_json(folder / ORDER_FILE)

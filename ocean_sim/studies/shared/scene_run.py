@@ -18,12 +18,12 @@ PICTURE_OBSERVERS = ("render", "frames", "report")  # a study makes none unless 
 
 
 def run_order(config: SceneConfig, threads: int | None = None) -> dict[str, Any]:
-    """Order (plain data, see `runs`) to run a scene; `threads`: used where the scene leaves them open."""
+    """Order (plain data, see `runs`) to run a scene; `threads`: used if the scene does not set them."""
     return {"task": __name__, "scene": config.resolved(), "inputs": config.inputs(), "machine": {"threads": threads}}
 
 
 def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Run the scene of an order; returns outcome (`stopped`, with the reason, if it diverged), costs and measures."""
+    """Run the scene of an order; outcome (`stopped`, with a reason, if it diverged), costs and measures."""
     began, processor, reason = perf_counter(), process_time(), ""
     asked = order["machine"]["threads"]
     more = {"runtime.threads": asked} if asked and not order["scene"]["runtime"]["threads"] else {}
@@ -50,7 +50,7 @@ def answer(order: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def run_measures(result: Result) -> dict[str, float | None]:
-    """Measures from the files of a run: waves at each elevation gauge, energies at the end, motions, leg lengths."""
+    """Measures of a run from its tables, by name: waves at gauges, compression, energies, motions, leg lengths."""
     found: dict[str, float | None] = {}
     gauges = unwrapped_table(result, "gauges")
     for name, height in gauges.items():
@@ -74,19 +74,19 @@ def run_measures(result: Result) -> dict[str, float | None]:
 
 
 def motion_tables(result: Result) -> dict[str, str]:
-    """Motion logs of a run by table name, each with the prefix of its measures: the ship's name, or nothing."""
+    """Names of a run's motion logs, each with the prefix of its measures: the ship's name, or nothing if alone."""
     logs = sorted(path.stem for path in result.folder.glob("motion_*.csv"))
     return {"motion": ""} | {log: f"{log.removeprefix('motion_')}_" for log in logs}
 
 
 def unwrapped_table(result: Result, name: str) -> dict[str, np.ndarray]:
-    """Columns of a table of a run by name, with angles [rad] unwrapped; empty where the run wrote no such table."""
+    """Columns of a run's table by name, with angles [rad] unwrapped; empty if the run wrote no such table."""
     table = result.table(name) if (result.folder / f"{name}.csv").is_file() else {}
     return {key: np.unwrap(values) if key.endswith("_rad") else values for key, values in table.items()}
 
 
 def wave_heights(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, float | None]:
-    """Wave heights hs and hm0 [m] and mean period tz [s] from a gauge's record; None where it holds no wave."""
+    """Wave heights hs and hm0 [m] and mean period tz [s], by names that begin with the gauge; None without a wave."""
     try:
         sea = measure_record(time, height)
     except Unmeasurable:
@@ -95,5 +95,5 @@ def wave_heights(gauge: str, time: np.ndarray, height: np.ndarray) -> dict[str, 
 
 
 def plain_values(facts: dict[str, float | None]) -> dict[str, float | None]:
-    """Copy with None in place of NaN and infinity, which JSON cannot hold."""
+    """Copy with None in place of NaN and infinity, which JSON cannot express."""
     return {key: value if value is not None and np.isfinite(value) else None for key, value in facts.items()}

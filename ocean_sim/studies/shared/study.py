@@ -12,18 +12,18 @@ from ocean_sim.studies.shared import runs
 
 
 class Point(Protocol):
-    """One run of a study."""
+    """Interface of one run of a study: its order, and its rows in the table."""
 
     def order(self) -> dict[str, Any]:
         """Order of the run: plain data for the process that makes it."""
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
-        """Rows of the study's table from the answer of this run; `run`: its folder, which may be empty."""
+        """Rows of the study's table from the answer of this run and its result folder `run`, which may be empty."""
 
 
 @dataclass
 class Study:
-    """The runs (points) of a study, and the rows of those that are done; each point has a folder below `folder`."""
+    """Runs (points) of a study, and the table rows of those that are done; each run has a folder below `folder`."""
 
     points: Sequence[Point]
     folder: Path
@@ -34,7 +34,7 @@ class Study:
     found: dict[int, list[dict[str, Any]]] = field(default_factory=dict)  # rows by number of the point
 
     def run(self) -> Iterator[int]:
-        """Run all points that have no answer yet; yields the number of finished points after each."""
+        """Run all points that have no answer yet; yield the number of finished points after each."""
         orders = [point.order() for point in self.points]
         for k, answer in runs.run_answers(orders, self.folder, self.workers, self.scheduler, self.limit):
             self.found[k] = self.points[k].rows(answer, Result(self.folder / runs.run_address(orders[k])))
@@ -49,8 +49,7 @@ class Study:
 
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write rows as a CSV file, with their keys as columns in order of first appearance. A missing value is an empty
-    cell; lists, mappings and booleans are written as JSON."""
+    """Write rows as a CSV file with their keys as columns; None is left empty, lists, mappings, booleans are JSON."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     csv_file.write_table(path, columns, ([cell_text(row.get(name)) for name in columns] for row in rows))
 
@@ -72,5 +71,5 @@ def parse_cell(text: str) -> Any:
 
 
 def cell_text(value: Any) -> Any:
-    """CSV cell of a value: JSON for a list, mapping or boolean, else the value itself."""
+    """Value for a CSV cell: JSON text of a list, mapping or boolean, else the value itself."""
     return json.dumps(value) if isinstance(value, dict | list | tuple | bool) else value

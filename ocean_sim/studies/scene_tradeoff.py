@@ -69,8 +69,8 @@ class Budget:
 
     def seconds(self, row: dict[str, Any]) -> float | None:
         """Time [s] of the kind that the budget limits, from a row of costs: per simulated second, or in all with
-        compilation; the less of wall and processor time, as either can be raised by waiting or by several cores. None
-        if unknown."""
+        compilation. The less of wall and processor time counts, as either may be raised by waiting or by several cores;
+        None without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 

@@ -18,7 +18,7 @@ LIMITS = {"f32": 1e-6, "f64": 1e-13}  # momentum lost over momentum exchanged
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The square of water in single and in double precision; coarse: with 2.5 times the particle spacing."""
+    """Set-ups to run: the square of water in single and double precision; coarse: 2.5 times the particle spacing."""
     return [square_problem(precision, coarse) for precision in LIMITS]
 
 
@@ -43,7 +43,8 @@ def square_problem(precision: str, coarse: bool) -> Problem:
 
 
 def measure(simulation: Simulation) -> Finding:
-    """Run STEP_COUNT steps from random velocities; largest relative loss of both momenta in one step."""
+    """Run STEP_COUNT steps from random velocities; largest relative loss of momentum and of angular momentum in a
+    step."""
     before = particle_state(simulation)
     set_state(simulation, before.position, random_shifts(simulation, before.position, START_SPEED))
     before = particle_state(simulation)

@@ -7,7 +7,7 @@ from ocean_sim.validation.shared.case import Problem
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up, the gap under a moving lid; coarse: with twice the particle spacing, and shorter."""
+    """The only set-up to run: the gap under a moving lid; coarse: with twice the particle spacing, and shorter."""
     return [gap_problem(couette_profile, "u_couette", [FINAL_SPEED, 0.0, 0.0], 0.0, coarse)]
 
 

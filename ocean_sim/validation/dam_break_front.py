@@ -72,7 +72,7 @@ GATE_PROMISES = tuple(
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """A sudden release and a release by a gate, with 40 (coarse: 20) particles to the width of the column."""
+    """Set-ups to run: sudden release and release by a gate, with 40 (coarse: 20) particles to the column's width."""
     left = -TANK_LENGTH * WIDTH / 2
     basin = {"length": TANK_LENGTH * WIDTH, "depth": 2.0 * WIDTH}
     scene = {
@@ -119,7 +119,7 @@ def front_record(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 
 
 def table_curves(tables: dict[str, str]) -> list[Curve]:
-    """Curves to plot, as points up to LAST_TIME, from tables: file name by label."""
+    """Curves of tables (file name by label), to plot as points up to LAST_TIME."""
     curves = []
     for label, file in tables.items():
         known = table(file)

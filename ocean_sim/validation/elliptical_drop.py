@@ -25,7 +25,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up, the drop of radius 1 m with 40 (coarse: 10) particles to its radius."""
+    """The only set-up to run: the drop of radius 1 m with 40 (coarse: 10) particles to its radius."""
     spacing = 0.1 if coarse else 0.025
     scene = {
         "duration": END_TIME / STRAIN_RATE,

@@ -29,7 +29,7 @@ LONG_PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The tank of Adami et al. (coarse: with three times the particle spacing), and a slow tank at rest for 60 s."""
+    """Set-ups to run: the tank of Adami et al. (coarse: three times the spacing), and a slow tank, 60 s at rest."""
     spacing = 0.06 if coarse else 0.02
     adami = {
         "duration": 2.0,

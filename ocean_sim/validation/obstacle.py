@@ -43,7 +43,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up, the dam break with 20 (coarse: 8) particles over the depth of the water."""
+    """The only set-up to run: the dam break with 20 (coarse: 8) particles over the depth of the water."""
     low, bed = -LENGTH / 2, -DEPTH
     box = {
         "min": [low + FACE_DISTANCE, bed, -BOX_WIDTH / 2],

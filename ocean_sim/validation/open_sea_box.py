@@ -51,7 +51,7 @@ THEORY_TOLERANCE, PATCH_TOLERANCE = 8.0, 3.0  # [%]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The box moored, towed, and in forced heave; none if coarse."""
+    """Set-ups to run: the box moored, towed, and in forced heave; none if coarse."""
     moored, towed = floating_problem("moored", 0.0), floating_problem("towed", TOWING_SPEED)
     return [] if coarse else [moored, towed, heaving_problem()]
 
@@ -193,7 +193,8 @@ def motion_curves(rows: np.ndarray, suffix: str = "") -> list[Curve]:
 
 
 def follow_motions(simulation: Simulation, speed: float) -> np.ndarray:
-    """Run the box, held in sway or towed at a speed [m/s]: rows (n, 3) of time [s], heave / a and pitch / k a."""
+    """Run the box, held in sway or towed at a speed [m/s] along x: rows (n, 3) of time [s], heave over wave amplitude,
+    pitch over wave slope."""
     rows, x, before, last = [], 0.0, 0.0, 0.0
     for time, body in follow_body(simulation, RUN_PERIODS * PERIOD):
         if speed != 0.0:

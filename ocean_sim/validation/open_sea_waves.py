@@ -45,7 +45,7 @@ PACKET_WAVES = slice(2, 10)  # the judged ones, by their number on the patch
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Regular waves at rest and under way, packets, a nonlinear and a random sea; coarse: one regular wave at rest."""
+    """Set-ups to run: regular waves, packets, a nonlinear and a random sea; coarse: one regular wave at rest."""
     if coarse:
         return [regular_problem(0.15, 0.0, 10.0, COARSE_PARTICLES, 7.0, 15.0)]
     found = [regular_problem(ka, 0.0, 20.0, FINE_PARTICLES, 5.0, 10.0) for ka in (0.05, 0.15)]
@@ -108,8 +108,7 @@ def fit_wave(water: State, amplitude: float, at: float) -> tuple[complex, float]
 
 
 def measure_regular(simulation: Simulation, amplitude: float, speed: float) -> Finding:
-    """Run, and measure height, phase and current around a point at a `speed` [m/s], in a sea of this `amplitude`
-    [m]."""
+    """Run; height, phase and current around a point at a `speed` [m/s], in a sea of this `amplitude` [m]."""
     time, fits = record_run(
         simulation, PERIOD / PERIOD_SAMPLES, lambda water: fit_wave(water, amplitude, speed * water.time)
     )

@@ -33,7 +33,7 @@ SOURCE_TEXT = "linear theory of a piston that begins"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Two flumes, with the far gauge 2 and 6 wavelengths away; 20 (coarse: 10) particles over the depth."""
+    """Set-ups to run: far gauge 2 and 6 wavelengths away, with 20 (coarse: 10) particles over the depth."""
     return [flume_problem(2, 6.5, 2.0, coarse), flume_problem(6, 15.5, 5.0, coarse, slow=True)]
 
 
@@ -83,7 +83,7 @@ def transient_elevation(piston: Piston, distances: np.ndarray, times: np.ndarray
 
 
 def first_harmonic(times: np.ndarray, signal: np.ndarray) -> complex:
-    """Complex amplitude a of the Re(a exp(i w t)) fitted to a signal (n,), with its mean and second harmonic."""
+    """Complex amplitude a of Re(a exp(i w t)), fitted to a signal (n,) with its mean and second harmonic; w: OMEGA."""
     angle = OMEGA * times
     parts = np.stack([np.cos(angle), -np.sin(angle), np.cos(2 * angle), np.sin(2 * angle), np.ones_like(angle)], axis=1)
     found = np.linalg.lstsq(parts, signal, rcond=None)[0]

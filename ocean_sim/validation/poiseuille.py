@@ -24,7 +24,7 @@ Profile = Callable[[np.ndarray, float], np.ndarray]
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up, the gap under a body force; coarse: with twice the particle spacing, and shorter."""
+    """The only set-up to run: the gap under a body force; coarse: with twice the particle spacing, and shorter."""
     force = 8.0 * FINAL_SPEED  # u_max = F L^2 / (8 nu)
     return [gap_problem(poiseuille_profile, "u_poiseuille", [0.0, 0.0, 0.0], force, coarse)]
 

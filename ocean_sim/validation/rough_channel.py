@@ -45,7 +45,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One channel, with 10 (coarse: 5) layers of particles."""
+    """The only set-up to run: a channel, with 10 (coarse: 5) layers of particles."""
     layers = 5 if coarse else 10
     spacing = DEPTH / layers
     scene = {
@@ -62,7 +62,7 @@ def bed_stress(speed: float, height: float) -> float:
 
 
 def steady_profile(z: np.ndarray | float, spacing: float) -> np.ndarray:
-    """Exact speed [m/s] of the steady flow at heights `z` [m], for a spacing [m] whose half is the lowest row's."""
+    """Exact speed [m/s] of the steady flow at heights `z` [m] above the bed, for a particle spacing [m]."""
     z, lowest = np.asarray(z, dtype=float), 0.5 * spacing
     lowest_speed = sqrt(STRESS / DENSITY) / KARMAN_CONSTANT * log(GRAINS_PER_Z0 * lowest / ROUGHNESS)
     return lowest_speed + SLOPE_GRAVITY / VISCOSITY * (DEPTH * (z - lowest) - 0.5 * (z**2 - lowest**2))

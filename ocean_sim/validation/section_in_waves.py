@@ -48,7 +48,7 @@ SOURCE_TEXT = "Sundsdal et al. (2025), measured"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The section in closed-form waves, by scenario, and on particles, by period; coarse: one scenario, two periods."""
+    """Set-ups to run: the section in closed-form waves, and on particles; coarse: one of the former, two periods."""
     if coarse:
         return [closed_form_problem("heave+roll", True)]
     closed_form = [closed_form_problem(scenario) for scenario in FREE_MOTIONS]
@@ -102,7 +102,7 @@ def is_resonant(period: float) -> bool:
 
 
 def sway_springs() -> list[dict[str, Any]]:
-    """Keys of two mooring lines that act as a spring in sway, and are too long to hold heave."""
+    """Ship keys of two mooring lines that act as a spring in sway, and are too long to hold heave."""
     half = {"stiffness": SPRING_STIFFNESS / 2.0, "damping": SPRING_DAMPING / 2.0}
     half |= {"slack_length": ANCHOR_DISTANCE - 1.0}
     ends = [(side * BREADTH / 2.0, side * (BREADTH / 2.0 + ANCHOR_DISTANCE)) for side in (1.0, -1.0)]

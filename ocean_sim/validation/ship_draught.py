@@ -24,7 +24,7 @@ SOURCE_TEXT = "Archimedes, closed form"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Four shapes, each at five relative densities (coarse: one), and a trimmed barge."""
+    """Set-ups to run: four shapes, each at five relative densities (coarse: one), and a trimmed barge."""
     wanted = (0.95,) if coarse else RELATIVE_DENSITIES
     return [*(shape_problem(shape, density) for shape in SHAPES for density in wanted), trim_problem()]
 

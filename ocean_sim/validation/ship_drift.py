@@ -26,7 +26,7 @@ DAMPING = {"heave": 0.15, "pitch": 0.15, "roll": 0.08, "surge": 400.0}
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Drift in a head sea from eight phases (coarse: four), and yaw in two beam seas."""
+    """Set-ups to run: drift in a head sea from eight phases (coarse: four), and yaw in two beam seas."""
     ship = {"hull": "yacht", "cells_per_draught": 4, "damping": DAMPING}
     limits = dict.fromkeys(COMPARED_SHIPS, MAX_SPREAD)
     spread = Promise("drift in a head sea, over phases [m/s]", "m/s", "one drift", limits)

@@ -23,7 +23,7 @@ CONSTANT_KEYS = {"added_mass": {"heave": ADDED_MASS}, "damping": {"heave": DAMPI
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The drop with constant added mass, and with memory; 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the drop with constant added mass, and with memory; 8 (coarse: 4) cells to the draught."""
     memory = {"radiation": str(table_path("sphere_radiation"))}
     return [
         drop_problem("constant", CONSTANT_KEYS, PARTICIPANT_SPREAD, coarse),

@@ -22,7 +22,7 @@ SOURCE_TEXT = "hull sections clipped as polygons"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Three hulls at two resolutions (coarse: one), and the barge under the thesis's columns."""
+    """Set-ups to run: three hulls at two resolutions (coarse: one), and the barge under the thesis's columns."""
     cells = ((8, 4.0),) if coarse else ((8, 4.0), (16, 2.0))
     found = [hull_problem(hull, n, limit) for n, limit in cells for hull in RIGHTING_LEVERS]
     return [*found, thesis_problem()]

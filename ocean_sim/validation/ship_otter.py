@@ -20,7 +20,7 @@ TOLERANCE, SOURCE_TEXT = {"manoeuvring": 0.5}, "PythonVehicleSimulator, otter.py
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """A straight run and a turn, both independent of `coarse`."""
+    """Set-ups to run: a straight run and a turn, both independent of `coarse`."""
     ahead = {"throttle": 100.0 / MAX_PROPELLER_RATE}
     turn = {"throttle": 80.0 / MAX_PROPELLER_RATE, "rudder": -20.0 / MAX_PROPELLER_RATE * MAX_RUDDER}
     straight = tuple(Promise(name, "%", SOURCE_TEXT, TOLERANCE) for name in STRAIGHT_RESULTS)

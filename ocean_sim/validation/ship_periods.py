@@ -27,7 +27,7 @@ SOURCE_TEXT = "Capytaine, panel method; rho g A, W GM"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The barge with added mass by rule, and as given; 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the barge with added mass by rule, and as given; 8 (coarse: 4) cells to the draught."""
     rule = {"hydrostatic": 1.0, "dynamic": 10.0}
     cells = 4 if coarse else 8
     given = {"added_mass": ADDED_MASS, "damping": {"heave": 0.0, "pitch": 0.0, "roll": 0.0}}

@@ -30,7 +30,7 @@ SOURCE_TEXT = "Capytaine, linear potential flow"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Barge and Wigley hull in head and beam seas under each scheme; coarse: two frequencies, fewer cells."""
+    """Set-ups to run: barge and Wigley hull in head or beam seas, by scheme; coarse: two frequencies, fewer cells."""
     found = []
     for (hull, sea), omegas in WAVE_FREQUENCIES.items():
         for schemes, keys in ((("hydrostatic",), {}), (("dynamic",), ROLL_KEYS if sea == "beam" else {})):
@@ -101,7 +101,8 @@ def allowed_error(hull: str, omega: float, motion: str) -> float | None:
 
 
 def wave_response(simulation: Simulation, omega: float, length: float, heading: float) -> tuple[float, float, float]:
-    """Heave [m/m], pitch and roll [deg/m] of a hull in waves: frequency [rad/s], hull length [m], heading [deg]."""
+    """Amplitudes of heave [m/m], pitch and roll [deg/m] over the waves', of a hull of a length [m] in waves of a
+    frequency [rad/s] and heading [deg]."""
     rest, amplitude = floating_ship(simulation).first_body.position[1], STEEPNESS * length
     rows = record_in_waves(simulation, rest, 2.0 * amplitude, 2.0 * np.pi / omega, heading)
     t, _, heave, _, pitch, _, roll = rows

@@ -28,7 +28,7 @@ PRESSURE_SCHEMES = ("pressure",)
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Boxes of six relative densities (coarse: one), and a cylinder released."""
+    """Set-ups to run: boxes of six relative densities (coarse: one), and a cylinder released."""
     found = [box_problem(density, coarse) for density in ((0.5,) if coarse else BOX_DENSITIES)]
     return [*found, cylinder_problem(coarse)]
 

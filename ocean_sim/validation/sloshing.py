@@ -47,7 +47,7 @@ SERIES_PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """A deep tank in sway and, slow, the shallow tank of series 5; coarse: with fewer particles."""
+    """Set-ups to run: a deep tank in sway and, slow, the shallow tank of series 5; coarse: with fewer particles."""
     free = {
         "duration": 8.0 * PERIOD,
         "basin": {"length": LENGTH, "depth": DEPTH, "motion": sway_motion(SWAY, SWAY_OMEGA)},

@@ -18,7 +18,7 @@ SOURCE_TEXT = "linear_waves, the same waves"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The barge in a head and in a beam sea, with 8 (coarse: 4) cells to the draught."""
+    """Set-ups to run: the barge in a head and in a beam sea, with 8 (coarse: 4) cells to the draught."""
     return [barge_problem(sea, 4 if coarse else 8) for sea in SEA_HEADINGS]
 
 

@@ -24,7 +24,7 @@ RISE_INTERVAL = 1.0e-3  # [s] of the difference in time
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Conservation, reflection, and random seas of order 1 and 3, independent of `coarse`."""
+    """Set-ups to run: conservation, reflection, and random seas of order 1 and 3, independent of `coarse`."""
     return [conservation_problem(), reflection_problem(), *(random_sea_problem(order) for order in (1, 3))]
 
 
@@ -76,7 +76,7 @@ def reflection_problem() -> Problem:
 
 
 def radiated_amplitude(tile: Tile, k: float, rim: bool) -> np.ndarray:
-    """Complex amplitudes (n,) [m] of waves that an oscillating pressure sends, at cells inside the rim; `k` [1/m]."""
+    """Complex amplitudes (n,) [m] of waves from an oscillating pressure, inside the rim; `k`: wavenumber [1/m]."""
     layer, omega = Layer(tile, rim), np.sqrt(GRAVITY * k)
     dt, source = 2.0 * np.pi / omega / PERIOD_STEPS, tile.to_modes(np.exp(-((tile.nodes()[0] * k / 1.5) ** 2))[:, None])
     found = []

@@ -28,7 +28,7 @@ RAY_ANGLE, RAY_END = np.pi / 8.0, 7.0  # [rad]; over the width of the Gaussian
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up of a moving pressure, independent of `coarse`."""
+    """The only set-up to run: a moving pressure, independent of `coarse`."""
     promises = tuple(
         Promise(f"height of the wake {n} x {SHIP_LENGTH:g} m abeam [m]", "%", "Havelock 1932", {"spectral_sea": 5.0})
         for n in BEAM_DISTANCES

@@ -21,7 +21,7 @@ JUDGED_PERIODS = (25, 50)  # start and end of the measured growth
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Stokes waves and side-band growth, independent of `coarse`."""
+    """Set-ups to run: Stokes waves and side-band growth, independent of `coarse`."""
     return [stokes_problem(), side_band_problem()]
 
 

@@ -23,7 +23,7 @@ FREE_SHARE = 0.35  # of the side, from the pressure to the rim
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One set-up of a towed pressure at three speeds, independent of `coarse`."""
+    """The only set-up to run: a towed pressure at three speeds, independent of `coarse`."""
     resistance = tuple(
         Promise(f"wave resistance at {u:g} m/s [N]", "%", "Havelock 1932", {"spectral_sea": 0.5}) for u in TOWING_SPEEDS
     )

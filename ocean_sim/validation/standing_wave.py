@@ -138,7 +138,7 @@ DEEP_WAVE = StandingWave(length=2.0, depth=1.0, mode=2, amplitude=0.05, gravity=
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The wave at Re 250, without viscosity, and (slow) at Re 2500; coarse: with twice the particle spacing."""
+    """Set-ups to run: the wave at Re 250, inviscid, and (slow) at Re 2500; coarse: with twice the spacing."""
     return [
         wave_problem(250.0, coarse, {"delta_sph": 10.0}),
         wave_problem(None, coarse, {}),

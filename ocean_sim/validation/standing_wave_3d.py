@@ -16,7 +16,7 @@ DISPERSION_SOURCE, DECAY_SOURCE = "w^2 = g k tanh(k h)", "2 nu k^2, Lamb, Hydrod
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Shallow and deep waves with several numbers of layers; coarse: one shallow wave with 8 layers."""
+    """Set-ups to run: shallow and deep waves with several numbers of layers; coarse: one shallow wave with 8 layers."""
     shallow = [
         wave_problem(SHALLOW_WAVE, "kh 1", layers, 1000.0, 4.0, {"delta_sph": 1.0, "dfsph": 2.0}, {"delta_sph": 25.0})
         for layers in (8, 16)

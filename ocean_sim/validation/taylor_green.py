@@ -26,7 +26,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One periodic square with 50 (coarse: 25) particles to its side."""
+    """The only set-up to run: a periodic square with 50 (coarse: 25) particles to its side."""
     scene = {
         "duration": 1.0,
         "basin": {

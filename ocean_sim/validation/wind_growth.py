@@ -35,7 +35,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """One periodic wave, with 64 (coarse: 32) particles to its length."""
+    """The only set-up to run: a periodic wave, with 64 (coarse: 32) particles to its length."""
     scene = {
         "duration": PERIODS * PERIOD,
         "basin": {"length": WAVELENGTH, "depth": DEPTH, "walls": {"x": "periodic"}},

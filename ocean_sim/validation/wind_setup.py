@@ -35,7 +35,7 @@ PROMISES = (
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """The basin with 10 layers of particles and, unless coarse, with 20 (slow)."""
+    """Set-ups to run: the basin with 10 layers of particles and, unless coarse, with 20 (slow)."""
     return [basin_problem(10)] if coarse else [basin_problem(10), basin_problem(20, slow=True)]
 
 

@@ -26,7 +26,7 @@ SOURCE_TEXT = "dP/dt = tau A, exact"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Slices of several spacings in single and double precision; coarse: fewer layers."""
+    """Set-ups to run: slices of several spacings in single and double precision; coarse: fewer layers."""
     if coarse:
         return [slice_problem(DEPTH / 5, "f32"), slice_problem(DEPTH / 10, "f64")]
     return [*(slice_problem(DEPTH / n, "f32") for n in (10, 20)), slice_problem(DEPTH / 20, "f64")]
@@ -76,7 +76,7 @@ def measure(simulation: Simulation) -> Finding:
 
 
 def wind_keys(stress: float, **keys: float) -> dict:
-    """Keys of a wind along +x with a stress [Pa], set by its gain; `keys`: further ones."""
+    """Scene keys of a wind along +x with a stress [Pa], set by its gain; `keys`: further ones."""
     return {"kind": "stress", "u10": WIND_SPEED, "heading_deg": 90.0, "gain": stress / WU_STRESS, **keys}
 
 

@@ -88,8 +88,7 @@ class Hexapod:
         return bisect_last(lambda z: mean_length(z) <= length, low, high)
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Legs (n, 6, 3) from base to platform, and its joints (n, 6, 3) from its centre [m], in floor axes, by
-        pose."""
+        """Legs (n, 6, 3) from base to platform, and its joints (n, 6, 3) from its centre [m], floor axes, by pose."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm
@@ -110,8 +109,7 @@ class Hexapod:
         return values[:, 0] / np.maximum(values[:, -1], 1e-300)
 
     def pose(self, legs: np.ndarray, guess: np.ndarray | None = None) -> np.ndarray:
-        """Poses (n, 6) with leg lengths (n, 6) [m], by Newton's method from `guess` (n, 6) or neutral; NaN if it
-        fails."""
+        """Poses (n, 6) with leg lengths (n, 6) [m], by Newton's method from `guess` or neutral; NaN if it fails."""
         pose = np.zeros((len(legs), 6)) if guess is None else guess.copy()
         for _ in range(NEWTON_STEPS):
             miss = legs - self.legs(pose)

@@ -176,8 +176,7 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a late platform by one row towards its target, moving at `step` (6,) [m/s, rad/s]; returns limit
-        bits."""
+        """Move a late platform by one row to its target, moving at `step` (6,) [m/s, rad/s]; returns limit bits."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -265,8 +264,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move late legs by one row towards lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; returns limit
-        bits."""
+        """Move late legs by one row to lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; returns limit bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

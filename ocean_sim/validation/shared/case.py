@@ -45,7 +45,7 @@ class Promise:
         }
 
     def coarsened(self, case: str) -> "Promise":
-        """Copy with the tolerances of the table `coarse` added; itself if the table has no row of this quantity."""
+        """Copy with tolerances of the table `coarse` added; the promise itself if the table lacks its quantity."""
         own = coarse_tolerances().get((case, self.quantity))
         if own is None:
             return self
@@ -99,7 +99,7 @@ class Problem:
         return [scheme for scheme in asked if scheme in fitting] if asked else list(self.schemes)
 
     def run(self, case: str, scheme: str, overrides: Mapping[str, Any] | None = None) -> tuple[list[dict], Finding]:
-        """Run under a scheme: rows of the results table, and finding; it is empty if the run diverged, as rows say."""
+        """Run under a scheme: rows of the results table, and finding; if the run diverged, both are without numbers."""
         try:
             with Simulation(self.load(scheme, overrides)) as simulation:
                 found = self.measure(simulation)
@@ -110,7 +110,7 @@ class Problem:
         return [promise.row(case, scheme, *number) for promise, number in pairs], found
 
     def coarsened(self, case: str) -> "Problem":
-        """Copy with tolerances for coarse resolution; slow if it is too long for the gate, or has no tolerance."""
+        """Copy with tolerances for coarse resolution; slow if too long for a regression gate, or without tolerance."""
         promises = tuple(promise.coarsened(case) for promise in self.promises)
         judged = any(scheme in promise.tolerance for promise in promises for scheme in self.schemes)
         slow = self.slow or not judged or (case, self.name) in too_long_for_gate()

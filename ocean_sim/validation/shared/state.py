@@ -61,7 +61,7 @@ def particle_state(simulation: Simulation) -> State:
 def set_state(
     simulation: Simulation, position: np.ndarray, velocity: np.ndarray, pressure: np.ndarray | None = None
 ) -> None:
-    """Restart from positions (n, 3) [m], velocities (n, 3) [m/s] and, to step density, pressures (n,), by id."""
+    """Restart from positions (n, 3) [m], velocities (n, 3) [m/s], pressures (n,) [Pa] (None: kept), in id order."""
     water = with_particles(simulation.fluid)
     particles = water.particles
     order = particles.id.to_numpy()

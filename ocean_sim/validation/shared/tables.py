@@ -23,7 +23,7 @@ def table(name: str) -> dict[str, np.ndarray]:
 
 @cache
 def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
-    """Tolerances at coarse resolution, by (case, quantity), and then by each scheme that misses the fine one."""
+    """Tolerances at coarse resolution, by (case, quantity) and then scheme, only where the fine ones are missed."""
     found: dict[tuple[str, str], dict[str, float]] = {}
     for row in csv_file.read_records(table_path("coarse").read_text(encoding="utf-8")):
         found.setdefault((row["case"], row["quantity"]), {})[row["scheme"]] = float(row["tolerance"])
@@ -32,6 +32,6 @@ def coarse_tolerances() -> dict[tuple[str, str], dict[str, float]]:
 
 @cache
 def too_long_for_gate() -> dict[tuple[str, str], float]:
-    """Processor time [s], with compiled kernels, of set-ups too long for the gate, by (case, set-up)."""
+    """Processor time [s], with compiled kernels, of set-ups too long for a regression gate, by (case, set-up)."""
     rows = csv_file.read_records(table_path("too_long_for_a_gate").read_text(encoding="utf-8"))
     return {(row["case"], row["set-up"]): float(row["processor_s"]) for row in rows}

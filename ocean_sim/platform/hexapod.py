@@ -65,7 +65,7 @@ class Config(PlatformConfig):
         ]
 
     def ledger(self, preflight: Preflight) -> list[LedgerRow]:
-        """One memory ledger row without fields; the row of `platform_log` holds the cost."""
+        """One row of the memory ledger: without fields, as the row of `platform_log` holds the cost."""
         kind = cast(WashoutConfig, self.washout).kind
         return [LedgerRow("platform", f"{kind} washout and six legs", 0, "for platform_log")]
 

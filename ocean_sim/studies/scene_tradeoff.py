@@ -69,8 +69,8 @@ class Budget:
 
     def seconds(self, row: dict[str, Any]) -> float | None:
         """Time [s] of the kind that the budget limits, from a row of costs: per simulated second, or in all with
-        compilation. The less of wall and processor time counts, as either may be raised by waiting or by several cores;
-        None without both."""
+        compilation. The less of wall and processor time counts, as waiting or several cores raise one of them; None
+        without both."""
         unit = "per_s" if self.name == "realtime" or self.name.endswith("ms") else "s"
         return min(filter(None, (row.get(f"wall_{unit}"), row.get(f"cpu_{unit}"))), default=None)
 
@@ -82,7 +82,7 @@ class Budget:
 
 @dataclass(frozen=True)
 class Setting:
-    """One combination of the varied values, by key, with one scene for each seed; `finest`: the reference."""
+    """One combination of the varied values, by key, with one scene for each seed; `finest` marks the reference."""
 
     values: dict[str, Any]
     scenes: tuple[SceneConfig, ...]
@@ -105,7 +105,7 @@ class Repeat:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order of this run: plain data for the process that makes it."""
+        """Order (job description as plain data) of this run, for the process that executes it."""
         return run_order(self.scene)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
@@ -242,7 +242,7 @@ def tradeoff_summary(
 
 
 def measure_names(rows: list[dict[str, Any]]) -> list[str]:
-    """Names of all errors in the rows, sorted: leg lengths, motions, elevations, wave heights, periods."""
+    """Names of all errors in the rows, in the order leg lengths, motions, elevations, wave heights, periods."""
     names = [name.removesuffix("_spread") for row in rows for name in row if name.endswith("_spread")]
     motions = [f"{name}_rms" for name in ("heave", "pitch", "roll", "surge", "sway", "yaw")]
     order = ["legs_rms", *motions, "_rms_", "_hs_", "_hm0_", "_tz_"]

@@ -106,7 +106,7 @@ class Spot:
     scene: SceneConfig
 
     def order(self) -> dict[str, Any]:
-        """Order of this run on one thread: plain data for the process that makes it."""
+        """Order (job description as plain data) of this run, for the process that executes it, on one thread."""
         return run_order(self.scene, 1)
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:

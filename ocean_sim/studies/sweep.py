@@ -51,14 +51,14 @@ class PlanConfig(Model):
 
 @dataclass(frozen=True)
 class Planned:
-    """Run of a plan: its own settings, its scene, and its order (plain data), made when the plan was read."""
+    """Run of a plan: its own settings, its scene, and its order (plain data), fixed when the plan was read."""
 
     settings: dict[str, Any]
     scene: SceneConfig
     planned: dict[str, Any]
 
     def order(self) -> dict[str, Any]:
-        """Order of this run: plain data for the process that makes it."""
+        """Order (job description as plain data) of this run, for the process that executes it."""
         return self.planned
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:

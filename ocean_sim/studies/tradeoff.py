@@ -50,7 +50,7 @@ BUSY_CLOCK_RATIO = 1.3  # wall over processor time of one thread beyond which th
 
 @dataclass(frozen=True)
 class Trial:
-    """A validation case, and the one of its errors that is drawn; the table holds all of them."""
+    """A validation case, and the one of its errors that pictures show; the table of the study holds all of them."""
 
     case: str
     quantity: str
@@ -105,7 +105,7 @@ class Point:
     patience: float
 
     def order(self) -> dict[str, Any]:
-        """Order of this run: plain data for the process that makes it."""
+        """Order (job description as plain data) of this run, for the process that executes it."""
         given = (self.trial.case, self.trial.set_up, self.coarse, self.scheme, self.settings, self.patience)
         return run_order(*given)
 

@@ -50,6 +50,7 @@ def exact_ellipse(end: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray
     """Times A0 t, minor and major semi-axes [m], (steps + 1,) each, up to A0 t = `end`, by Runge-Kutta."""
 
     def change(y: np.ndarray) -> np.ndarray:
+        """Derivatives by A0 t of strain rate (over A0) and minor semi-axis [m]."""
         rate, minor = y
         return np.array([rate**2 * (minor**4 - 1.0) / (minor**4 + 1.0), -minor * rate])
 

@@ -36,6 +36,7 @@ def problems(coarse: bool) -> list[Problem]:
     own = Promise("the wake where its own ship is shown the water [m]", "m", "nothing", {"spectral_sea": 0.0})
 
     def measure(simulation: Simulation) -> Finding:
+        """Run, and compare elevations abeam with Havelock's integral."""
         tile = sea_of(simulation).tile
         # widths of the pressure as the tile spreads it
         widths = [np.sqrt(width**2 + (2.0 + 1.0 / 3.0) * tile.cell**2) for width in (WIDTH_ALONG, WIDTH_ACROSS)]

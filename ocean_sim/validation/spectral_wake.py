@@ -31,6 +31,7 @@ def problems(coarse: bool) -> list[Problem]:
     inside = Promise("wave energy outside the cusp angle", "%", "Kelvin 1887", {"spectral_sea": 5.0})
 
     def measure(simulation: Simulation) -> Finding:
+        """Run at each speed, and compare wave resistance and wake with theory."""
         numbers, wakes = [], []
         for u in TOWING_SPEEDS:
             value, wake = tow_pressure(simulation, u)

@@ -69,8 +69,7 @@ class StandingWave:
         return complex(n)
 
     def steep_period(self, root: complex, times: np.ndarray) -> float:
-        """Period [s] that `fit_damped_cosine` finds at times (n,) [s] in a wave exp(root t) of this amplitude at the
-        start.
+        """Period [s] that `fit_damped_cosine` finds at times (n,) [s] in a wave exp(root t) of this first amplitude.
 
         At a steepness k a the frequency of linear theory rises by a share w2 (k a)^2 / 2 w0, with w0^2 = tanh(k h) and
         w2 = (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5) / 32 (Tadjbakhsh & Keller 1960, J. Fluid Mech. 8); in deep water it
@@ -126,6 +125,7 @@ class StandingWave:
         from scipy.optimize import curve_fit
 
         def model(t: np.ndarray, a: float, b: float, omega: float, rate: float) -> np.ndarray:
+            """Fit function a cos(omega t + b) exp(-rate t)."""
             return a * np.cos(omega * t + b) * np.exp(-rate * t)
 
         settled = times > 0.25 * self.period

@@ -111,6 +111,7 @@ class Sender:
     left_out = ("socket", "start", "sent", "due", "left", "readings", "key", "began")  # by a checkpoint
 
     def __init__(self, url: str, layout: str = "ocean_sim", key: bytes = b"") -> None:
+        """`layout`: one of PACKET_LAYOUTS; `key`: signature key, empty for none."""
         if key and layout != "ocean_sim":
             raise ValueError(f"packets of {layout} have no place for a signature; take ocean_sim")
         self.address, self.layout = parse_address(url), layout
@@ -345,8 +346,7 @@ def receive_stream(
     """Receive at a UDP address until no packet has been accepted for `patience` [s], and return the receiver.
 
     It waits for the first packet without limit, calls `report` with every accepted one, and replies to its sender with
-    the leg lengths, also once stopped. `platform`: by default `hexapod_a`. Raises OSError or ValueError for a bad
-    address.
+    the leg lengths, also once stopped. `platform`: by default `hexapod_a`. Raises OSError or ValueError for a bad URL.
     """
     host, port = parse_address(url)
     platform = platform or Receiver(preset_geometry("hexapod_a"))

@@ -80,6 +80,7 @@ class Hexapod:
         reach = np.linalg.norm(offset[:, :2], axis=1)
 
         def mean_length(z: float) -> float:
+            """Mean leg length [m] with the level platform at the height z [m]."""
             return float(np.hypot(reach, offset[:, 2] + z).mean())
 
         low, high = -float(offset[:, 2].min()), length + float(np.abs(offset[:, 2]).max()) + 1.0
@@ -88,7 +89,7 @@ class Hexapod:
         return bisect_last(lambda z: mean_length(z) <= length, low, high)
 
     def leg_vectors(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Legs (n, 6, 3) from base to platform, and its joints (n, 6, 3) from its centre [m], floor axes, by pose."""
+        """Vectors [m, floor axes] by pose: legs (n, 6, 3) from base to platform, joints (n, 6, 3) from its origin."""
         arm = self.joints @ np.swapaxes(rotation_matrices(pose[:, 3:]), 1, 2)
         leg = pose[:, None, :3] + [0.0, 0.0, self.neutral_height] + arm - self.base
         return leg, arm

@@ -176,7 +176,7 @@ class Governor:
         return self.hexapod.jacobian(pose)[0] @ np.concatenate([motion[:3], turning])
 
     def chase_step(self, step: np.ndarray) -> int:
-        """Move a late platform by one row to its target, moving at `step` (6,) [m/s, rad/s]; returns limit bits."""
+        """Let a late platform chase its target, moving at `step` (6,) [m/s, rad/s], for a row; returns limit bits."""
         dt, a = self.every, self.catch_up
         behind = self.target - self.pose
         far = self.motion_size(behind)
@@ -191,7 +191,7 @@ class Governor:
         return (LEG_SPEED_LIMIT if share < 1.0 else 0) | (LEG_ACCELERATION_LIMIT if hard > 1.0 or share >= 1.0 else 0)
 
     def stoppable_velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Pose velocity (6,) nearest to `velocity` (6,) [m/s, rad/s], towards braking, that allows a stop."""
+        """Pose velocity (6,) between braking and `velocity` (6,) [m/s, rad/s]: the nearest to it that allows a stop."""
         braked = self.velocity * max(
             0.0, 1.0 - self.brake * self.every / max(self.motion_size(self.velocity), USAGE_TOLERANCE)
         )
@@ -213,7 +213,7 @@ class Governor:
         return np.asarray(within.all(axis=1))
 
     def stopping_speed(self, acceleration: float, left: np.ndarray) -> np.ndarray:
-        """Highest speed [m/s] from which `acceleration` [m/s2], in whole rows, stops within distances `left` [m]."""
+        """Highest speed [m/s] from which braking at `acceleration` [m/s2], in whole rows, stops within `left` [m]."""
         lost = 0.5 * acceleration * self.every
         return np.sqrt(lost**2 + 2.0 * acceleration * np.maximum(left, 0.0)) - lost
 
@@ -264,7 +264,7 @@ class Legs:
         return there and not fast and not hard
 
     def chase_step(self, target: np.ndarray, wanted: np.ndarray) -> int:
-        """Move late legs by one row to lengths `target` (6,) [m], moving at `wanted` (6,) [m/s]; returns limit bits."""
+        """Let late legs chase `target` (6,) [m], moving at `wanted` (6,) [m/s], for one row; returns limit bits."""
         dt, a = self.every, self.acceleration
         behind = self.target - self.length
         brake = np.sqrt((0.5 * a * dt) ** 2 + 2.0 * a * np.abs(behind)) - 0.5 * a * dt  # stops in whole rows

@@ -125,6 +125,7 @@ def sickness_weighting(every: float) -> np.ndarray:
     from scipy.signal import bilinear_zpk, zpk2sos
 
     def pole_pair(frequency: float, quality: float) -> np.ndarray:
+        """Poles (2,) of a resonance with a frequency [Hz] and a quality factor."""
         omega = 2.0 * np.pi * frequency
         return np.roots([1.0, omega / quality, omega**2]).astype(complex)
 

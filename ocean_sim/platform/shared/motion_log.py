@@ -105,7 +105,7 @@ class MotionLog(NamedTuple):
 
 
 def frame_signs(frame: str) -> np.ndarray:
-    """Signs (3,) of x, y, z or roll, pitch, yaw between FLU and the like axes of a frame: -1 for y and z in `ned`."""
+    """Signs (3,) that convert roll, pitch, yaw, or surge, sway, heave, between FLU and a frame: 1, -1, -1 for `ned`."""
     return np.array([1.0, -1.0, -1.0]) if frame == "ned" else np.ones(3)
 
 
@@ -246,7 +246,7 @@ def compare_columns(path: str | Path, own: Columns, other: Columns, least: float
 
 
 def log_positions(log: MotionLog) -> np.ndarray:
-    """Forward, left and upward position (n, 3) [m] of the ship: surge, sway and heave, with signs as along FLU."""
+    """Surge, sway and heave (n, 3) [m] of the ship, positive forward, left and up."""
     return np.column_stack([log.table[name] for name in ("surge_m", "sway_m", "heave_m")]) * frame_signs(log.frame)
 
 

@@ -55,6 +55,7 @@ class Filter:
     """Digital filter of a transfer function (Tustin) for rows `every` [s], which keeps its state between calls."""
 
     def __init__(self, zeros: Sequence[float], poles: Sequence[complex], gain: float, every: float) -> None:
+        """`zeros`, `poles` [rad/s], `gain`: of the transfer function; `every`: time between rows [s]."""
         self.sections = design_sections(zeros, poles, gain, every)
         self.state = np.zeros((len(self.sections), 2))
 
@@ -128,6 +129,7 @@ class Washing:
         ]
 
     def follow(self, ride: Ride) -> Cue:
+        """Requested poses for the next rows of ship motion: filtered displacements and turns, plus tilt angles."""
         config = self.config
         limited = np.zeros(len(ride.time), dtype=int)
         level = turn_to_level(ride.attitude, ride.specific_force) - [0.0, 0.0, GRAVITY]

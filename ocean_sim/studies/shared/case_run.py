@@ -21,8 +21,8 @@ WATCHED_SCENES: dict[str, dict[str, Any]] = {"fluid": {"health": {}}}
 
 
 def run_order(case: str, set_up: str, coarse: bool, scheme: str, settings: dict[str, Any], patience: float) -> dict:
-    """Order (plain data, see `runs`) to run a set-up of a validation case; it is timed up to MAX_REPEATS times, but not
-    again once `patience` [s] of processor time have passed."""
+    """Order (job description as plain data) to run a set-up of a validation case, with scheme and settings; it is timed
+    up to MAX_REPEATS times, but not again once `patience` [s] of processor time have passed."""
     order = {"task": __name__, "case": case, "set_up": set_up, "coarse": coarse, "scheme": scheme}
     return order | {"set": settings, "machine": {"patience": patience}}
 

@@ -18,6 +18,7 @@ class Clocked(Simulation):
     """Simulation that records the simulated, wall and processor time of each step, excluding the work of observers."""
 
     def __init__(self, *given: Any) -> None:
+        """`given`: arguments of Simulation, passed on."""
         self.spent: list[tuple[float, float, float]] = []
         super().__init__(*given)
 

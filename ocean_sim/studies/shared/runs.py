@@ -52,8 +52,7 @@ def run_address(order: dict[str, Any]) -> str:
 def run_answers(
     orders: list[dict[str, Any]], out: Path, workers: int, scheduler: str | None = None, limit: float | None = None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Yield (index in the list, answer) of each order as it is finished, first those that have an answer from earlier
-    calls.
+    """Yield (index in the list, answer) of each order once it has an answer; those with one from earlier calls first.
 
     `limit`: wall time [s] after which a run is ended, and has failed. Equal orders are run once. Raises ClusterMissing.
     """

@@ -15,7 +15,7 @@ class Point(Protocol):
     """Interface of one run of a study: its order, and its rows in the table."""
 
     def order(self) -> dict[str, Any]:
-        """Order of the run: plain data for the process that makes it."""
+        """Order (job description as plain data) of this run, for the process that executes it."""
 
     def rows(self, answer: dict[str, Any], run: Result) -> list[dict[str, Any]]:
         """Rows of the study's table from the answer of this run and its result folder `run`, which may be empty."""

@@ -33,7 +33,7 @@ SOURCE_TEXT = "linear theory of a piston that begins"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: far gauge 2 and 6 wavelengths away, with 20 (coarse: 10) particles over the depth."""
+    """Set-ups to run: flumes with the far gauge at 2 or 6 wavelengths, 20 (coarse: 10) particles over the depth."""
     return [flume_problem(2, 6.5, 2.0, coarse), flume_problem(6, 15.5, 5.0, coarse, slow=True)]
 
 

@@ -48,7 +48,7 @@ SOURCE_TEXT = "Sundsdal et al. (2025), measured"
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: the section in closed-form waves, and on particles; coarse: one of the former, two periods."""
+    """Set-ups to run: the section in closed-form waves and on particles; coarse: closed form only, two periods."""
     if coarse:
         return [closed_form_problem("heave+roll", True)]
     closed_form = [closed_form_problem(scenario) for scenario in FREE_MOTIONS]

@@ -48,7 +48,7 @@ def coarse_preset(name: str) -> dict[str, Any]:
 
 
 def problems(coarse: bool) -> list[Problem]:
-    """Set-ups to run: circles of yacht and tug, zig-zags by 10 and 20 degrees; coarse: the yacht's circle and 20."""
+    """Set-ups to run: circles of yacht and tug, zig-zags by 10 and 20 degrees; coarse: without the tug and 10."""
     scene = at_sea(coarse_preset("yacht"), 15.0, TIME_STEP, APPROACH_TIME + TURN_TIME)
     found = [circle_problem("yacht", scene)]
     for angle in (20.0,) if coarse else (10.0, 20.0):

@@ -84,7 +84,7 @@ def track_crests(simulation: Simulation, eta: np.ndarray, u: float) -> tuple[np.
 
 
 def energy_outside_cusp(simulation: Simulation, eta: np.ndarray, u: float) -> float:
-    """Share of the energy of a wake `eta` (cells, rows) [m] outside the cusp angle, past the first wavelength."""
+    """Share of the energy of a wake `eta` (cells, rows) [m], at a speed `u` [m/s], that lies outside the cusp angle."""
     tile = sea_of(simulation).tile
     x, z = nearest_image(tile, np.array([u * END_TIME, 0.0]))
     length = 2.0 * np.pi * u**2 / GRAVITY

@@ -85,7 +85,8 @@ class StandingWave:
         return self.fit_damped_cosine(times, np.cos(phase) * np.exp(root.real * times))[0]
 
     def unit_flow(self, position: np.ndarray) -> np.ndarray:
-        """Velocity (n, 3) [m/s] at positions (n, 3) [m] of a wave of 1 m while it is level, in linear theory."""
+        """Velocity (n, 3) [m/s] at positions (n, 3) [m] of a linear wave of amplitude 1 m, when its surface is
+        level."""
         x, y = position[:, 0] + 0.5 * self.length, position[:, 1] + self.depth
         scale = self.gravity * self.k / self.omega / np.cosh(self.k * self.depth)
         along, up = -np.sin(self.k * x) * np.cosh(self.k * y), np.cos(self.k * x) * np.sinh(self.k * y)

@@ -86,7 +86,7 @@ def current_load(simulation: Simulation) -> "Load":
 
 
 def balance_heave(simulation: Simulation, orientation: np.ndarray) -> "Load":
-    """Turn the ship to an orientation (quaternion), and lift or lower it to where it floats; its load there."""
+    """Turn the ship to an orientation (quaternion) and move it vertically until it floats; returns its load."""
     shape = floating_ship(simulation).shape
     assert shape is not None
     span = float(np.linalg.norm(np.ptp(shape.bounds(), axis=0)))

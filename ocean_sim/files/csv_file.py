@@ -56,8 +56,7 @@ CHECKS = (
 
 
 class Lines(NamedTuple):
-    """Parts of a CSV text: `head`, its comments `key: value`; `heading`, the line of column names; `rows`, the
-    others."""
+    """Parts of a CSV text: `head`, its comments `key: value`; `heading`, the line of column names; `rows`, the rest."""
 
     head: dict[str, str]
     heading: str
@@ -167,8 +166,8 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """Separator of a table's cells: the first that splits heading `names` and first row alike; else one in the
-    heading."""
+    """Cell separator of a table: the first that splits heading `names` and first row into equally many cells, else one
+    in the heading, else a comma."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]

@@ -83,8 +83,7 @@ class Source:
 
 
 def function_lines(function: FunctionType) -> tuple[list[str], int]:
-    """Source lines of a function, down to the next statement of its indent or less, and the first's number in its
-    file."""
+    """Source lines of a function, down to the next statement of its indent or less, and number of the first one."""
     code = function.__code__
     lines = linecache.getlines(code.co_filename, function.__globals__)[code.co_firstlineno - 1 :]
     body = next(k for k, line in enumerate(lines) if line.lstrip().startswith("def ")) + 1
@@ -199,7 +198,7 @@ def vector_elements(value: Any) -> dict[tuple[int, ...], Any]:
 
 
 def reduce_vector(value: Any, combine: Any) -> Any:
-    """Combine all elements of a vector or a matrix in order by `combine`, for example to their sum, in a kernel."""
+    """Combine all elements of a vector or a matrix in order by `combine`, for example to their sum."""
     if not impl.inside_kernel():
         return taichi_reduce(value, combine)
     return impl.expr_init(reduce(combine, vector_elements(value).values()))

@@ -44,7 +44,8 @@ def write_facts(path: Path, data: dict[str, Any]) -> None:
 
 
 class file_named_in_errors:
-    """Context manager: an OSError raised in its block that names no file, or the temporary `draft`, names `path`."""
+    """Context manager that names `path` in an OSError of its block that names no file, or the temporary one,
+    `draft`."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))
@@ -65,7 +66,7 @@ def require_disk_space(path: Path, size: int) -> None:
 
 @contextmanager
 def reserve_disk_space(folder: Path) -> Iterator[None]:
-    """Fill RESERVE_BYTES of a folder's disk in the block, freed at its end: a run that fills the disk can say so."""
+    """Occupy RESERVE_BYTES of a folder's disk in the block, freed at its end: space for a run's last messages."""
     path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long

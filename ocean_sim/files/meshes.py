@@ -26,9 +26,8 @@ OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOff
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write points (n, 3) [m] and triangles (m, 3), if any, as PLY and return the path; `fields` are (n,) or (n, 3).
-    `Normals` become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours; other vectors become name_x, name_y,
-    name_z."""
+    """Write points (n, 3) [m], triangles (m, 3) if any, and fields (n,) or (n, 3) as PLY; return the path. `Normals`
+    become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours, other vectors name_x, name_y, name_z."""
     columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
         columns |= {f"n{axis}": values for axis, values in zip(AXIS_NAMES, fields["Normals"].T)}

@@ -179,7 +179,7 @@ def parse_setting(text: str) -> tuple[str, Node]:
 
 
 def parse_yaml(text: str, start: Location) -> Node:
-    """Parse a YAML text that begins at `start` into nodes, with lines if `start` has one. Raises SceneError."""
+    """Parse a YAML text, whose beginning has the location `start`, into nodes with locations. Raises SceneError."""
     import yaml
 
     try:
@@ -202,7 +202,7 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location of a PyYAML mark (lines from 0) in a text that begins at `start`; `start` itself if without a line."""
+    """Location in a text of a mark, PyYAML's position (from 0); `start`, the text's own, if that has no line."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 

@@ -126,7 +126,7 @@ class Boats:
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length by its middle value: sin(a) / a, a = `half`, the phase [rad] along half of it."""
+    """Ratio of a wave's mean over a length to its middle value: sin(a) / a, a = `half`, phase [rad] over half of it."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

@@ -30,7 +30,7 @@ CLOSING_BRACKETS = (")", "]", "}")  # a line that continues a statement at its o
 
 
 class Tree:
-    """Syntax tree of a function that Taichi compiles; Taichi writes results onto its nodes while it translates them."""
+    """Syntax tree of a function that Taichi compiles; Taichi stores results on its nodes while it translates them."""
 
     def __init__(self, source: "Source") -> None:
         self.source, self.root = source, source.parse()

@@ -41,7 +41,7 @@ NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """The kind or preset chosen for a slot, and the user's own keys written over it."""
+    """The kind or preset that a scene chooses for a part, as in `wind: stress`, and the user's own keys over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
@@ -68,7 +68,7 @@ class Composition:
     notes: list[str] = field(default_factory=list)
 
     def lay(self, place: str, node: Node, below: Choice | None) -> None:
-        """Lay `node` over `below`, the choice at a place: null empties it, a name replaces it, a mapping sets keys."""
+        """Lay `node` over `below`, the choice at a place: null removes it, a name replaces it, a mapping sets keys."""
         try:
             if node.data is None:
                 self.slots[place] = None
@@ -124,7 +124,7 @@ class Composition:
         return Choice(base, written.with_data(kept))
 
     def set(self, key: str, value: Node) -> None:
-        """Apply one `--set KEY=VALUE`: to a slot, a key inside one, or a key outside the slots."""
+        """Apply one `--set KEY=VALUE`: to a part, a key inside one, or a key outside the parts."""
         path = tuple(key.split("."))
         path = (KEYS_BESIDE_SLOTS[path[0]], *path) if path[0] in KEYS_BESIDE_SLOTS else path
         if "" in path:
@@ -155,7 +155,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Lay a key of KEYS_BESIDE_SLOTS, written at the top level of the scene, over the slot to which it belongs."""
+        """Lay a key of a part that is written at the scene's top level (KEYS_BESIDE_SLOTS) over that part."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -173,7 +173,7 @@ class Composition:
             self.set_part(place, (), ship)
 
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
-        """Replace or change the part at a place by `value`, or set the key at `path` inside it."""
+        """Replace or change the part at a place (`wind`) by `value`, or set the key at `path` inside it."""
         below = self.slots.get(place)
         if place in self.failed and path:
             return
@@ -259,8 +259,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
 
 
 def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """The choice that a name, or a mapping with `kind`, makes at a place; `within`: presets read so far. Or
-    SceneError."""
+    """Choice that a name or a mapping with `kind` makes at a place; raises SceneError. `within`: presets being read."""
     slot = slot_of(place)
     if isinstance(node.data, str):
         name, own = node, node.with_data({})
@@ -301,7 +300,7 @@ def without_kind(place: str, node: Node) -> Problem:
 
 
 def keys_of(slot: str) -> list[str]:
-    """Names of all keys of all kinds of a slot, `kind` included."""
+    """Names of the keys of all kinds of a slot (`wind`, `fluid`, ...), each once, `kind` included."""
     return list(dict.fromkeys(key for kind in kinds(slot) for key in config_of(slot, kind).model_fields))
 
 
@@ -313,7 +312,7 @@ def key_for_name(name: str, ship: Node) -> str | None:
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """The kind that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
+    """Kind of a slot that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)

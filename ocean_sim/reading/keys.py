@@ -50,7 +50,7 @@ EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an exampl
 
 
 class Key(NamedTuple):
-    """One key of a scene: its path, and facts for the reference and `explain`."""
+    """One key that a scene may have: path, values, unit, default, bounds, meaning, example; for docs and `explain`."""
 
     path: str
     takes: str
@@ -274,7 +274,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
-    """The first bound among these names in a schema or the members of its union; None where it has none."""
+    """First of these bounds (`minimum`, ...) that a schema, or a member of its union, states; None without any."""
     return next((place[name] for place in (node, *union_members(node)) for name in names if name in place), None)
 
 
@@ -303,7 +303,7 @@ def keys_at(word: str) -> list[Key]:
 
 
 def is_path_match(path: list[str], steps: list[str]) -> bool:
-    """True if the steps of a key's path equal those of a user's, any of which stands for NAME."""
+    """True if the steps of a key's path equal those that a user wrote, any of which matches NAME."""
     return len(path) == len(steps) and all(p in (s, NAME_STEP) for p, s in zip(path, steps, strict=True))
 
 

@@ -94,7 +94,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """The facts that parts need of the whole scene before it is built; cached until the parts change."""
+        """Facts on the whole scene that parts need before it is built, as the tank; cached until the parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -146,7 +146,7 @@ class SceneConfig(Heading):
 
 
 def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
-    """Ledger rows of the part at a place; one of several ships is named in them by its place, `ships.tug`."""
+    """Ledger rows (memory of fields) of the part at a place; one of several ships is named by place, `ships.tug`."""
     return rows if slot_of(place) == place else [row._replace(part=place) for row in rows]
 
 
@@ -220,8 +220,8 @@ def packaged_scenes() -> list[str]:
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """The mapping in the file of a profile, without keys that are no numerical effort, and a problem for each of these;
-    None and no problems without a profile."""
+    """The mapping in a profile's file, and a problem for each key in it that is not of numerical effort, which is left
+    out; None and no problems without a profile."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -400,7 +400,7 @@ def _missing_needs(
     data: dict[str, Node],
     root: Node,
 ) -> list[Problem]:
-    """Problems of observers that need an absent part; a part in `wrong`, which has problems of its own, is present."""
+    """Problems of observers that need an absent part; parts in `wrong`, which have other problems, count as present."""
     problems, there = [], {*observers, *parts, *wrong}
     for name, config in observers.items():
         absent = [need for need in config.needs if need not in there]
@@ -432,8 +432,8 @@ def _observers(
 
 
 def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
-    """The scene with spacings of water, surface and ships times `factor`, and particle counts divided by its power of
-    the dimension, each listed in `notes`. Values from `--set` are kept."""
+    """The scene with spacings of water, surface and ships times `factor`, and particle counts divided by `factor` to
+    the power `dimension`; sentences on it are added to `notes`. Values from `--set` are kept."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
         """The node with every spacing and particle count inside it scaled."""

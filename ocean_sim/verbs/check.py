@@ -125,9 +125,8 @@ def picture_time(config: SceneConfig) -> float:
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes per particle and the largest number of particles that fits: on a processor into nine tenths of the
-    machine's memory, with the copies made for observers; on a graphics card into CARD_BYTES. Both None without
-    particles."""
+    """Bytes per particle, and number of particles that fits into nine tenths of the machine's memory with the
+    observers' copies, or on a graphics card into CARD_BYTES. Both None without particles."""
     from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:

@@ -25,7 +25,7 @@ ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn 
 
 
 class Outcome(NamedTuple):
-    """Result of a figure's script: success, wall time, files and error message."""
+    """Result of a figure's script: name, success, wall time [s], files and error message."""
 
     figure: str
     ok: bool

@@ -33,7 +33,7 @@ UNUSED_OBSERVERS = ("render", "report", "accuracy", "timings")  # observers that
 
 
 class Entry(Model):
-    """A picture of the gallery."""
+    """One picture of the gallery: file, caption, scene and its end time, drawing command, and code it depends on."""
 
     picture: str
     about: str
@@ -70,7 +70,7 @@ class Entry(Model):
 
 @cache
 def law_files(scene: str) -> dict[str, KindConfig]:
-    """Configs of the parts of a packaged scene that pictures of it show (LAW_SLOTS), by place."""
+    """Configs of the parts of a packaged scene that pictures of it show (LAW_SLOTS), by place (`wind`, `ships.tug`)."""
     parts = load(scene).parts().items()
     return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 

@@ -171,8 +171,7 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write commands, metrics and pictures of a ride into `out`, moved there once all are complete; return the
-    paths."""
+    """Write commands, metrics and pictures of a ride into `out`, moved there once all are complete; return paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         head = heading(log.every, frame or "flu") | (
@@ -191,8 +190,7 @@ def write_commands(
 
 
 def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
-    """Write the leg lengths that the platform has reported, if any, to legs.csv; return a list of its path, or
-    empty."""
+    """Write the leg lengths that the platform reported to legs.csv, if any; return a list of its path, or empty."""
     if not sender.readings:
         return []
     begin = sender.sent[0]

@@ -157,7 +157,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out the user's requests since the last picture, except snapshots."""
+        """Carry out what the user has requested since the last picture: helm, reset and wind."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -214,8 +214,7 @@ class Session:
         return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.scratch.name))
 
     def facts(self) -> dict[str, Any]:
-        """Numbers of pictures and snapshots, simulated time [s], median time a picture [ms] and folder, as JSON
-        data."""
+        """Numbers of pictures and snapshots, simulated time [s], time a picture [ms] and folder, as JSON data."""
         drawn = sorted(self.milliseconds[1:] or self.milliseconds)
         return {
             "pictures": self.pictures,

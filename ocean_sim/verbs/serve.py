@@ -81,7 +81,7 @@ def serve_play(
 
 
 def live_files(title: str) -> dict[str, Any]:
-    """Content type and function for the content of each address on the page of a live simulation."""
+    """Content type, and function that returns the content, by address for the page of a live simulation."""
     from ocean_sim.reading.schema import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 

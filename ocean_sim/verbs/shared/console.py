@@ -42,7 +42,7 @@ class Outlet(FileIO):
 
 
 class Stopped(Failed):
-    """A run that the user interrupted; the message gives the simulated time."""
+    """Error: the user has interrupted a run or a study; the message tells how far it came."""
 
 
 class Anew(BaseException):
@@ -158,8 +158,7 @@ def claim(out: Path, *ours: str) -> Claim:
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
-    """Call `draw(*about)` and return True; without the extra `pictures`, say once that it is missing, and return
-    False."""
+    """Call `draw(*about)` and return True; without the extra `pictures`, complain once and return False."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)

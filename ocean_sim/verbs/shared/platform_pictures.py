@@ -25,7 +25,8 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a ride into a folder."""
+    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a platform ride into a
+    folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
         (draw_motion(shown), "motion.png"),
@@ -214,7 +215,7 @@ def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
 
 
 def write_film(path: Path, done: Commands, machine: Moving) -> None:
-    """Write a film of the ride's liveliest seconds in real time."""
+    """Write a GIF film of the hexapod in the ride's liveliest seconds, at true speed."""
     from matplotlib.animation import PillowWriter
 
     picture, axes = new_figure(1, 1, (5, 5))

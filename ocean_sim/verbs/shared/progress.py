@@ -107,7 +107,7 @@ class Progress(OutcomeObserver):
         return (self.began + self.wall - self.first[0]) / (self.steps - self.first[2])
 
     def summary(self) -> dict[str, Any]:
-        """Counts, times and limits of the run, to be called when all files and pictures are finished."""
+        """Counts, times and limits of the run as JSON data, to be called once all files and pictures are finished."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}

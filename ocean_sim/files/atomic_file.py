@@ -44,8 +44,7 @@ def write_facts(path: Path, data: dict[str, Any]) -> None:
 
 
 class file_named_in_errors:
-    """Context manager that names `path` in an OSError of its block that names no file, or the temporary one,
-    `draft`."""
+    """Context manager that names `path` in an OSError of its block that names no file or the temporary one, `draft`."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))

@@ -33,6 +33,7 @@ class Tree:
     """Syntax tree of a function that Taichi compiles; Taichi stores results on its nodes while it translates them."""
 
     def __init__(self, source: "Source") -> None:
+        """Parse a tree, and give each node its place in the source and the method of Taichi that translates it."""
         self.source, self.root = source, source.parse()
         self.root.tree = self
         self.nodes: list[Any] = [*ast.walk(self.root)]
@@ -52,6 +53,7 @@ class Source:
     """Source text of a function, and the syntax trees parsed from it that are not in use."""
 
     def __init__(self, function: FunctionType) -> None:
+        """Find the source lines of a function and parse them."""
         self.name, self.file = function.__name__, kernel_impl.getsourcefile(function)
         self.trees: list[Tree] = []  # those that nothing reads now
         try:
@@ -159,6 +161,7 @@ class FailingReader:
         """Function that raises the error, as the method `build_...` for any kind of node."""
 
         def fail(context: Any, node: Any) -> None:
+            """Raise the error, in place of the translation of a node."""
             raise self.error
 
         return fail
@@ -186,6 +189,7 @@ def node_reader(kind: Any) -> Any:
     """Method of Taichi that translates nodes of the class `kind`; if there is none, one that raises a syntax error."""
 
     def refuse(context: Any, node: Any) -> None:
+        """Raise TaichiSyntaxError: Taichi has no method for this kind of node."""
         raise ti.TaichiSyntaxError(f'Unsupported node "{kind.__name__}"')
 
     return getattr(Transformer, f"build_{kind.__name__}", refuse)

@@ -179,8 +179,8 @@ def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -
 def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
-    """The most accurate setting, by the error `judge`, that keeps to the budget also when run again with a new seed;
-    None if none does."""
+    """The best setting within the budget, by the error `judge` (see `best_setting`), that keeps to it also when run
+    again with a new seed; None if none does."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)

@@ -60,7 +60,7 @@ class Bar:
 
 
 class Drawing:
-    """Progress bar for the pictures of a film; it prints the estimated time for all of them once, early on."""
+    """Progress bar for the pictures of a film; it once prints an estimate of the time left, after the first ones."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
         """`cure`: hint printed after the estimate on how to leave the film out."""

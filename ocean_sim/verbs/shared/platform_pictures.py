@@ -25,7 +25,7 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a platform ride into a
+    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a platform's ride to a
     folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (

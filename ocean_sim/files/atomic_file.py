@@ -14,14 +14,14 @@ DRAFT_PATTERN = r"\..+\.\d+\.tmp(\..+)?"  # names of unfinished files, with the 
 
 
 def draft_path(path: Path) -> Path:
-    """Path of the unfinished file next to `path`, with the same suffix and this process's id in its name."""
+    """Path of the temporary file, next to `path`, that `atomic_write` renames to it; the name has this process's id."""
     return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
 
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a draft next to `path`, renamed to `path` at the end of the block and removed if the block fails. A link is
-    kept and its target replaced; a pipe or a device is written to directly."""
+    """Yield the path of a temporary file next to `path`, renamed to `path` at the end of the block and deleted if the
+    block fails. If `path` is a symbolic link, its target is replaced; a pipe or a device is yielded itself."""
     if path.exists() and not path.is_file():
         with file_named_in_errors(path):
             yield path
@@ -38,13 +38,13 @@ def atomic_write(path: Path) -> Iterator[Path]:
 
 
 def write_facts(path: Path, data: dict[str, Any]) -> None:
-    """Write data as a JSON file atomically."""
+    """Write `data` as an indented JSON file, which appears whole or not at all."""
     with atomic_write(path) as draft:
         draft.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
 
 
 class file_named_in_errors:
-    """Context manager that puts `path` into an OSError of its block that names no file, or the draft."""
+    """Context manager that names `path` in an OSError of its block that names no file or the temporary one, `draft`."""
 
     def __init__(self, path: str | Path, draft: str | Path | None = None) -> None:
         self.path, self.unknown = path, (None, str(draft))
@@ -58,14 +58,14 @@ class file_named_in_errors:
 
 
 def require_disk_space(path: Path, size: int) -> None:
-    """Raise OSError where a disk has less than `size` bytes free, as HDF5 and VTK do not report a full one."""
+    """Raise OSError if the disk of `path` has less than `size` bytes free: HDF5 and VTK do not report a full disk."""
     if disk_usage(path.parent).free < size:
         raise OSError(ENOSPC, os.strerror(ENOSPC), str(path))
 
 
 @contextmanager
 def reserve_disk_space(folder: Path) -> Iterator[None]:
-    """Occupy some disk space in a folder during the block, freed at its end for the last messages of a run."""
+    """Occupy RESERVE_BYTES of a folder's disk in the block, freed at its end: space for a run's last messages."""
     path = folder / RESERVE_FILE
     try:
         with suppress(OSError), path.open("wb") as file:  # a disk as full as that will not be written to for long

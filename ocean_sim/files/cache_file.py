@@ -16,8 +16,8 @@ MAX_FOLDER_BYTES = 300_000_000  # of a folder; beyond them what was not used for
 
 
 def cached_arrays(folder: str, content: bytes, made: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Arrays by name that `made` computes, read from the user's cache if the sources of its package and `content` (its
-    input) are unchanged. A cache that cannot be written is ignored."""
+    """Arrays by name that `made()` computes, or that an earlier call cached in `folder` for equal `content`, the bytes
+    of its input, and equal source files. A cache that cannot be written is ignored."""
     package = made.__module__.split(".")[1]
     laws = [item for item in source_hashes().items() if item[0].startswith(f"{package}/")]
     path = cache_directory() / folder / f"{hashlib.sha256(repr(laws).encode() + content).hexdigest()}.npz"
@@ -36,7 +36,7 @@ def cached_arrays(folder: str, content: bytes, made: Callable[[], dict[str, np.n
 
 
 def drop_oldest(folder: Path) -> None:
-    """Delete the least recently used npz files of a folder beyond MAX_FOLDER_BYTES in all."""
+    """Delete the least recently used npz files of a folder until the rest have at most MAX_FOLDER_BYTES in all."""
     files = sorted(((path.stat(), path) for path in folder.glob("*.npz")), key=lambda file: -file[0].st_mtime_ns)
     for (_, path), size in zip(files, np.cumsum([stat.st_size for stat, _ in files]), strict=True):
         if size > MAX_FOLDER_BYTES:

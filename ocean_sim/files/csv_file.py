@@ -56,7 +56,7 @@ CHECKS = (
 
 
 class Lines(NamedTuple):
-    """Text of a CSV file: `key: value` pairs of its comments, the line with the column names, and the rows."""
+    """Parts of a CSV text: `head`, its comments `key: value`; `heading`, the line of column names; `rows`, the rest."""
 
     head: dict[str, str]
     heading: str
@@ -64,7 +64,7 @@ class Lines(NamedTuple):
 
 
 def split_lines(text: str) -> Lines:
-    """Comments, heading and rows of a CSV text; the heading is empty where there are only comments."""
+    """Split a CSV text into comments, heading and rows; the heading is empty if the text has only comments."""
     written = [line for line in text.splitlines() if line.strip()]
     comments = [line[1:].partition(":") for line in written if line[0] == "#"]
     heading, *rows = [line for line in written if line[0] != "#"] or [""]
@@ -72,8 +72,8 @@ def split_lines(text: str) -> Lines:
 
 
 class Table(dict[str, np.ndarray]):
-    """Columns (n,) by name of a CSV file named by a user, NaN where a cell is not a number. Raises Unreadable, a
-    ValueError, also where there is no row."""
+    """Columns (n,) by name of a CSV file that a user named, float64, NaN where a cell is not a number. Raises
+    Unreadable, a ValueError, if the file breaks a rule of CHECKS or has no row."""
 
     __eq__ = object.__eq__  # a scene that keeps its table is compared by what is written, not by arrays
     __hash__ = object.__hash__  # type: ignore[assignment]
@@ -93,14 +93,14 @@ class Table(dict[str, np.ndarray]):
         super().__init__(build_columns(path, self.names, self.rows, self.cells, numeric_column))
 
     def cells(self, row: str) -> list[str]:
-        """The cells of a row as text, with a decimal point in numbers."""
+        """Cells of a line of the file as text; decimal commas become points."""
         if self.separator == " ":
             row = " ".join(row.split())
         found = [cell.strip() for cell in split_cells(row, self.separator)]
         return [cell.replace(",", ".") if self.comma and DECIMAL_NUMBER.fullmatch(cell) else cell for cell in found]
 
     def has_decimal_commas(self) -> bool:
-        """True if numbers have a decimal comma; raises Unreadable where a file mixes commas and points."""
+        """True if numbers have a decimal comma, False if a point or none; raises Unreadable where a file mixes them."""
         found: dict[str, str] = {}
         for k, row in enumerate(self.rows, 1):
             found = {
@@ -112,7 +112,7 @@ class Table(dict[str, np.ndarray]):
         return "," in found
 
     def finite(self, *wanted: str, since: int = 0) -> list[np.ndarray]:
-        """The wanted columns (n,); raises Unreadable where one is missing or not finite from row `since` on."""
+        """The wanted columns (n,), in order; raises Unreadable if one is missing, or not finite from row `since` on."""
         missing = [name for name in wanted if name not in self]
         if missing:
             there = quoted_piece(", ".join(self.names), 80)
@@ -129,7 +129,7 @@ class Table(dict[str, np.ndarray]):
         return [self[name] for name in wanted]
 
     def resolution(self, name: str) -> float:
-        """Rounding of the numbers in a column, by their written digits and double precision, in the column's unit."""
+        """Step to which a column's numbers are rounded, in its unit, by their written digits and double precision."""
         k, most = self.names.index(name), max(float(np.abs(self[name]).max()), 1e-300)
         written = [self.cells(row)[k].strip("+-").lower().partition("e")[0] for row in self.rows]
         decimals = max(len(cell.partition(".")[2]) for cell in written)
@@ -137,7 +137,7 @@ class Table(dict[str, np.ndarray]):
         return float(max(10.0**-decimals, 10.0 ** (np.ceil(np.log10(most)) - digits), 4.0 * np.spacing(most)))
 
     def series(self, *wanted: str, fewest: int = 1) -> list[np.ndarray]:
-        """Increasing times (n,) [s], then the wanted finite columns (n,), n >= `fewest`; raises Unreadable."""
+        """Times (n,) [s] and wanted columns (n,); raises Unreadable unless all finite, times rise and n >= `fewest`."""
         time, *found = self.finite(TIME_COLUMN, *wanted)
         if len(time) < fewest:
             raise WHOLE_TABLE_RULE.broken(self.path, f"it has {len(time)} rows, and {fewest} are needed")
@@ -148,7 +148,7 @@ class Table(dict[str, np.ndarray]):
         return [time, *found]
 
     def like_radians(self) -> list[str]:
-        """Warnings of columns in degrees that could be radians: none beyond 2 pi, and not all whole numbers."""
+        """Warnings of columns named *_deg whose values could be radians: none beyond 2 pi, not all whole numbers."""
         angles = {name: values for name, values in self.items() if name.endswith("_deg")}
         found = [name for name, each in angles.items() if np.abs(each).max() <= 2.0 * np.pi and (each % 1.0).any()]
         return [
@@ -157,7 +157,7 @@ class Table(dict[str, np.ndarray]):
 
 
 def unreached_times_warning(what: str, times: np.ndarray, duration: float, instead: str) -> list[str]:
-    """A warning in a list if a run of this duration [s] reaches none of the times (n,) [s], else empty."""
+    """A warning in a list if no time (n,) [s] of the table `what` is in the run of this duration [s], else empty."""
     first, last = float(times[0]), float(times[-1])
     if last < 0.0:
         return [f"{what} ends at {last:.12g} s, before the run begins: {instead.format('last')}; {TIMES_REACHED_RULE}"]
@@ -166,8 +166,8 @@ def unreached_times_warning(what: str, times: np.ndarray, duration: float, inste
 
 
 def find_separator(names: str, row: str) -> str:
-    """Cell separator of a table: the first that splits heading and first row into equally many cells, else one in the
-    heading, else a comma."""
+    """Cell separator of a table: the first that splits heading `names` and first row into equally many cells, else one
+    in the heading, else a comma."""
     bare = [QUOTED_CELL.sub('""', line) for line in (names, row)]
     for each in CELL_SEPARATORS:
         counts = [len(line.split(each.strip(" ") or None)) for line in bare]
@@ -177,8 +177,8 @@ def find_separator(names: str, row: str) -> str:
 
 
 def read_columns(path: str | Path) -> dict[str, np.ndarray]:
-    """Columns (n,) by name of a run's CSV file, float64 or text; empty without a heading. Raises Unreadable, a
-    ValueError."""
+    """Columns (n,) by name of a CSV file that a run wrote: float64, or text if a cell is a word; empty without a
+    heading. An unfinished last line is skipped. Raises Unreadable, a ValueError."""
     text = input_file.read_text(path)
     _, heading, rows = split_lines(text[: text.rfind("\n") + 1])
     names = [name.strip() for name in split_cells(heading)] if heading else []
@@ -186,7 +186,7 @@ def read_columns(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_columns_if_any(path: Path) -> dict[str, np.ndarray]:
-    """Columns (n,) by name of a run's time series; empty where the file is missing, unreadable or has no rows."""
+    """Columns (n,) by name of a run's time series; empty if the file is missing, unreadable, without rows or times."""
     with suppress(ValueError):  # no line of names: killed at once
         found = read_columns(path) if path.exists() else {}
         return found if len(found.get(TIME_COLUMN, ())) else {}
@@ -200,7 +200,7 @@ def read_records(text: str) -> list[dict[str, str]]:
 
 
 def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]], **notes: str) -> None:
-    """Write a CSV file atomically, with notes as comment lines above it; None becomes an empty cell."""
+    """Write a CSV file atomically: `notes` as comments `# key: note`, the names, the rows; None is an empty cell."""
     with atomic_write(path) as draft, draft.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {key}: {note}\n" for key, note in notes.items())
         csv.writer(file, lineterminator="\n").writerows([list(names), *rows])
@@ -209,8 +209,8 @@ def write_table(path: Path, names: Iterable[str], rows: Iterable[Iterable[object
 def build_columns(
     path: str | Path, names: list[str], rows: list[str], cells_of: Callable, column_of: Callable
 ) -> dict[str, np.ndarray]:
-    """Columns (n,) by name, parsed at once if all cells are numbers; else `cells_of` splits each row and `column_of`
-    converts the cells of a named column. Raises Unreadable."""
+    """Columns (n,) by name, parsed at once if all cells are numbers. Else `cells_of(row)` splits a row into cells, and
+    `column_of(name, cells)` converts a column. Raises Unreadable, with `path` in the message."""
     if (name := first_duplicate(names)) is not None:
         raise WHOLE_TABLE_RULE.broken(path, f"it has two columns {quoted_piece(name)}")
     with suppress(ValueError):  # some cell is not a number, or some row is not whole
@@ -226,7 +226,7 @@ def build_columns(
 
 
 def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
-    """Cells as numbers (n,), NaN where empty; as text (n,) if any cell is a word."""
+    """Cells of a column as float64 (n,), NaN where empty, or as text (n,) if a cell is a word; for `build_columns`."""
     try:
         return np.array([float(cell.strip() or "nan") for cell in found])
     except ValueError:
@@ -234,8 +234,8 @@ def number_or_word_column(_: str, found: Sequence[str]) -> np.ndarray:
 
 
 def numeric_column(name: str, found: Sequence[str]) -> np.ndarray:
-    """Cells as numbers (n,), NaN where a cell is none. A time column of ISO dates with times of day, all with a zone or
-    all without, becomes seconds since the first."""
+    """Cells of a column as float64 (n,), NaN where a cell is no number; for `build_columns`. A time column of ISO dates
+    with times of day, all with a zone or all without, becomes seconds since the first."""
     if name == TIME_COLUMN:
         with suppress(ValueError):
             dates = [datetime.fromisoformat(cell) for cell in found if "T" in cell or ":" in cell]
@@ -253,7 +253,7 @@ def parse_number(cell: str) -> float:
 
 
 def split_cells(line: str, separator: str = ",") -> list[str]:
-    """The cells of a row as text, without their double quotes."""
+    """Cells of a line as text, without the double quotes around them."""
     return next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
 
 
@@ -263,5 +263,5 @@ def first_duplicate(names: list[str]) -> str | None:
 
 
 def quoted_piece(text: str, most: int = 40) -> str:
-    """Text in quotes, cut to `most` characters, for messages."""
+    """Text in quotes for messages, cut to `most` characters."""
     return repr(text if len(text) <= most else f"{text[: most - 3]}...")

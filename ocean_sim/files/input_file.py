@@ -32,7 +32,7 @@ SCENE_FOLDER_KEY = "folder"  # the key of the scene's folder in pydantic's conte
 
 
 class Unreadable(Refused, ValueError):
-    """A file that cannot be read; the message gives its path and the reason."""
+    """Error of a file that cannot be read or breaks a rule; the message gives its path and the reason."""
 
     def __init__(self, path: str | Path, reason: str) -> None:
         self.reason = reason
@@ -40,7 +40,7 @@ class Unreadable(Refused, ValueError):
 
 
 class Rule(str):
-    """A rule for files, in a sentence without its full stop; it ends the error message of a file that breaks it."""
+    """Sentence, without its full stop, that states a rule for input files; it ends the error message of a breach."""
 
     @property
     def sentence(self) -> str:
@@ -48,12 +48,12 @@ class Rule(str):
         return self[0].upper() + self[1:]
 
     def broken(self, path: str | Path, found: str) -> Unreadable:
-        """The error for a file that breaks the rule; `found`: the offending content, in words."""
+        """The error to raise for a file that breaks the rule; `found`: the offending content, in words."""
         return Unreadable(path, f"{found} {self.sentence}." if found.endswith("?") else f"{found}; {self}")
 
 
 class Checked(NamedTuple):
-    """Rules of one reader, listed in the docs; each module of readers has its own as `CHECKS`."""
+    """Title of a group of input files and the rules that their reader checks, for the docs; collected in `CHECKS`."""
 
     title: str
     rules: tuple[Rule, ...]
@@ -79,7 +79,7 @@ def display_path(path: str | Path) -> str:
 
 
 def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
-    """Size of a regular file [bytes]; raises Unreadable beyond `most` bytes, OSError where there is no file."""
+    """Size of a regular file [bytes]; raises Unreadable for a folder or more than `most` bytes, OSError if missing."""
     found = os.stat(path)
     if S_ISDIR(found.st_mode):
         raise Unreadable(path, "this is a folder, not a file")
@@ -91,8 +91,8 @@ def size_of(path: str | Path, most: int = MAX_FILE_BYTES) -> int:
 
 
 def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
-    """Content of a regular file of at most `most` bytes; raises Unreadable. Never more than the stated size is read, as
-    some files of the kernel do not end."""
+    """Content of a regular file; raises Unreadable if missing or larger than `most` bytes. No more than the stated size
+    is read, as some files of the kernel do not end."""
     try:
         size = size_of(path, most)
         with Path(path).open("rb") as file:
@@ -106,12 +106,12 @@ def read_bytes(path: str | Path, most: int = MAX_FILE_BYTES) -> bytes:
 
 
 def marked_codec(data: bytes) -> str | None:
-    """Name of the codec that a byte order mark announces; None without one."""
+    """Name of the Unicode codec that a byte order mark at the start of `data` announces; None without one."""
     return next((codec for codec in MARKED_CODECS if data.startswith(BYTE_ORDER_MARK.encode(codec))), None)
 
 
 def read_text(path: str | Path, most: int = MAX_FILE_BYTES) -> str:
-    """Text of a file, decoded by its byte order mark, else as UTF-8; raises Unreadable."""
+    """Text of a file of at most `most` bytes, decoded by its byte order mark, else as UTF-8; raises Unreadable."""
     data = read_bytes(path, most)
     codec = marked_codec(data) or "utf-8"
     try:
@@ -137,7 +137,7 @@ def read_json_object(path: str | Path) -> dict[str, Any]:
 
 
 def read_npz(path: str | Path) -> dict[str, np.ndarray]:
-    """Arrays of an npz file by name, without Python objects, which could run code. Raises Unreadable."""
+    """Arrays of an npz file by name; raises Unreadable, also for Python objects, since loading them could run code."""
     data = BytesIO(read_bytes(path))
     try:
         with ZipFile(data) as archive:
@@ -151,8 +151,8 @@ def read_npz(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def read_data_set(group: Any, name: str, kinds: str = NUMBER_KINDS, most: int = MAX_FILE_BYTES) -> np.ndarray:
-    """Array in an HDF5 data set, checked for `kinds` of dtype and at most `most` bytes before it is unpacked. Raises
-    ValueError, and errors of HDF5 where the file is damaged."""
+    """Array of the data set `name` in an HDF5 group. Raises ValueError, before unpacking, if it is missing, its NumPy
+    kind is not among `kinds` or it exceeds `most` bytes; h5py raises its own errors for a damaged file."""
     import h5py
 
     own = isinstance(group.get(name, getlink=True), h5py.HardLink)  # a link leads to any file, or to itself
@@ -176,11 +176,11 @@ def file_digest(path: str | Path) -> str:
 
 
 class InputName(str):
-    """Name of a file whose content affects the numbers of a run."""
+    """Name of a file in a scene whose content affects the numbers of a run; see `input_names`."""
 
 
 def input_names(dumped: Any) -> Iterator[str]:
-    """Yield each InputName in models dumped to dicts and lists."""
+    """Yield each InputName inside `dumped`, the nested dicts and lists of a model's dump."""
     if isinstance(dumped, InputName):
         yield str(dumped)
     elif isinstance(dumped, dict | list | tuple):
@@ -189,7 +189,7 @@ def input_names(dumped: Any) -> Iterator[str]:
 
 
 def relative_to_scene(name: str, info: ValidationInfo) -> str:
-    """A file name joined to the folder of the scene that is being read, if there is one (pydantic validator)."""
+    """A file name in a scene joined to the scene's folder, if it was loaded from a file; a pydantic validator."""
     folder = (info.context or {}).get(SCENE_FOLDER_KEY)
     return name if folder is None or not name else str(Path(folder, name))
 

@@ -26,8 +26,8 @@ OFFSET_NAMES = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOff
 
 
 def save_ply(path: Path, points: np.ndarray, faces: np.ndarray | None, fields: dict[str, np.ndarray]) -> Path:
-    """Write points (n, 3) [m] and triangles (m, 3) as PLY and return the path; `fields` are (n,) or (n, 3). `Normals`
-    become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours; other vectors become name_x, name_y, name_z."""
+    """Write points (n, 3) [m], triangles (m, 3) if any, and fields (n,) or (n, 3) as PLY; return the path. `Normals`
+    become nx, ny, nz, `RGB` or else `foam` (grey) 8-bit colours, other vectors name_x, name_y, name_z."""
     columns: dict[str, np.ndarray] = dict(zip(AXIS_NAMES, points.T))
     if "Normals" in fields:
         columns |= {f"n{axis}": values for axis, values in zip(AXIS_NAMES, fields["Normals"].T)}
@@ -64,7 +64,7 @@ class Glb:
     """Writer of a binary glTF file of meshes that move: add meshes and animations, then call `save`."""
 
     def __init__(self, times: np.ndarray) -> None:
-        """`times`: moments (k,) [s] of all animations."""
+        """`times`: moments (k,) [s] at which the values of all animations are given."""
         self.data = bytearray()
         self.tree: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "ocean-sim"},
@@ -80,7 +80,7 @@ class Glb:
         self.times = self.accessor(np.asarray(times, np.float32), bounds=True)
 
     def accessor(self, values: np.ndarray, bounds: bool = False) -> int:
-        """Store an array (n,) or (n, components), with its bounds if asked for, and return its accessor's index."""
+        """Store an array (n,) or (n, components), with minimum and maximum if `bounds`; return its accessor's index."""
         values = np.ascontiguousarray(values)
         self.data += b"\0" * (-len(self.data) % 4)
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
@@ -100,8 +100,8 @@ class Glb:
     def mesh(
         self, name: str, points: np.ndarray, faces: np.ndarray, colour: np.ndarray, moved: np.ndarray | None = None
     ) -> int:
-        """Add a mesh of points (n, 3) [m] and triangles (m, 3), moved to `moved` (k, n, 3) at the k moments if given,
-        in linear RGB `colour` (3,) or (n, 3), and return its node's index."""
+        """Add a mesh of points (n, 3) [m] and triangles (m, 3) of linear RGB `colour` (3,) or (n, 3), and return its
+        node's index. `moved` (k, n, 3), if given: the points at the k moments."""
         traits = {"POSITION": self.accessor(points.astype(np.float32), bounds=True)}
         base = [1.0, 1.0, 1.0, 1.0]
         if colour.ndim == 2:
@@ -125,8 +125,8 @@ class Glb:
         return len(self.tree["nodes"]) - 1
 
     def show_at_moments(self, nodes: dict[int, int], moments: int) -> None:
-        """Show each node, given by its moment's index, at that moment only: at others its scale is zero, which hides it
-        (glTF 2.0, 3.5.2)."""
+        """Show each node (`nodes`: moment's index to node's index) at its moment only, of so many `moments`: at others
+        its scale is zero, which hides it (glTF 2.0, 3.5.2)."""
         for k, node in nodes.items():
             seen = np.zeros((moments, 3), np.float32)
             seen[k] = 1.0
@@ -142,6 +142,7 @@ class Glb:
         run["channels"].append({"sampler": len(run["samplers"]) - 1, "target": {"node": node, "path": path}})
 
     def save(self, path: Path) -> None:
+        """Write all meshes and animations as one binary glTF file, atomically."""
         self.data += b"\0" * (-len(self.data) % 4)
         self.tree["buffers"] = [{"byteLength": len(self.data)}]
         if not self.tree["animations"][0]["channels"]:
@@ -156,14 +157,14 @@ class Glb:
 
 
 class Series:
-    """Writer of a VTKHDF file, one moment after the other; a context manager. Raises OSError before the disk is full,
-    since HDF5 would end the process.
+    """Writer of a VTKHDF file of points, cells and fields, one moment after the other; a context manager. `add` raises
+    OSError before the disk is full, since HDF5 would end the process.
 
     Cells equal to those of the moment before are not written again.
     """
 
     def __init__(self, path: Path, topology: str) -> None:
-        """`topology`: kind of the cells, a key of CELL_CORNERS."""
+        """`path`: the file to create; `topology`: kind of the cells, a key of CELL_CORNERS."""
         import h5py
 
         self.path, self.topology = path, topology
@@ -178,7 +179,7 @@ class Series:
         self.fields: list[str] = []
 
     def add(self, time: float, points: np.ndarray, cells: np.ndarray, **fields: np.ndarray) -> None:
-        """Append a moment [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...)."""
+        """Append a moment [s]: points (n, 3) [m], cells (m, corners) of point indices, fields (n, ...) by name."""
         taken = points.nbytes + cells.nbytes + sum(values.nbytes for values in fields.values())
         require_disk_space(self.path, taken + HDF5_UNWRITTEN_BYTES)
         before = len(self.root["Points"]) if self.times else 0
@@ -195,7 +196,7 @@ class Series:
             self.steps[name].append(self.begins[name])
 
     def write_cells(self, cells: np.ndarray, points: int) -> None:
-        """Append cells (m, corners) over so many points as a new part, which later moments may share."""
+        """Append cells (m, corners) of indices of so many points as a new VTK part, which later moments may share."""
         self.append("NumberOfPoints", np.array([points]))
         self.begins = {"CellOffsets": [0] * len(CELL_CORNERS), "ConnectivityIdOffsets": [0] * len(CELL_CORNERS)}
         for k, (name, corners) in enumerate(CELL_CORNERS.items()):
@@ -210,7 +211,7 @@ class Series:
         self.cells, self.held, self.parts = cells, points, self.parts + 1
 
     def append(self, name: str, values: np.ndarray) -> None:
-        """Append rows to the data set `name`, which is created if missing."""
+        """Append `values` (m, ...) as rows of the HDF5 data set `name`, which is created if missing."""
         if name not in self.root:
             chunk = (max(1, min(len(values), 65536)), *values.shape[1:])
             self.root.create_dataset(name, data=values, maxshape=(None, *values.shape[1:]), chunks=chunk)
@@ -220,7 +221,7 @@ class Series:
         rows[len(rows) - len(values) :] = values
 
     def finish(self) -> None:
-        """Write the group `Steps`: the times, and the offsets at which each moment's arrays begin."""
+        """Write the group `Steps` of VTKHDF: the times [s], and the row at which each moment's arrays begin."""
         group = self.root.create_group("Steps")
         group.attrs["NSteps"] = len(self.times)
         group["Values"] = np.array(self.times)
@@ -234,6 +235,7 @@ class Series:
         return self
 
     def __exit__(self, kind: type | None, *failure: object) -> None:
+        """Complete the file with `finish` unless the block failed, and close it."""
         try:
             if kind is None:
                 self.finish()

@@ -25,13 +25,13 @@ MAX_CLAIM_TRIES = 1000  # times that others may remove a folder just before it i
 
 
 def is_unfinished(name: str) -> bool:
-    """True if a file's name is that of a draft or reserve file left by a killed process."""
+    """True if a file of this name is a draft of `atomic_write` or a reserve of disk space, left by a killed process."""
     return re.fullmatch(DRAFT_PATTERN, name) is not None or name == RESERVE_FILE
 
 
 def foreign_names(folder: Path, *ours: str) -> list[str]:
-    """Names in a folder that match none of the patterns `ours`; empty if the folder is missing, or holds a manifest or
-    a file named as the first pattern, so that Ocean Sim has written there before."""
+    """Names in a folder that match none of the patterns `ours`. Empty if the folder is missing, or if Ocean Sim has
+    written there before: it holds a manifest or a file named as the first pattern."""
     if not folder.is_dir() or any((folder / mark).exists() for mark in (MANIFEST_FILE, *ours[:1])):
         return []
     names = sorted(path.name for path in folder.iterdir())
@@ -41,8 +41,8 @@ def foreign_names(folder: Path, *ours: str) -> list[str]:
 
 
 def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
-    """A claim on a folder, called `named` in messages. Raises Refused for a file, and, given patterns `ours`, for a
-    folder with other things in it (see `foreign_names`)."""
+    """Claim a folder for writing. Raises Refused, with the folder called `named`, if `out` is a file or, given patterns
+    `ours`, holds other things (see `foreign_names`); else errors as in `Claim`."""
     named = named or str(out)
     if out.exists() and not out.is_dir():
         raise Refused(f"{named}: this is a file, not a folder")
@@ -53,7 +53,7 @@ def claim_folder(out: Path, *ours: str, named: str = "") -> "Claim":
 
 
 class FolderClaimed(Refused):
-    """Another process is writing into a folder."""
+    """Error: another process has claimed the folder and is writing into it."""
 
 
 class Claim:
@@ -75,8 +75,8 @@ class Claim:
                 left.unlink()
 
     def locked(self) -> int:
-        """Descriptor of the lock file, opened and locked. The holder deletes it at the end, so a lock counts only if
-        the file still has its name."""
+        """Create and lock the lock file; return its descriptor. Retried if another process deletes the file in between,
+        as a claim does at its end. Raises the errors of the class."""
         for _ in range(MAX_CLAIM_TRIES):
             try:
                 self.folder.mkdir(parents=True, exist_ok=True)
@@ -101,14 +101,14 @@ class Claim:
         raise Refused(f"{self.folder}: no folder can be made here")
 
     def holder(self) -> str:
-        """Process and host that hold the lock, in words."""
+        """Process and host that hold the lock, as its file names them; else `another process`."""
         try:
             return input_file.read_bytes(self.path).decode(errors="replace") or "another process"
         except input_file.Unreadable:
             return "another process"
 
     def close(self) -> None:
-        """Release the lock and delete its file, so that other processes can claim the folder."""
+        """Release the lock, delete its file so that others can claim the folder, and the folder if new and empty."""
         self.path.unlink(missing_ok=True)
         os.close(self.file)
         if self.made:
@@ -116,6 +116,7 @@ class Claim:
                 self.folder.rmdir()
 
     def __enter__(self) -> Path:
+        """Return the claimed folder."""
         return self.folder
 
     def __exit__(self, *exception: object) -> None:
@@ -123,18 +124,18 @@ class Claim:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest of a run as a dict; empty where it is missing or unreadable."""
+    """The manifest in a run folder as a dict; empty where it is missing or unreadable."""
     return input_file.read_json_object(folder / MANIFEST_FILE)
 
 
 def listed_files(manifest: dict[str, Any]) -> list[str]:
-    """Entries of a manifest: the files of its run, with the manifest itself first."""
+    """Entries of a manifest (paths, in which * stands for digits and dots), with the manifest's own name first."""
     files = manifest.get("files")
     return [MANIFEST_FILE, *(name for name in (files if isinstance(files, list) else []) if isinstance(name, str))]
 
 
 def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
-    """Files in a folder that match entries of a manifest; entries that lead out of the folder are ignored."""
+    """Paths of files in a folder that match entries of a manifest; entries that lead out of the folder are ignored."""
     names: dict[Path, list[str]] = {}
     for path in map(Path, entries):
         if not path.is_absolute() and ".." not in path.parts:
@@ -148,8 +149,8 @@ def matching_files(folder: Path, entries: Iterable[str]) -> set[Path]:
 
 
 def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
-    """Delete the files of the run in a folder, and subfolders left empty. Raises Refused, before any deletion, if a
-    file that is not the run's would be replaced by one of those `coming`."""
+    """Delete the files that the manifest in a folder lists, and subfolders left empty. Raises Refused, before any
+    deletion, if a file that it does not list matches an entry of `coming`, the files of the new run."""
     ours = matching_files(folder, listed_files(read_manifest(folder)))
     for other in sorted(matching_files(folder, coming) - ours):
         raise Refused(f"{other}: this file is not of the run that is there, and the new run would replace it; move it")
@@ -161,7 +162,7 @@ def delete_run(folder: Path, coming: Iterable[str] = ()) -> None:
 
 
 def add_to_manifest(folder: Path, files: Iterable[Path]) -> None:
-    """Add files made later from a run to the manifest in its folder, if it has one."""
+    """List files made after a run, such as pictures, in the manifest of its folder, if it has one."""
     if manifest := read_manifest(folder):
         new = {file.relative_to(folder).as_posix() for file in files if file.is_relative_to(folder)}
         write_facts(folder / MANIFEST_FILE, manifest | {"files": sorted({*listed_files(manifest), *new})})

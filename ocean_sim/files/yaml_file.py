@@ -40,7 +40,7 @@ class Location(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """One mistake of a user: its place, key and message, and the likeliest replacement or None."""
+    """One mistake of a user: file, line, column, key, message, and the likeliest replacement or None."""
 
     file: str
     line: int | None
@@ -50,11 +50,12 @@ class Problem(NamedTuple):
     suggestion: str | None = None
 
     def __str__(self) -> str:
+        """Line of an error message: `file:line:column: key: message`, without missing parts."""
         return ": ".join([":".join(str(p) for p in self[:3] if p is not None), *filter(None, [self.key]), self.message])
 
 
 class SceneError(Refused):
-    """All problems of a scene, sorted by file and line."""
+    """Error that lists all problems of a scene, sorted by file and line."""
 
     def __init__(self, problems: list[Problem]) -> None:
         self.problems: list[Problem] = sorted(
@@ -63,7 +64,7 @@ class SceneError(Refused):
         super().__init__("\n".join(self.lines()))
 
     def lines(self) -> Iterator[str]:
-        """Yield a line per problem until the message is long enough, then the number of those left out."""
+        """Yield a line per problem, up to MAX_MESSAGE_BYTES in all, then the number of problems left out."""
         left = MAX_MESSAGE_BYTES
         for k, each in enumerate(self.problems):
             line = shorten(str(each), MAX_LINE_BYTES)
@@ -75,7 +76,7 @@ class SceneError(Refused):
 
 
 def shorten(text: str, most: int) -> str:
-    """Text cut in the middle to at most `most` bytes."""
+    """Text of at most `most` bytes: the middle of a longer one is replaced by dots."""
     data = text.encode(errors="backslashreplace")  # halves of characters, too
     if len(data) <= most:
         return text
@@ -84,13 +85,13 @@ def shorten(text: str, most: int) -> str:
 
 
 def problem_at(location: Location, key: str, message: str, suggestion: str | None = None) -> Problem:
-    """A problem at a location."""
+    """A problem with the file, line and column of a location."""
     return Problem(*location, key, message, suggestion)
 
 
 @dataclass(frozen=True)
 class Node:
-    """A YAML value with its location: `data` is a dict of nodes, a list of nodes, or a plain value."""
+    """A YAML value (`data`: dict of nodes, list of nodes, or plain value) with its location and that of its key."""
 
     data: Any
     location: Location
@@ -98,6 +99,7 @@ class Node:
 
     @property
     def is_mapping(self) -> bool:
+        """True if the value is a mapping, stored as a dict of nodes."""
         return isinstance(self.data, dict)
 
     def child(self, step: str | int) -> "Node | None":
@@ -109,7 +111,7 @@ class Node:
         return None
 
     def plain(self) -> Any:
-        """The value as plain dicts, lists and scalars, without locations."""
+        """The value as dicts, lists and scalars, without locations."""
         if isinstance(self.data, dict):
             return {key: node.plain() for key, node in self.data.items()}
         if isinstance(self.data, list):
@@ -122,7 +124,7 @@ class Node:
 
 
 def node_of(data: Any, location: Location) -> Node:
-    """Plain data as nodes that all have one location; nodes are returned unchanged."""
+    """Plain data (dicts, lists, NumPy arrays, scalars) as nodes of one location; nodes in it keep their own."""
     if isinstance(data, Node):
         return data
     if isinstance(data, dict):
@@ -135,7 +137,7 @@ def node_of(data: Any, location: Location) -> Node:
 
 
 def merge_nodes(below: Node, above: Node) -> Node:
-    """`above` merged over `below`: mappings key by key, anything else replaced."""
+    """Merge `above` over `below`: mappings key by key, at all depths; any other value above replaces that below."""
     if not (below.is_mapping and above.is_mapping):
         return above
     data = dict(below.data)
@@ -145,7 +147,7 @@ def merge_nodes(below: Node, above: Node) -> Node:
 
 
 def read_mapping(path: Path, name: str | None = None) -> Node:
-    """The mapping in a YAML file, called `name` in errors; raises SceneError."""
+    """The mapping in a YAML file, which errors call `name` (by default its path); raises SceneError."""
     name = name or display_path(path)
     try:
         return parse_mapping(read_text(path, MAX_TEXT_BYTES), name)
@@ -154,7 +156,7 @@ def read_mapping(path: Path, name: str | None = None) -> Node:
 
 
 def parse_mapping(content: str, name: str) -> Node:
-    """The mapping in a YAML text, called `name` in errors; raises SceneError."""
+    """The mapping in a YAML text, called `name` in errors; raises SceneError if it is no YAML or no mapping."""
     node = parse_yaml(content, Location(name, 1, 1))
     if node.data is None:
         raise SceneError([problem_at(Location(name, 1, 1), "", "this file is empty; a mapping was expected")])
@@ -166,7 +168,7 @@ def parse_mapping(content: str, name: str) -> Node:
 
 
 def parse_setting(text: str) -> tuple[str, Node]:
-    """Dotted key and value (read as YAML) of a `--set key=value`; raises SceneError."""
+    """Dotted key and value (parsed as YAML) of a command-line setting `key=value`; raises SceneError."""
     key, equals, value = text.partition("=")
     location = Location(f"--set {text}")
     if not equals or not key.strip():
@@ -177,7 +179,7 @@ def parse_setting(text: str) -> tuple[str, Node]:
 
 
 def parse_yaml(text: str, start: Location) -> Node:
-    """YAML text as nodes, with line numbers if `start` has one. Raises SceneError."""
+    """Parse a YAML text, whose beginning has the location `start`, into nodes with locations. Raises SceneError."""
     import yaml
 
     try:
@@ -200,7 +202,7 @@ def parse_yaml(text: str, start: Location) -> Node:
 
 
 def mark_location(start: Location, mark: Any) -> Location:
-    """Location of a PyYAML mark (which counts from 0) in a text that begins at `start`."""
+    """Location in a text of a mark, PyYAML's position (from 0); `start`, the text's own, if that has no line."""
     return start if start.line is None or mark is None else Location(start.file, mark.line + 1, mark.column + 1)
 
 
@@ -214,14 +216,14 @@ def yaml_loaders() -> tuple[Any, ...]:
 
 
 def core_tag(loader: Any, kind: Any, text: str, implicit: Any) -> str:
-    """Tag of a scalar written without one, by the core schema of YAML 1.2."""
+    """Type (null, bool, int, float or str) of a scalar without a tag, by the core schema of YAML 1.2, for PyYAML."""
     match = CORE_SCHEMA.fullmatch(text) if kind.id == "scalar" and implicit[0] else None
     return str(match.lastgroup) if match is not None else "str"
 
 
 def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
-    """PyYAML's node tree of a text by the first of the loaders, or, after an error, the next, whose messages are
-    better. Raises SceneError, also where the text is too long or nested too deeply."""
+    """PyYAML's node tree of a text by the first of the loaders or, after an error, the next, whose messages are better.
+    Raises PyYAML's errors, and SceneError if the text is too long or nested too deeply."""
     import yaml
     from yaml.events import CollectionEndEvent, CollectionStartEvent
 
@@ -242,7 +244,7 @@ def composed_tree(text: str, start: Location, candidates: Sequence[Any]) -> Any:
 
 
 def unprintable_character(text: str, error: Any, start: Location) -> Problem:
-    """Problem of a character that YAML does not allow, with its location."""
+    """Problem of a character that YAML does not allow, with its location; `error`: PyYAML's ReaderError."""
     character = text[error.position : error.position + 1] or "?"
     before = text[: error.position].splitlines() or [""]
     location = start if start.line is None else Location(start.file, len(before), len(before[-1]) + 1)
@@ -252,7 +254,7 @@ def unprintable_character(text: str, error: Any, start: Location) -> Problem:
 
 
 def in_yaml(value: Any) -> str:
-    """A plain value as one line of YAML."""
+    """A plain value (dict, list or scalar) as one line of YAML."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {in_yaml(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, list | tuple):
@@ -262,7 +264,7 @@ def in_yaml(value: Any) -> str:
 
 
 def describe_value(value: Any) -> str:
-    """A value in YAML, shortened for messages."""
+    """A plain value as text for messages, of at most 60 characters; of mappings and lists only the type."""
     if value is None or isinstance(value, bool):
         return in_yaml(value)
     if isinstance(value, dict):
@@ -277,7 +279,7 @@ def describe_value(value: Any) -> str:
 
 
 class _Reader:
-    """Converts PyYAML's node tree to nodes with locations; merge keys are refused, as YAML 1.2 has none."""
+    """Converter of PyYAML's node tree to nodes with locations; merge keys are refused, as YAML 1.2 has none."""
 
     def __init__(self, start: Location) -> None:
         self.start = start
@@ -286,13 +288,16 @@ class _Reader:
         self.open: set[int] = set()
 
     def location(self, tree: Any) -> Location:
+        """Location of the beginning of a PyYAML node."""
         return mark_location(self.start, tree.start_mark)
 
     def refuse(self, tree: Any, key: str, message: str) -> Node:
+        """Add a problem at a PyYAML node to `problems`, and return a node without a value in its place."""
         self.problems.append(problem_at(self.location(tree), key, message))
         return Node(None, self.location(tree), self.location(tree))
 
     def node(self, tree: Any, key: Any = None, path: str = "") -> Node:
+        """Convert a PyYAML node and all inside it; `key`: PyYAML node of its key; `path`: dotted key for messages."""
         location = self.location(tree)
         key_location = self.location(key) if key is not None else location
         if key is not None and tree.id == "scalar" and tree.value == "":
@@ -314,6 +319,7 @@ class _Reader:
         return Node(data, location, key_location)
 
     def mapping(self, tree: Any, path: str) -> dict[str, Node]:
+        """Convert a PyYAML mapping to nodes by key; keys that are no words or are repeated are refused."""
         data: dict[str, Node] = {}
         for key, value in tree.value:
             if key.id != "scalar" or not key.value.isprintable() or len(key.value) > MAX_KEY_LENGTH:
@@ -332,6 +338,7 @@ class _Reader:
         return data
 
     def scalar(self, tree: Any, path: str) -> Any:
+        """Value of a PyYAML scalar by its type: None, bool, int, float or text; None after a problem."""
         kind = str(tree.tag).removeprefix("tag:yaml.org,2002:")
         text = tree.value
         if kind == "null":
@@ -354,10 +361,12 @@ class _Reader:
 
 
 def _parse_integer(text: str) -> int:
+    """Integer in decimal, 0x, 0o or 0b notation, with underscores allowed; raises ValueError."""
     digits = text.replace("_", "").lower()
     base = {"0x": 16, "0o": 8, "0b": 2}.get(digits.lstrip("+-")[:2], 10)
     return int(digits, base)
 
 
 def _parse_real(text: str) -> float:
+    """Float of a YAML number such as 1_000.5, .inf or .nan; raises ValueError."""
     return float(text.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))

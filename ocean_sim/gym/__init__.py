@@ -7,7 +7,7 @@ __all__ = ["OceanEnv", "OceanVectorEnv"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import the environments, and with them Gymnasium, only when one is used."""
+    """Import the environments, and with them Gymnasium, when one is first used; AttributeError for any other name."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from ocean_sim.gym import environments

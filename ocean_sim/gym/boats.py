@@ -16,7 +16,7 @@ from ocean_sim import waves
 
 @dataclass(frozen=True)
 class Boat:
-    """Parameters of a boat, by default of the yacht of 15 m and 30 t."""
+    """Parameters of a boat: size, periods, damping, speed and rudder; by default of a yacht of 15 m and 30 t."""
 
     length: float = 15.0  # [m]
     breadth: float = 4.6  # [m]
@@ -33,9 +33,10 @@ class Boat:
 
 
 class Boats:
-    """n boats, each in a sea of m plane waves of her own."""
+    """Motion of n equal boats, each in a sea of m plane waves of her own."""
 
     def __init__(self, boat: Boat, n: int, m: int, depth: float) -> None:
+        """`n` boats, each with room for `m` waves, in water of one depth [m]; `begin` sets their seas."""
         self.boat, self.depth = boat, depth
         self.amplitude, self.phase, self.omega = np.zeros((n, m)), np.zeros((n, m)), np.ones((n, m))
         self.wavevector = np.ones((n, m, 2))
@@ -47,12 +48,12 @@ class Boats:
 
     @property
     def heave(self) -> np.ndarray:
-        """Heave (n,) [m]."""
+        """Heave (n,) [m], up."""
         return self.state[:, 0]
 
     @property
     def angles(self) -> np.ndarray:
-        """Roll and pitch (n, 2) [rad]."""
+        """Roll and pitch (n, 2) [rad] of the boats."""
         return self.state[:, 1:]
 
     @property
@@ -61,7 +62,8 @@ class Boats:
         return self.velocity[:, 1:]
 
     def begin(self, which: np.ndarray, seas: Sequence[waves.Components], heading: np.ndarray, speed: float) -> None:
-        """Start some boats, by a mask (n,), from the origin, at rest in the waves, each in one of the seas."""
+        """Start the boats in the mask `which` (n,) at the origin, without heave, roll or pitch: the next of `seas` and
+        of `heading` [rad] for each, all at `speed` [m/s]."""
         for k, sea in zip(np.flatnonzero(which), seas):
             self.amplitude[k], self.phase[k], self.omega[k] = sea.amplitude, sea.phase, sea.omega
             self.wavevector[k] = sea.wavevector
@@ -70,11 +72,11 @@ class Boats:
         self.yaw_rate[which], self.helm[which], self.state[which], self.velocity[which] = 0.0, 0.0, 0.0, 0.0
 
     def bow_direction(self) -> np.ndarray:
-        """Unit vectors (n, 2) to the bow, x and z."""
+        """Unit vectors (n, 2), x and z, from each boat to her bow."""
         return np.stack([np.sin(self.heading), np.cos(self.heading)], axis=1)
 
     def wave_phases(self, place: np.ndarray, later: float) -> np.ndarray:
-        """Phases (n, m) [rad] of the waves at places (n, 2), x and z [m], `later` [s] from now."""
+        """Phases (n, m) [rad] of each boat's waves at her place (n, 2), x and z [m], `later` [s] from now."""
         x, z = place[:, 0, None], place[:, 1, None]
         k = self.wavevector
         turns = k[:, :, 0] * x + k[:, :, 1] * z - self.omega * (self.time[:, None] + later) + self.phase
@@ -89,7 +91,8 @@ class Boats:
         return (self.amplitude * np.cos(self.wave_phases(bow, later))).sum(axis=1)
 
     def wave_forcing(self) -> tuple[np.ndarray, np.ndarray]:
-        """Equilibrium heave [m], roll and pitch [rad] (n, 3) in the waves, and rate of turn (n,) [rad/s] by them."""
+        """Heave [m], roll and pitch [rad] (n, 3) at which the boats would be in equilibrium with the waves now, and the
+        rate of turn (n,) [rad/s] that the waves cause."""
         ahead, boat = self.bow_direction(), self.boat
         along = (self.wavevector * ahead[:, None]).sum(axis=2)
         across = self.wavevector[:, :, 0] * ahead[:, 1, None] - self.wavevector[:, :, 1] * ahead[:, 0, None]  # to port
@@ -101,8 +104,8 @@ class Boats:
         return np.stack([c.sum(axis=1), slope_up_port, -slope_up_bow], axis=1), yaw
 
     def advance(self, helm: np.ndarray, throttle: np.ndarray, dt: float) -> None:
-        """Step by dt [s] with helm (n,), -1 to 1, and throttle (n,), 0 to 1; the oscillators are exact for waves held
-        over the step."""
+        """Step by dt [s] with helm (n,), -1 to 1 (port), and throttle (n,), 0 to 1. Heave, roll and pitch are solved
+        exactly for waves that do not change during the step."""
         boat = self.boat
         wanted, waving = self.wave_forcing()
         self.helm += np.clip(helm * boat.rudder - self.helm, -boat.rudder_rate * dt, boat.rudder_rate * dt)
@@ -123,7 +126,7 @@ class Boats:
 
 
 def mean_over(half: np.ndarray) -> np.ndarray:
-    """Mean of a wave over a length, divided by its middle value: sin(a) / a, a = `half`, the phase along half of it."""
+    """Ratio of a wave's mean over a length to its middle value: sin(a) / a, a = `half`, phase [rad] over half of it."""
     a = half.astype(np.float32)
     a = np.where(np.abs(a) < 1e-4, np.float32(1e-4), a)
     return np.sin(a) / a

@@ -36,24 +36,24 @@ CAPSIZE_ANGLE = np.radians(60.0)
 
 
 def observation_space() -> spaces.Box:
-    """Space of the observations, unbounded."""
+    """Gymnasium space of one boat's observations: OBSERVATION_SIZE unbounded float32 numbers."""
     return spaces.Box(-np.inf, np.inf, (OBSERVATION_SIZE,), np.float32)
 
 
 def action_space() -> spaces.Box:
-    """Space of the actions: helm and throttle."""
+    """Gymnasium space of one boat's actions (2,): helm, -1 to 1, and throttle, 0 to 1."""
     return spaces.Box(np.array([-1.0, 0.0], np.float32), np.array([1.0, 1.0], np.float32), (2,), np.float32)
 
 
 def random_sea(height: float, period: float, heading_deg: float, depth: float, seed: int) -> waves.Components:
-    """A random sea of few plane waves."""
+    """WAVE_COUNT plane waves drawn by `seed`: significant height [m], peak period [s], depth of the water [m]."""
     sea = waves.Spectrum(significant_wave_height=1.0, peak_period=period, heading_deg=heading_deg, seed=seed)
     whole = sea.components(waves.heading_vector(heading_deg, 3), depth, count=WAVE_COUNT)
     return replace(whole, amplitude=height * whole.amplitude)
 
 
 class OceanVectorEnv(VectorEnv):
-    """Many boats, each in a random sea of her own seed; done boats start again at their next step."""
+    """Gymnasium environment of many boats, each in a random sea of her own; done boats restart at their next step."""
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
@@ -65,7 +65,7 @@ class OceanVectorEnv(VectorEnv):
         period: float = 6.0,
         depth: float = 50.0,
     ) -> None:
-        """`height` [m] and `period` [s]: significant and of the peak; 0 m is calm water."""
+        """`height`, `period`: significant height [m] (0: calm), peak period [s] of the seas; `depth`: of water [m]."""
         number("height", height, "m", 0.0)
         number("period", period, "s", MIN_PERIOD_AND_DEPTH)
         number("depth", depth, "m", MIN_PERIOD_AND_DEPTH)
@@ -81,12 +81,13 @@ class OceanVectorEnv(VectorEnv):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode of every boat; return observations (n, OBSERVATION_SIZE) and `info()`. Ignores options."""
         super().reset(seed=seed)
         self.begin(np.ones(self.num_envs, dtype=bool))
         return self.observations(), self.info()
 
     def begin(self, which: np.ndarray) -> None:
-        """Start some boats, by a mask (n,), in new seas with new headings and speeds."""
+        """Start an episode of the boats in mask `which` (n,): new sea, heading, heading to steer; at cruise speed."""
         count = int(which.sum())
         random = self.np_random
         headings, seeds = random.uniform(0.0, 360.0, count), random.integers(0, 2**31, count)
@@ -99,6 +100,8 @@ class OceanVectorEnv(VectorEnv):
         self.steps[which], self.done[which] = 0, False
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Advance all boats by TIME_STEP with actions (n, 2), helm and throttle; return observations, rewards,
+        capsized, out of time, info. Raises Unsuited for another shape, ValueError for a value that is not finite."""
         actions = row_array("actions", actions, "helm, throttle")
         if len(actions) != self.num_envs:
             raise Unsuited(f"actions: {len(actions)} rows for {self.num_envs} boats")
@@ -119,13 +122,13 @@ class OceanVectorEnv(VectorEnv):
         return self.observations(), reward, over, late, self.info()
 
     def info(self) -> dict[str, Any]:
-        """`position` (n, 2), x and z [m], and `heading` (n,) [rad], each with Gymnasium's mask, True for all."""
+        """`position` (n, 2), x and z [m], `heading` (n,) [rad], and for each Gymnasium's mask (n,), True for all."""
         known = np.ones(self.num_envs, dtype=bool)
         found = {"position": self.boats.place.copy(), "heading": self.boats.heading.copy()}
         return found | {f"_{name}": known for name in found}
 
     def observations(self) -> np.ndarray:
-        """Observations (n, OBSERVATION_SIZE) of all boats now."""
+        """Observations (n, OBSERVATION_SIZE) of all boats now, in the order of the module's docstring."""
         boats, off = self.boats, self.boats.heading - self.asked
         motions = [np.sin(off), np.cos(off), boats.speed / self.boat.cruise, boats.yaw_rate]
         motions += [*boats.rates.T, *boats.angles.T, boats.heave]
@@ -134,24 +137,26 @@ class OceanVectorEnv(VectorEnv):
 
 
 class OceanEnv(gymnasium.Env):
-    """One boat in a random sea as a Gymnasium environment."""
+    """Gymnasium environment of one boat in a random sea."""
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(self, **keys: Any) -> None:
-        """Keyword arguments of `OceanVectorEnv` except `num_envs`."""
+        """Take the keyword arguments of `OceanVectorEnv` except `num_envs`."""
         self.many = OceanVectorEnv(1, **keys)
         self.observation_space, self.action_space = observation_space(), action_space()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode in a new sea; return the observation (OBSERVATION_SIZE,) and `info()`. Ignores options."""
         super().reset(seed=seed)
         self.many.np_random = self.np_random
         self.many.begin(np.ones(1, bool))
         return self.many.observations()[0], self.info()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Advance by TIME_STEP with helm and throttle (2,); return observation, reward, capsized, out of time, info."""
         seen, reward, over, late, _ = self.many.step(np.asarray(action)[None])
         return seen[0], float(reward[0]), bool(over[0]), bool(late[0]), self.info()
 

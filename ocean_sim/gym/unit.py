@@ -29,12 +29,13 @@ PARAMETERS = {"significant_height": 1.0, "peak_period": 6.0, "heading_deg": 0.0,
 
 
 class OceanBoat(Fmi2Slave):
-    """One boat; communication steps of any length are cut into steps of at most MAX_STEP."""
+    """Functional mock-up unit of one boat; a communication step is cut into steps of at most MAX_STEP [s]."""
 
     author = "Ocean Sim"
     description = "A boat in a random sea"
 
     def __init__(self, **keys: Any) -> None:
+        """Register parameters, inputs and outputs as FMI variables; `keys` are those of pythonfmu."""
         super().__init__(**keys)
         for name, value in PARAMETERS.items():
             setattr(self, name, value)
@@ -46,6 +47,7 @@ class OceanBoat(Fmi2Slave):
                 self.register_variable(Real(name, causality=causality))
 
     def exit_initialization_mode(self) -> None:
+        """Start the boat in the sea of the parameters; the simulation master calls this once these are set."""
         given = {name: float(getattr(self, name)) for name in PARAMETERS}
         sea = waves.Spectrum(
             significant_wave_height=given["significant_height"],
@@ -60,7 +62,7 @@ class OceanBoat(Fmi2Slave):
         self.set_outputs()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance the boat by `step_size` [s]; False, an error, if an input is not a number or the step is negative."""
+        """Advance the boat by `step_size` [s]; False, FMI's error, if an input is no number or the step is negative."""
         if not np.isfinite([self.helm, self.throttle, step_size]).all() or step_size < 0.0:
             return False
         orders = np.clip(float(self.helm), -1.0, 1.0), np.clip(float(self.throttle), 0.0, 1.0)
@@ -80,7 +82,7 @@ class OceanBoat(Fmi2Slave):
 
 
 def main(words: Sequence[str]) -> int:
-    """Write the unit into the folder that the command-line words name; returns the exit code."""
+    """Write `OceanBoat.fmu` into the folder that the command-line words name; return the exit code, 2 on errors."""
     from pythonfmu.builder import FmuBuilder
 
     if len(words) > 1 or any(word.startswith("-") for word in words):

@@ -73,16 +73,16 @@ except ModuleNotFoundError as missing:
 
 
 def knows_processor() -> bool:
-    """True if the library's compiler knows this processor. It takes an unknown one for the first of its kind, which
-    works on four f32 numbers at once."""
+    """True if the library's compiler knows this processor; for an unknown one it compiles as for the first of its kind,
+    with vectors of only four f32 numbers."""
     facts = processor_facts()
     family = int(facts.get("cpu family", NEWEST_AMD_FAMILY))
     return LIBRARY_NAME == QUADRANTS or facts.get("vendor_id") != "AuthenticAMD" or family <= NEWEST_AMD_FAMILY
 
 
 def is_library_attribute(name: str, value: object) -> bool:
-    """True if the library has put this attribute on an object of ours: the fork stores results there under names of its
-    own, and each bound kernel under the name of its method."""
+    """True if the kernel library has put this attribute on one of our objects: the fork stores results there under
+    names that begin with _qd_, and each bound kernel under its method's name."""
     return LIBRARY_NAME == QUADRANTS and (
         name.startswith("_qd_") or type(value).__module__.startswith("quadrants.lang._quadrants_callable")
     )

@@ -30,9 +30,10 @@ CLOSING_BRACKETS = (")", "]", "}")  # a line that continues a statement at its o
 
 
 class Tree:
-    """Parsed function, on whose nodes Taichi writes its results while it reads them."""
+    """Syntax tree of a function that Taichi compiles; Taichi stores results on its nodes while it translates them."""
 
     def __init__(self, source: "Source") -> None:
+        """Parse a tree, and give each node its place in the source and the method of Taichi that translates it."""
         self.source, self.root = source, source.parse()
         self.root.tree = self
         self.nodes: list[Any] = [*ast.walk(self.root)]
@@ -41,7 +42,7 @@ class Tree:
             node.place, node.read = source.place_of(node), node_reader(node.__class__)
 
     def clear(self) -> None:
-        """Remove the results of Taichi from the nodes: they hold on to simulations."""
+        """Remove Taichi's results from the nodes: they refer to simulations, and would keep them in memory."""
         for node in self.nodes:
             node.ptr = None
         for node in self.attributes:
@@ -49,9 +50,10 @@ class Tree:
 
 
 class Source:
-    """Text of a function, and its parsed trees."""
+    """Source text of a function, and the syntax trees parsed from it that are not in use."""
 
     def __init__(self, function: FunctionType) -> None:
+        """Find the source lines of a function and parse them."""
         self.name, self.file = function.__name__, kernel_impl.getsourcefile(function)
         self.trees: list[Tree] = []  # those that nothing reads now
         try:
@@ -60,7 +62,7 @@ class Source:
             self.set_lines(*kernel_impl.getsourcelines(function))
 
     def set_lines(self, lines: list[str], first: int) -> None:
-        """Parse these lines; the first one has this number in its file."""
+        """Store the function's source lines, the first of which has number `first` in its file, and parse them."""
         self.lines, self.first = [line.rstrip().expandtabs(4) for line in lines], first
         self.text = textwrap.dedent("\n".join(self.lines))
         at = [f'File "{self.file}", line {first + k}, in {self.name}:' for k in range(len(lines))]
@@ -74,16 +76,16 @@ class Source:
         return root
 
     def free_tree(self) -> Tree:
-        """Tree that nothing else reads: a function may call itself."""
+        """Take a syntax tree that no translation is using, or parse another: a function may call itself."""
         return self.trees.pop() if self.trees else Tree(self)
 
     def place_of(self, node: ast.AST) -> str:
-        """Place of a node, for messages of the compiler: file, line, function, and the line itself."""
+        """Place of a node in the source, for compiler messages: file, line number, function, and the line itself."""
         return self.places[node.lineno - 1] if isinstance(node, (ast.stmt, ast.expr)) else ""
 
 
 def function_lines(function: FunctionType) -> tuple[list[str], int]:
-    """Lines of a function, down to the next statement of its indent or less, and the number of the first line."""
+    """Source lines of a function, down to the next statement of its indent or less, and number of the first one."""
     code = function.__code__
     lines = linecache.getlines(code.co_filename, function.__globals__)[code.co_firstlineno - 1 :]
     body = next(k for k, line in enumerate(lines) if line.lstrip().startswith("def ")) + 1
@@ -92,7 +94,7 @@ def function_lines(function: FunctionType) -> tuple[list[str], int]:
 
 
 def block_length(lines: list[str], indent: int) -> int:
-    """Number of these lines that belong to a statement of this indent."""
+    """Number of leading lines that belong to the body of a statement at this indent [characters]."""
     for k, line in enumerate(lines):
         text = line.lstrip()
         if text and len(line) - len(text) <= indent and not text.startswith(("#", *CLOSING_BRACKETS)):
@@ -112,7 +114,8 @@ def tree_and_context(
     ast_builder: Any = None,
     is_real_function: bool = False,
 ) -> tuple[Any, Any]:
-    """Tree of a kernel or a function, and the context in which Taichi reads it."""
+    """Syntax tree of a kernel or a function, and the context in which Taichi translates it; replaces Taichi's
+    `_get_tree_and_ctx`, whose arguments it takes."""
     function = reader.func
     source = known_sources.get(function.__code__)
     if source is None:
@@ -137,7 +140,8 @@ def tree_and_context(
 
 
 def read_tree(root: Any, context: Any) -> Any:
-    """Read a tree from its root, and free it for others, unless Taichi has removed the parameters of a kernel."""
+    """Translate a tree from its root and return its value; then free it for reuse, unless it is a kernel's, from which
+    Taichi removes parameters. Replaces Taichi's `transform_tree`."""
     try:
         read_node(Transformer(), context, root)
     finally:
@@ -148,20 +152,23 @@ def read_tree(root: Any, context: Any) -> Any:
 
 
 class FailingReader:
-    """Reader that raises the error of a node again."""
+    """Stand-in for Taichi's translator that raises an earlier error again: Taichi adds the place to the message."""
 
     def __init__(self, error: Exception) -> None:
         self.error = error
 
     def __getattr__(self, name: str) -> Any:
+        """Function that raises the error, as the method `build_...` for any kind of node."""
+
         def fail(context: Any, node: Any) -> None:
+            """Raise the error, in place of the translation of a node."""
             raise self.error
 
         return fail
 
 
 def read_node(builder: Any, context: Any, node: Any) -> Any:
-    """Read one node of a tree; after an error, let Taichi raise it again with the place."""
+    """Translate one node of a tree; after an error, let Taichi raise it again with its place. Replaces `__call__`."""
     places = impl.pytaichi.src_info_stack
     places.append(node.place)
     try:
@@ -173,35 +180,36 @@ def read_node(builder: Any, context: Any, node: Any) -> Any:
 
 
 def node_place(context: Any, node: Any) -> Any:
-    """Place of a node in one of our trees, for messages of the compiler."""
+    """Place of a node of our trees, for messages of the compiler; replaces `get_pos_info` of Taichi's context."""
     return node.place
 
 
 @cache
 def node_reader(kind: Any) -> Any:
-    """Method of Taichi that reads this kind of node."""
+    """Method of Taichi that translates nodes of the class `kind`; if there is none, one that raises a syntax error."""
 
     def refuse(context: Any, node: Any) -> None:
+        """Raise TaichiSyntaxError: Taichi has no method for this kind of node."""
         raise ti.TaichiSyntaxError(f'Unsupported node "{kind.__name__}"')
 
     return getattr(Transformer, f"build_{kind.__name__}", refuse)
 
 
 def vector_elements(value: Any) -> dict[tuple[int, ...], Any]:
-    """Elements of a vector or a matrix, whose value is computed once."""
+    """Elements of a Taichi vector or matrix by index, for code in a kernel; the expression `value` is computed once."""
     builder, held = impl.pytaichi.compiling_callable.ast_builder(), impl.expr_init(value)
     return {at: impl.subscript(builder, held, *at) for at in np.ndindex(*held.get_shape())}
 
 
 def reduce_vector(value: Any, combine: Any) -> Any:
-    """Combine all elements of a vector or a matrix in order: their sum, for example, or whether any is true."""
+    """Combine all elements of a vector or a matrix in order by `combine`, for example to their sum."""
     if not impl.inside_kernel():
         return taichi_reduce(value, combine)
     return impl.expr_init(reduce(combine, vector_elements(value).values()))
 
 
 def matrix_product(matrix: Any, vector: Any) -> Any:
-    """Product of a matrix and a vector."""
+    """Product of a matrix and a vector in a kernel; replaces Taichi's `matmul`, which still serves other operands."""
     (rows, *columns), shape = matrix.get_shape(), vector.get_shape()
     if not impl.inside_kernel() or (*columns,) != shape:
         return taichi_product(matrix, vector)
@@ -225,6 +233,6 @@ TAICHI_ORIGINALS = tuple((owner, name, getattr(owner, name)) for owner, name, _ 
 
 
 def install() -> None:
-    """Replace the parts of Taichi, or put its own back where the switch is off."""
+    """Put the REPLACEMENTS into Taichi, or its own functions back if OCEAN_SIM_QUICK_START is 0."""
     for owner, name, value in TAICHI_ORIGINALS if os.environ.get(SWITCH_VARIABLE) == "0" else REPLACEMENTS:
         setattr(owner, name, value)

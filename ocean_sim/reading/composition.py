@@ -41,23 +41,24 @@ NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 @dataclass
 class Choice:
-    """The kind or preset chosen for a slot, and the user's own keys written over it."""
+    """The kind or preset that a scene chooses for a part, as in `wind: stress`, and the user's own keys over it."""
 
     base: Node  # a mapping with `kind`
     own: Node  # a mapping without
 
     @property
     def kind(self) -> str:
+        """Name of the kind; for a preset, of the kind that it is based on."""
         return self.base.data["kind"].data
 
     def whole(self) -> Node:
-        """The preset or kind with the keys written over it; errors cite the line of its name, not the preset's file."""
+        """Preset or kind with the user's keys over it, as a mapping; errors cite the line of its name, not its file."""
         return merge_nodes(self.base, self.own)
 
 
 @dataclass
 class Composition:
-    """The tree of a scene while its layers are merged, with the problems and notes found so far."""
+    """Layers of a scene while they are merged: the tree so far, the choice for each slot, problems and notes found."""
 
     root: Node
     slots: dict[str, Choice | None] = field(default_factory=dict)  # by place
@@ -67,7 +68,7 @@ class Composition:
     notes: list[str] = field(default_factory=list)
 
     def lay(self, place: str, node: Node, below: Choice | None) -> None:
-        """Lay `node` over the choice in a slot: null empties it, a name replaces it, a mapping changes its keys."""
+        """Lay `node` over `below`, the choice at a place: null removes it, a name replaces it, a mapping sets keys."""
         try:
             if node.data is None:
                 self.slots[place] = None
@@ -88,7 +89,7 @@ class Composition:
                 self.meant[place] = choice_of(place, node.with_data(node.data | {"kind": meant})).whole()
 
     def named_ships(self, node: Node) -> Iterator[tuple[str, Node]]:
-        """Yield place (`ships.tug`) and node of each ship in a mapping by name; other values become problems."""
+        """Yield place (`ships.tug`) and node of each ship in `node`, a mapping by name; mistakes become problems."""
         if node.data is None:
             return
         if not node.is_mapping:
@@ -110,7 +111,7 @@ class Composition:
             self.problems.append(problem_at(ship.key_location, f"{SEVERAL}.{name}", message, meant))
 
     def another_kind(self, place: str, below: Choice, kind: Node) -> Choice:
-        """The choice with another kind or preset; keys that the new kind lacks are dropped with a note."""
+        """The choice `below` with another kind or preset; keys that the new kind lacks are dropped with a note."""
         slot = slot_of(place)
         base = choice_of(place, kind.with_data({"kind": kind})).base
         written = below.own if isinstance(kind.data, str) and kind.data not in kinds(slot) else below.whole()
@@ -123,7 +124,7 @@ class Composition:
         return Choice(base, written.with_data(kept))
 
     def set(self, key: str, value: Node) -> None:
-        """Apply one `--set`: to a slot, a key inside one, or a key outside the slots."""
+        """Apply one `--set KEY=VALUE`: to a part, a key inside one, or a key outside the parts."""
         path = tuple(key.split("."))
         path = (KEYS_BESIDE_SLOTS[path[0]], *path) if path[0] in KEYS_BESIDE_SLOTS else path
         if "" in path:
@@ -144,7 +145,7 @@ class Composition:
             self.root = self.put(self.root, path, (), value)
 
     def without_dot(self, word: str) -> str | None:
-        """The key meant by a word without its dot, as `fluid.spacing` by `fluid_spacing`; None if it is none."""
+        """Key that a user meant by a word without its dot: `fluid.spacing` by `fluid_spacing`; None for other words."""
         for place, choice in self.slots.items():
             key = word.removeprefix(place).lstrip("_")
             if choice is None or not word.startswith(place):
@@ -154,7 +155,7 @@ class Composition:
         return None
 
     def lay_beside(self, key: str, node: Node) -> None:
-        """Lay a key written at the top level, beside the slot to which it belongs, over that slot."""
+        """Lay a key of a part that is written at the scene's top level (KEYS_BESIDE_SLOTS) over that part."""
         slot = KEYS_BESIDE_SLOTS[key]
         choice = self.slots.get(slot)
         if choice is not None and key in choice.own.data:
@@ -172,7 +173,7 @@ class Composition:
             self.set_part(place, (), ship)
 
     def set_part(self, place: str, path: tuple[str, ...], value: Node) -> None:
-        """Replace or change the part at a place, or set the key at `path` inside it."""
+        """Replace or change the part at a place (`wind`) by `value`, or set the key at `path` inside it."""
         below = self.slots.get(place)
         if place in self.failed and path:
             return
@@ -189,7 +190,7 @@ class Composition:
             self.slots[place] = Choice(below.base, whole.with_data(own))
 
     def put(self, node: Node, path: tuple[str, ...], above: tuple[str, ...], value: Node) -> Node:
-        """Copy of `node` with the value at `path` set, missing mappings created; `above`: path of `node`."""
+        """Copy of `node` with `value` at `path`, missing mappings created; `above`: path of `node`, for messages."""
         if not path:
             return value
         step, data = path[0], node.data
@@ -212,7 +213,8 @@ class Composition:
 
 
 def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Composition:
-    """Lay a profile and the `--set` values over a scene; each part in the result is a mapping with `kind`."""
+    """Lay a profile and the `--set` values over a scene. Each part in the result is a mapping with `kind`; mistakes are
+    listed in its `problems`."""
     result = Composition(scene.with_data(dict(scene.data)))
     for slot in SLOTS:
         if slot in scene.data:
@@ -257,7 +259,7 @@ def compose(scene: Node, profile: Node | None, overrides: dict[str, Node]) -> Co
 
 
 def choice_of(place: str, node: Node, within: tuple[str, ...] = ()) -> Choice:
-    """The choice for a name or a mapping with `kind`; `within`: presets that refer to it. Raises SceneError."""
+    """Choice that a name or a mapping with `kind` makes at a place; raises SceneError. `within`: presets being read."""
     slot = slot_of(place)
     if isinstance(node.data, str):
         name, own = node, node.with_data({})
@@ -298,19 +300,19 @@ def without_kind(place: str, node: Node) -> Problem:
 
 
 def keys_of(slot: str) -> list[str]:
-    """Names of all keys of all kinds of a slot, `kind` included."""
+    """Names of the keys of all kinds of a slot (`wind`, `fluid`, ...), each once, `kind` included."""
     return list(dict.fromkeys(key for kind in kinds(slot) for key in config_of(slot, kind).model_fields))
 
 
 def key_for_name(name: str, ship: Node) -> str | None:
-    """The ship's key that a user wrote under `ships` in place of a ship's name; None where `name` can be a ship's."""
+    """Key of a ship that a user wrote under `ships` in place of a ship's name; None if `name` can be a ship's name."""
     if name != "kind" and (ship.data is None or ship.is_mapping or ship.data in known_names(ALONE)):
         return None
     return likeliest(name, keys_of(ALONE))
 
 
 def kind_of_keys(slot: str, node: Node) -> str | None:
-    """The kind that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
+    """Kind of a slot that shares most keys with a mapping, slips of spelling allowed; None if none or several do."""
     fields = {kind: config_of(slot, kind).model_fields for kind in kinds(slot)}
     had = {kind: sum(likeliest(str(key), keys) is not None for key in node.data) for kind, keys in fields.items()}
     most = max(had.values(), default=0)
@@ -319,7 +321,7 @@ def kind_of_keys(slot: str, node: Node) -> str | None:
 
 
 def with_owners(found: Problem, slot: str, place: str) -> Problem:
-    """The problem, with the kinds that have the key added where it is an unknown key without a suggestion."""
+    """The problem; for an unknown key without a suggestion, with the kinds of the slot that have the key added."""
     key = found.key.removeprefix(f"{place}.")
     if not found.message.startswith("unknown key") or found.suggestion is not None:
         return found
@@ -330,7 +332,7 @@ def with_owners(found: Problem, slot: str, place: str) -> Problem:
 
 
 def kind_named(slot: str, name: str) -> str:
-    """The kind of a preset or kind of this name; raises SceneError."""
+    """Kind of the preset or kind called `name` in a slot; raises SceneError if there is none."""
     return choice_of(slot, node_of({"kind": name}, Location(name))).kind
 
 
@@ -340,7 +342,8 @@ def known_names(slot: str) -> list[str]:
 
 
 def unknown_name(what: str, name: Node, key: str, choices: Any = None) -> Problem:
-    """Problem of a name that is neither a preset nor a kind: suggests the closest name and lists all valid ones."""
+    """Problem of a name that is none of `choices`, by default the presets and kinds of slot `what`: suggests the
+    closest one and lists all."""
     choices = choices or known_names(what)
     end, suggestion = choice_sentence(name.data, choices)
     if suggestion is not None:

@@ -18,12 +18,12 @@ GRAPHICS_BACKENDS = ("cuda", "metal", "vulkan", "gpu")  # backends that no threa
 
 
 def has_particles(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if the water is made of particles."""
+    """True if the scene's water is made of particles; a condition in IDLE_RULES, as is `has_stops`."""
     return known.fluid.made_of_particles
 
 
 def has_stops(mapping: Any, known: Preflight, *_: Any) -> bool:
-    """True if particles can meet a wall, a floor, a lid or an obstacle."""
+    """True if the water is made of particles that can meet a wall, a floor, a lid or an obstacle."""
     return known.fluid.made_of_particles and bool(known.tank.sides or known.tank.config.obstacles)
 
 
@@ -110,7 +110,7 @@ IDLE_RULES: list[tuple[str, str, Callable[[Any, Preflight, Any, str], Any], str]
 
 
 def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[str, str, Model]]:
-    """Yield (path, place, model) for all models in a value; the place also has list indices and mapping keys."""
+    """Yield (path, place, model) for `value` and all models in it; the place also has list indices and mapping keys."""
     if isinstance(value, Model):
         yield path, place, value
         for name in type(value).model_fields:
@@ -121,7 +121,7 @@ def inner_models(value: Any, path: str = "", place: str = "") -> Iterator[tuple[
 
 
 def like_radians(mapping: Model) -> Iterator[str]:
-    """Yield a sentence for each angle in degrees that looks like radians: a multiple of pi/12 to three digits."""
+    """Yield a warning for each angle in degrees that looks like radians: a multiple of pi/12 to three digits."""
     for key in [key for key in type(mapping).model_fields if key.endswith("_deg") and getattr(mapping, key)]:
         turns = np.abs(getattr(mapping, key)) / PI_TWELFTH
         if ((turns > 0.5) & (turns < 24.5) & (np.abs(turns - np.rint(turns)) < PI_TOLERANCE)).any():
@@ -130,12 +130,12 @@ def like_radians(mapping: Model) -> Iterator[str]:
 
 
 def spectrum_seeds(scene: Model) -> set[int]:
-    """Seeds of all spectra in a scene."""
+    """Seeds of all wave spectra in a scene."""
     return {model.seed for _, _, model in inner_models(scene) if isinstance(model, Spectrum)}
 
 
 def idle_keys(parts: Mapping[str, Any], known: Preflight) -> Iterator[str]:
-    """Yield a sentence for each key of a scene and its parts that is given without effect, or may be in radians."""
+    """Yield a warning for each key, in the models `parts` by name, that has no effect or may be in radians."""
     for root, part in parts.items():
         rules = IDLE_RULES
         if isinstance(part, FluidConfig):

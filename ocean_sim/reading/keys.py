@@ -50,7 +50,7 @@ EXAMPLE_SIZES = {"m": "1.0", "s": "0.1", "deg": "30.0", "1": "0.5"}  # an exampl
 
 
 class Key(NamedTuple):
-    """One key of a scene: its path, and facts for the reference and `explain`."""
+    """One key that a scene may have: path, values, unit, default, bounds, meaning, example; for docs and `explain`."""
 
     path: str
     takes: str
@@ -99,11 +99,12 @@ def scene_keys() -> tuple[Key, ...]:
 
 
 def definition(name: str) -> dict[str, Any]:
+    """Schema of a model in the scene's schema, by its name or its `$ref`."""
     return whole_schema()["$defs"][name.removeprefix("#/$defs/")]
 
 
 def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the keys of a model's schema and of the models inside it; `within`: models already entered."""
+    """Yield the keys of the model at a path, of schema `node`, and of models in it; `within`: models entered so far."""
     for name, inner in node.get("properties", {}).items():
         if name == "kind" and "const" in inner:
             continue
@@ -111,13 +112,13 @@ def of_mapping(node: dict[str, Any], path: str, within: tuple[str, ...]) -> Iter
 
 
 def of_value(path: str, node: dict[str, Any], required: bool, within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the key at a path and the keys inside its value."""
+    """Yield the key at a path, whose value has the schema `node`, and the keys inside its value."""
     yield key_of_node(path, node, required)
     yield from keys_inside(path, node, within)
 
 
 def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Iterator[Key]:
-    """Yield the keys inside a value's schema; models in `within` are not entered again."""
+    """Yield the keys inside the value at a path, of schema `node`; models in `within` are not entered again."""
     yield from kind_inside(path, node)
     for member in union_members(node):
         name = member.get("$ref")
@@ -133,7 +134,7 @@ def keys_inside(path: str, node: dict[str, Any], within: tuple[str, ...]) -> Ite
 
 
 def of_names(node: dict[str, Any]) -> dict[str, Any]:
-    """The schema of the values of a mapping whose keys are names given by the user."""
+    """Schema of the values of a mapping whose keys are names that the user gives; `node`: schema of the mapping."""
     return next(iter(node["patternProperties"].values()))
 
 
@@ -156,6 +157,7 @@ def kind_inside(path: str, node: dict[str, Any]) -> Iterator[Key]:
 
 
 def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
+    """The key at a path, with all facts from the schema `node` of its value."""
     default = "required" if required else in_yaml(node["default"]) if "default" in node else ""
     meaning = " ".join(plain_meaning(node).split())
     takes = " or ".join(dict.fromkeys(kind_of(member) for member in union_members(node)))
@@ -169,12 +171,13 @@ def key_of_node(path: str, node: dict[str, Any], required: bool) -> Key:
 
 
 def plain_meaning(node: dict[str, Any]) -> str:
-    """The description of a key, or of its model, without the unit and default that editors show."""
+    """Description of a key in its schema, else of its model, without the unit and default added for editors."""
     text = node.get("meaning") or node.get("description")
     return text or next((definition(m["$ref"]).get("description", "") for m in union_members(node) if "$ref" in m), "")
 
 
 def bounds_of(node: dict[str, Any]) -> Iterator[str]:
+    """Yield the bounds of a number, or of the numbers in a list, by its schema, as text: `> 0`."""
     yield from (f"{sign} {node[name]:g}" for name, sign in BOUND_SIGNS.items() if name in node)
     if isinstance(node.get("items"), dict):
         yield from bounds_of(node["items"])
@@ -200,13 +203,13 @@ def kind_of(node: dict[str, Any]) -> str:
 
 
 def words_of(node: dict[str, Any]) -> list[str]:
-    """The words that a value may be by its schema; empty where any are allowed."""
+    """Words that a value may be by its schema, `true` and `false` for a switch; empty where any are allowed."""
     given = [node["const"]] if "const" in node else node.get("enum", [])
     return ["true", "false"] if node.get("type") == "boolean" else [str(word) for word in given]
 
 
 def example_path(path: str) -> str:
-    """The path as written after `--set`: without the kind of the part, and with 0 for the entry of a list."""
+    """Path of a key as written after `--set`: without the kind of the part, and with 0 for the entry of a list."""
     words = path.split(".")
     if words[0] in SLOTS:
         words = [words[0], *words[2:]]
@@ -214,7 +217,7 @@ def example_path(path: str) -> str:
 
 
 def value_of(path: str, node: dict[str, Any]) -> str:
-    """An example value for a key, as YAML: that stated by its kind, or else by its schema."""
+    """An example value for the key at a path, as YAML: that stated by the Config of its kind, or else by its schema."""
     words = path.split(".")
     if len(words) == 3 and words[0] in SLOTS:
         given: type[KindConfig] = config_of(slot_of(words[0]), words[1])
@@ -224,7 +227,7 @@ def value_of(path: str, node: dict[str, Any]) -> str:
 
 
 def value_within(node: dict[str, Any], name: str, within: tuple[str, ...]) -> str:
-    """An example value for a schema, as YAML: its default, a stated example, or one of its type."""
+    """An example value for key `name` by its schema, as YAML: its default, a stated example, or one of its type."""
     default = node.get("default")
     if default not in (None, [], {}, ""):
         return in_yaml(default)
@@ -260,7 +263,7 @@ def example_mapping(node: dict[str, Any], within: tuple[str, ...]) -> str:
 
 
 def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
-    """An example number within the bounds of the schema, of a size usual for its unit."""
+    """An example number within the bounds of the schema `node`, of a size usual for its unit; `member`: its type."""
     low, high = bound_of(node, "minimum", "exclusiveMinimum"), bound_of(node, "maximum", "exclusiveMaximum")
     if member["type"] == "integer":
         return str(int(low or 0) + 1)
@@ -271,7 +274,7 @@ def example_number(node: dict[str, Any], member: dict[str, Any]) -> str:
 
 
 def bound_of(node: dict[str, Any], *names: str) -> float | None:
-    """The first bound among these names in a schema or the members of its union; None where it has none."""
+    """First of these bounds (`minimum`, ...) that a schema, or a member of its union, states; None without any."""
     return next((place[name] for place in (node, *union_members(node)) for name in names if name in place), None)
 
 
@@ -300,6 +303,7 @@ def keys_at(word: str) -> list[Key]:
 
 
 def is_path_match(path: list[str], steps: list[str]) -> bool:
+    """True if the steps of a key's path equal those that a user wrote, any of which matches NAME."""
     return len(path) == len(steps) and all(p in (s, NAME_STEP) for p, s in zip(path, steps, strict=True))
 
 
@@ -309,7 +313,7 @@ def named_so(word: str) -> list[str]:
 
 
 def keys_elsewhere(word: str) -> str:
-    """The end of an error message that lists up to three paths of keys of this name; empty if there are none."""
+    """End of an error message that lists up to three paths of keys called `word`; empty if there are none."""
     paths = sorted(named_so(word), key=lambda path: (path.count("."), path))
     if len(paths) == 1:
         return f"; there is {paths[0]}"

@@ -84,7 +84,7 @@ class SceneConfig(Heading):
     _inputs: dict[str, str] = PrivateAttr({})
 
     def parts(self) -> dict[str, PartConfig]:
-        """The parts by place (`wind`, `ships.tug`), then the observers by name; empty slots are left out."""
+        """Configs of the parts by place (`wind`, `ships.tug`), then of observers by name; empty slots are left out."""
         found: dict[str, PartConfig] = {}
         for slot in SLOTS:
             part = None if slot == ALONE else getattr(self, slot)
@@ -94,7 +94,7 @@ class SceneConfig(Heading):
 
     @property
     def preflight(self) -> Preflight:
-        """The facts that parts need of the whole scene before it is built; cached until the parts change."""
+        """Facts on the whole scene that parts need before it is built, as the tank; cached until the parts change."""
         known, word, arch = self._preflight, WORD_BYTES[self.runtime.precision], self.runtime.arch
         facts = self.parts(), self.basin, word, self.duration, arch
         if known is None or (known.parts, known.tank.config, known.word, known.duration, known.arch) != facts:
@@ -123,7 +123,7 @@ class SceneConfig(Heading):
         return sorted({name for each in self.observers.values() for name in each.files_of(self.preflight)})
 
     def warnings(self) -> list[str]:
-        """The warnings of every part, keys that have no effect, and angles that may be in radians."""
+        """Sentences: the warnings of every part, keys that have no effect, and angles that may be in radians."""
         preflight, parts = self.preflight, self.parts()
         told = [
             f"{key}: {sentence}" if slot_of(key) != key else sentence
@@ -146,7 +146,7 @@ class SceneConfig(Heading):
 
 
 def of_place(place: str, rows: list[LedgerRow]) -> list[LedgerRow]:
-    """The ledger rows of a part; where there are several ships, under the ship's own name."""
+    """Ledger rows (memory of fields) of the part at a place; one of several ships is named by place, `ships.tug`."""
     return rows if slot_of(place) == place else [row._replace(part=place) for row in rows]
 
 
@@ -190,7 +190,7 @@ def load_text(
 def _compose_and_check(
     scene: Node, folder: Path | None, overrides: dict[str, Any] | None, profile: str | None
 ) -> SceneConfig:
-    """The checked scene of a mapping with profile and overrides laid over it; raises SceneError."""
+    """Lay profile and overrides over a scene, and check it; `folder`: base of file names. Raises SceneError."""
     layer, problems = profile_layer(profile)
     sets = {key: _override_node(key, value) for key, value in (overrides or {}).items()}
     composition = compose(scene, layer, sets)
@@ -220,7 +220,8 @@ def packaged_scenes() -> list[str]:
 
 
 def profile_layer(profile: str | None) -> tuple[Node | None, list[Problem]]:
-    """The mapping in a profile's file, and its problems; a profile sets numerical effort, no physics."""
+    """The mapping in a profile's file, and a problem for each key in it that is not of numerical effort, which is left
+    out; None and no problems without a profile."""
     if profile is None:
         return None, []
     if profile not in named("run"):
@@ -243,7 +244,7 @@ def _override_node(key: str, value: Any) -> Node:
 
 
 def _check_models(composition: Composition, problems: list[Problem], folder: Path | None) -> SceneConfig | None:
-    """The checked scene of a composed tree, or None; every mistake is appended to `problems`."""
+    """The checked scene of a composed tree, or None if it has mistakes, all of which are appended to `problems`."""
     root, data = composition.root, composition.root.data
     headings = tuple(Heading.model_fields)
     problems += _unknown_keys(root, headings)
@@ -337,6 +338,7 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
     from ocean_sim.reading.keys import example_path, keys_elsewhere, named_so  # they read scenes
 
     def here(path: str) -> bool:
+        """True if the key at this path is of the kind that the scene has in its slot, or in no slot."""
         slot, kind, *_ = path.split(".")
         return slot not in SLOTS or (slot in data and data[slot].is_mapping and data[slot].plain()["kind"] == kind)
 
@@ -349,7 +351,8 @@ def _suggest_below(key: str, data: dict[str, Node]) -> tuple[str, str | None]:
 def _part_model(
     name: str, model: type[Model] | None, composition: Composition, problems: list[Problem], folder: Path | None
 ) -> Any:
-    """The Config of a part, of class `model` or that of its kind; None where it is absent or wrong."""
+    """The checked Config of a part, of class `model` or, if None, that of its kind; None where it is absent or wrong.
+    Mistakes are appended to `problems`."""
     node = _place_node(composition.root.data, name)
     if node is not None and node.data is not None:
         if model is not None:
@@ -364,7 +367,7 @@ def _part_model(
 
 
 def _kind_mismatches(parts: Mapping[str, PartConfig], data: dict[str, Node], flat: bool) -> list[Problem]:
-    """Problems of kinds of parts that do not go together; `flat`: in 2-D, where ships need no surface."""
+    """Problems of kinds of parts that do not go together; `data`: their nodes; `flat`: 2-D, ships need no surface."""
     fluid, surface = parts.get("fluid"), parts.get("surface")
     if not isinstance(fluid, FluidConfig):
         return []
@@ -397,7 +400,7 @@ def _missing_needs(
     data: dict[str, Node],
     root: Node,
 ) -> list[Problem]:
-    """Problems of observers that need an absent part; a part with problems of its own counts as present."""
+    """Problems of observers that need an absent part; parts in `wrong`, which have other problems, count as present."""
     problems, there = [], {*observers, *parts, *wrong}
     for name, config in observers.items():
         absent = [need for need in config.needs if need not in there]
@@ -410,7 +413,7 @@ def _missing_needs(
 def _observers(
     data: dict[str, Node], root: Node, problems: list[Problem], folder: Path | None
 ) -> dict[str, ObserverConfig]:
-    """The checked observers that are named or on by default, in the order in which they run."""
+    """The checked observers that are named or on by default, in running order; mistakes are appended to `problems`."""
     observers: dict[str, ObserverConfig] = {}
     default = on_unless_null({ALONE if key == SEVERAL else key for key in data})
     for name in observer_names():
@@ -429,10 +432,11 @@ def _observers(
 
 
 def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str]) -> Node:
-    """The scene with spacings of water, surface and ships times `factor`, and particle counts divided by its power of
-    the dimension. Values from `--set` are kept."""
+    """The scene with spacings of water, surface and ships times `factor`, and particle counts divided by `factor` to
+    the power `dimension`; sentences on it are added to `notes`. Values from `--set` are kept."""
 
     def scaled(node: Node, path: tuple[str, ...]) -> Node:
+        """The node with every spacing and particle count inside it scaled."""
         if isinstance(node.data, dict):
             return node.with_data({key: scaled(inner, (*path, key)) for key, inner in node.data.items()})
         value, number = node.data, node.data
@@ -457,7 +461,7 @@ def _scale_spacings(root: Node, factor: float, dimension: int, notes: list[str])
 
 
 def _locate_problems(name: str, found: Problems, root: Node) -> list[Problem]:
-    """The problems that part `name` reports by key path, each with its location in the file."""
+    """Problems (pairs of key path and sentence) that the part `name` reports, each with its location in the file."""
     problems = []
     for path, sentence in found:
         inner = _place_node(root.data, name) or root

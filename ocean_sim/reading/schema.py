@@ -65,7 +65,7 @@ def schema_text() -> str:
 
 
 def _slot_schema(slot: str, definitions: dict[str, Any]) -> dict[str, Any]:
-    """Schema of a slot: a name of a kind or preset, a mapping with `kind`, or null."""
+    """Schema of a slot: a name of a kind or preset, a mapping with `kind`, or null. `definitions`: of all Configs."""
     module = import_module(f"ocean_sim.{slot}")
     words = known_names(slot)
     told = [part_sentence(slot, word) for word in words]
@@ -116,6 +116,7 @@ class _Generator(GenerateJsonSchema):
     not when a model class is created, which would slow down every start."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
+        """False: keys get no titles."""
         return False
 
     def normalize_name(self, name: str) -> str:
@@ -123,6 +124,7 @@ class _Generator(GenerateJsonSchema):
         return name.removeprefix("ocean_sim.").removesuffix(".Config")
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
+        """Schema of a model with the docstrings of its keys, and a title unless it is a part's Config."""
         made, model = super().model_schema(schema), schema["cls"]
         if model.__name__.endswith("Config"):
             del made["title"]
@@ -154,4 +156,5 @@ def _class_body(model: type) -> list[ast.stmt]:
 
 @lru_cache
 def _module_tree(name: str) -> ast.Module:
+    """Syntax tree of an imported module, by its name."""
     return ast.parse(getsource(sys.modules[name]))

@@ -113,7 +113,7 @@ def validated(
     model: type[Model], node: Node, path: Path, problems: list[Problem], folder: Folder | None = None
 ) -> Model | None:
     """The data of a node checked as this model; None if it is wrong, and its problems are appended to `problems`.
-    `folder`: base of relative file names, by default the working directory."""
+    `path`: of the node in the scene; `folder`: base of relative file names, by default the working directory."""
     beyond = list(islice(out_of_range(node, path), MAX_ERRORS))
     found, wrong = None, list[Problem]()
     try:
@@ -126,7 +126,7 @@ def validated(
 
 
 def out_of_range(node: Node, path: Path) -> Iterator[Problem]:
-    """Yield a problem for each number whose size is so extreme that products would overflow or vanish."""
+    """Yield a problem for each number in a node outside MIN_NUMBER to MAX_NUMBER in size: products would overflow."""
     if isinstance(node.data, dict | list):
         for key, inner in node.data.items() if isinstance(node.data, dict) else enumerate(node.data):
             yield from out_of_range(inner, (*path, key))
@@ -161,7 +161,7 @@ def normal_form(word: str) -> str:
 
 
 def choice_sentence(word: str, choices: Any) -> tuple[str, str | None]:
-    """The end of an error message, '; did you mean ...' or '; there are ...', and the suggestion or None."""
+    """End of an error message, '; did you mean ...' or '; there are ...', and the suggested choice or None."""
     choices = [str(choice) for choice in choices]
     suggestion = likeliest(word, choices)
     if suggestion is not None:
@@ -178,7 +178,7 @@ def key_sentence(word: str, choices: Any) -> tuple[str, str | None]:
 
 
 def translate_errors(error: ValidationError, model: type[BaseModel], root: Node, prefix: Path) -> list[Problem]:
-    """All problems in a validation error; of a union only the errors of its likeliest member."""
+    """All problems in a validation error of the model at path `prefix`; of a union only its likeliest member's."""
     found = [_locate_error(e, model, root) for e in error.errors(include_url=False)[:MAX_ERRORS]]
     problems = [_problem_of(f, prefix) for f in found if f.union is None and not _is_extra_item(f, found)]
     for union in dict.fromkeys(f.union for f in found if f.union is not None):
@@ -187,7 +187,7 @@ def translate_errors(error: ValidationError, model: type[BaseModel], root: Node,
 
 
 class _Found(NamedTuple):
-    """One pydantic error with its path and node in the data, and the facts of the schema that messages need."""
+    """One pydantic error with its path and node in the data, and the facts of the schema that its message needs."""
 
     kind: str
     message: str
@@ -204,10 +204,12 @@ class _Found(NamedTuple):
 
 @cache
 def _model_schema(model: type[BaseModel]) -> dict[str, Any]:
+    """The JSON Schema of a model, cached."""
     return model.model_json_schema()
 
 
 def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
+    """Follow the location of a pydantic error through the data and the model's schema, for node, unit and union."""
     definitions = _model_schema(model).get("$defs", {})
     node, places, keys = root, [*open_union(_model_schema(model), definitions)], tuple[str, ...]()
     path: Path = ()
@@ -237,7 +239,7 @@ def _locate_error(error: Any, model: type[BaseModel], root: Node) -> _Found:
 
 
 def union_members(schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the members of a union in a JSON Schema, nested ones included; of another schema itself."""
+    """Yield the members of a union in a JSON Schema, nested ones included; a schema that is no union yields itself."""
     union = schema.get("anyOf", schema.get("oneOf"))
     if union is None:
         yield schema
@@ -255,13 +257,13 @@ def open_union(schema: dict[str, Any], definitions: dict[str, Any]) -> Iterator[
 
 
 def _is_meant(place: dict[str, Any], tag: str) -> bool:
-    """True if pydantic's `tag` denotes this member of a union: its title, or a value of its discriminator."""
+    """True if `tag` in pydantic's errors means the union member `place`: its title, or a value of its discriminator."""
     keys = place.get("properties", {}).values()
     return place.get("title") == tag or any(tag in (key.get("const"), *key.get("enum", ())) for key in keys)
 
 
 def _schema_below(place: dict[str, Any], step: str | int) -> dict[str, Any]:
-    """The schema of the value under a key or an index of this one; empty if anything may stand there."""
+    """Schema of the value under a key or an index `step` of the schema `place`; empty if anything may stand there."""
     if isinstance(step, int):
         entries = place.get("prefixItems", [])
         return entries[min(step, len(entries) - 1)] if entries else place.get("items", {})
@@ -278,10 +280,13 @@ def _is_extra_item(found: _Found, all_found: list[_Found]) -> bool:
 
 
 def _is_short(found: _Found) -> bool:
+    """True if an error says that a list has too few entries."""
     return found.kind == "missing" and isinstance(found.node.data, list)
 
 
 def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
+    """Problems of a value that fits no member of a union: those of the member with the fewest errors among members of
+    the same shape, else one that lists the expected shapes."""
     members: dict[str, list[_Found]] = {}
     for f in found:
         members.setdefault(f.member, []).append(f)
@@ -297,6 +302,7 @@ def _union_problems(found: list[_Found], prefix: Path) -> list[Problem]:
 
 
 def _expected_form(found: _Found) -> str:
+    """Value that was expected, in words: `a number`, or `one of 'a', 'b'`."""
     return SHAPE_WORDS.get(found.kind) or f"one of {found.context.get('expected', '')}"
 
 
@@ -350,7 +356,7 @@ def _problem_of(found: _Found, prefix: Path) -> Problem:
 
 
 def _number_hint(found: _Found) -> str:
-    """The end of an error message with the number meant by a text such as '1,5' or '3 m'; empty if it is none."""
+    """End of an error message with the number meant by a text such as '1,5' or '3 m'; empty if it is none."""
     text, numbers = found.node.data, ("float_type", "int_type")
     measure = MEASURE_PATTERN.fullmatch(text.strip()) if isinstance(text, str) and found.kind in numbers else None
     if measure is None:
@@ -364,7 +370,7 @@ def _number_hint(found: _Found) -> str:
 
 
 def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
-    """Outline of a value such as `{height: ..., period: ...}` or `[..., ...]`; empty for plain values."""
+    """Outline of a value by its schema, as `{height: ..., period: ...}` or `[..., ...]`; empty for plain values."""
     if "properties" in place:
         names = place.get("required") or [*place["properties"]][:SHOWN_KEYS]
         return f"{{{', '.join(f'{name}: ...' for name in names)}}}"
@@ -378,8 +384,10 @@ def _value_form(place: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 
 def _entry_count(count: int) -> str:
+    """Count of list entries in words: `1 entry`, `2 entries`."""
     return "1 entry" if count == 1 else f"{count} entries"
 
 
 def _bound_text(bound: Any) -> str:
+    """Bound of a number as text, `0.5` or `3`."""
     return f"{bound:g}" if isinstance(bound, float) else str(bound)

@@ -85,7 +85,7 @@ def bench(
 
 
 def peer_programs() -> ModuleType:
-    """The module `benchmarks.peers` of the checkout; raises Refused outside a checkout."""
+    """The module `benchmarks.peers`, which times other programs; raises Refused outside a checkout of the project."""
     checkout = PACKAGE.parent
     if not (checkout / "benchmarks" / "peers.py").is_file():
         raise console.Refused(
@@ -96,7 +96,8 @@ def peer_programs() -> ModuleType:
 
 
 def measure_in_child(order: dict[str, Any], cold: bool) -> dict[str, Any]:
-    """Measurement of a scene in a child process, whose errors are raised here; `cold`: no kernel cache."""
+    """Run `bench-one` with an order (scene and options) in a child process, with an empty kernel cache if `cold`, and
+    return its answer; its errors are raised."""
     with tempfile.TemporaryDirectory() as empty:
         environment = os.environ | ({"XDG_CACHE_HOME": empty} if cold else {})
         command = [sys.executable, "-m", "ocean_sim", "bench-one", "--json"]
@@ -161,7 +162,7 @@ def bench_one(order: str, as_json: Json = False) -> None:
 
 
 def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int, float, float, float]:
-    """Number of steps, wall, processor and simulated time [s] of a block of at least MIN_BLOCK_SECONDS."""
+    """Step for MIN_BLOCK_SECONDS or more: number of steps, and their wall, processor and simulated time [s]."""
     steps, wall, cpu, simulated = 0, perf_counter(), process_time(), simulation.time
     while perf_counter() - wall < MIN_BLOCK_SECONDS:
         simulation.step()
@@ -171,7 +172,7 @@ def time_block(simulation: "Simulation", sync: Callable[[], None]) -> tuple[int,
 
 
 def measurement_lines(row: dict[str, Any]) -> str:
-    """Text of a measurement for people, in two lines."""
+    """Text of a scene's measurement for people, in two lines."""
     stages = ", ".join(f"{name} {ms:.3g}" for name, ms in row["stages"].items())
     return (
         f"{row['scene']}: {row['particles']} particles, {row['threads']} threads, {row['library']}: "

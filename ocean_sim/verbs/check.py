@@ -65,7 +65,7 @@ def check(
 
 
 def measure_step_time(config: SceneConfig) -> None:
-    """Take steps of a scene for half a second, and store their mean wall time for estimates."""
+    """Run a scene for half a second, and store the mean wall time of its steps for estimates."""
     from ocean_sim.observers.timings import synchronization
     from ocean_sim.simulation import Simulation
     from ocean_sim.verbs.bench import time_block
@@ -125,8 +125,8 @@ def picture_time(config: SceneConfig) -> float:
 
 
 def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) -> dict[str, int | None]:
-    """Bytes per particle and the largest number of particles that fits: on a processor into nine tenths of the
-    machine's memory, with the copies made for observers; on a graphics card into CARD_BYTES. None without particles."""
+    """Bytes per particle, and number of particles that fits into nine tenths of the machine's memory with the
+    observers' copies, or on a graphics card into CARD_BYTES. Both None without particles."""
     from ocean_sim.runtime import BASE_MEMORY, COPY_BYTES_PER_PARTICLE, GRAPHICS_CARD_CHOICES
 
     if not particles:
@@ -145,7 +145,7 @@ def particle_room(config: SceneConfig, rows: list[LedgerRow], particles: int) ->
 
 
 def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
-    """Displacement, draught, metacentric heights and natural periods by name of each ship with a hull."""
+    """Displacement, draught, metacentric heights and natural periods of each ship with a hull, by her name."""
     found = {name: ship.floats(config.preflight) for name, ship in config.ships.items()}
     return {
         name: {
@@ -162,7 +162,7 @@ def ship_facts(config: SceneConfig) -> dict[str, dict[str, Any]]:
 
 
 def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, Any]]:
-    """Rows of the ledger as dicts, each part's first row with the kernels of the whole part."""
+    """Ledger in the facts `found` as dicts; the first row of each part lists the kernels of the whole part."""
     from ocean_sim.runtime import kernels_in
 
     parts, listed, rows = {"basin": config.basin} | config.parts(), set(), []
@@ -174,7 +174,7 @@ def ledger_rows(found: dict[str, Any], config: SceneConfig) -> list[dict[str, An
 
 
 def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
-    """Estimated wall time in words, with its basis: a guess, or the last run of such water on this machine."""
+    """Estimated wall time of a run in words, and its basis: a guess, or the last run of such water on this machine."""
     parts = found["estimated_by_part"]
     shown = {"steps": parts["steps_s"], "pictures": parts["pictures_s"]}
     terms = ", ".join(f"{name} {console.duration(seconds)}" for name, seconds in shown.items() if seconds)
@@ -186,13 +186,13 @@ def wall_time(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def memory_taken(found: dict[str, Any]) -> str:
-    """Memory of a run in words, with the share taken for its pictures."""
+    """Memory of a run in words, from the facts `found`, with the part of it that pictures take."""
     pictures = f" ({found['pictures_mb']:.0f} of them for pictures)" if found["pictures_mb"] else ""
     return f"{found['memory_mb']:.0f} MB{pictures}"
 
 
 def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
-    """Memory per particle and the number of particles that fits, in words."""
+    """Memory per particle and the number of particles that fits, in words, from the facts `found` of `preflight`."""
     from ocean_sim.runtime import GRAPHICS_CARD_CHOICES
 
     if found["bytes_a_particle"] is None:
@@ -207,7 +207,7 @@ def room_sentence(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
-    """The main facts of `preflight` as text for `run`, with notes and warnings."""
+    """Main facts, notes and warnings of `preflight` (`found`), as the text that `run` prints first."""
     lines = [
         f"{config.title or 'untitled'}: {found['particles']} particles, {memory_taken(found)}, "
         f"time step {found['time_step']:.3g} s in still water ({found['limited_by']}), "
@@ -219,7 +219,7 @@ def preflight_lines(found: dict[str, Any], config: SceneConfig) -> str:
 
 
 def print_preflight(found: dict[str, Any], config: SceneConfig) -> None:
-    """Print all facts of `preflight` for people."""
+    """Print all facts of `preflight` (`found`) for people."""
     console.say(config.title or "untitled")
     console.table(
         "",

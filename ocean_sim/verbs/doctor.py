@@ -55,6 +55,7 @@ def doctor(as_json: Json = False) -> None:
 
 
 def _row(fact: dict[str, Any]) -> list[str]:
+    """Table cells of a fact: yes or no, and its detail."""
     return ["yes" if fact["ok"] else "no", fact["detail"]]
 
 
@@ -81,7 +82,7 @@ def examine_machine() -> dict[str, Any]:
 
 
 def run_probe(script: str) -> dict[str, Any]:
-    """Run a script in a child process: `ok` if it succeeded, and as `detail` the last line that it printed."""
+    """Run a Python script in a child process, which may crash: `ok` if it succeeded, and as `detail` its last line."""
     try:
         child = subprocess.run(
             [sys.executable, "-c", script],
@@ -103,7 +104,7 @@ def run_probe(script: str) -> dict[str, Any]:
 
 
 def opengl_row() -> dict[str, Any]:
-    """Availability of OpenGL for drawing without a screen: `ok`, and a detail in words."""
+    """Fact on OpenGL for drawing without a screen: `ok` if available, and `detail`, its window or the problem."""
     script = "from ocean_sim.pictures.stage.opengl import probe, window; print(json.dumps([probe(), window()]))"
     fact = run_probe(f"import json; {script}")
     if not fact["ok"]:
@@ -113,8 +114,8 @@ def opengl_row() -> dict[str, Any]:
 
 
 def vector_row() -> dict[str, Any]:
-    """Width of the kernels' vector instructions: `ok` if it suits the processor, and a detail in words. Taichi 1.7 does
-    not recognise newer processors."""
+    """Fact on the kernels' vector instructions: `ok` if they are as wide as suits the processor, and `detail` in words.
+    Taichi 1.7 does not recognise newer processors."""
     fact, room = run_probe(VECTOR_PROBE), machine.max_vector_width()
     if not fact["ok"]:
         return fact

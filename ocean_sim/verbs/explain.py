@@ -62,14 +62,14 @@ def preset_choice(word: str) -> tuple[str, str] | None:
 
 
 def with_preset_value(key: Key, slot: str, name: str) -> Key:
-    """The key of a kind, with the value that a preset of the kind sets as its default."""
+    """The key with, as its default, the value that the preset `name` of its kind sets, if it sets one."""
     own = choice_of(slot, node_of(name, Location(name))).base.plain()
     value = own.get(key.path.split(".")[2])
     return key if value is None else key._replace(default=in_yaml(value))
 
 
 def by_kind(word: str) -> str:
-    """The path with a preset replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
+    """Path of a key with a preset in it replaced by its kind: `ship.dynamic.position` for `ship.yacht.position`."""
     slot, _, rest = word.partition(".")
     name, dot, below = rest.partition(".")
     if preset_choice(f"{slot}.{name}") is None:
@@ -78,7 +78,7 @@ def by_kind(word: str) -> str:
 
 
 def refusal_end(word: str) -> str:
-    """End of the message for an unknown word: the likeliest key or keys, else a hint at `list`."""
+    """End of the error message for an unknown word: the likeliest key or keys, else a hint at `ocean-sim list`."""
     whole = {key.path for key in scene_keys()}
     shorter = {path.partition(".")[0] for path in whole} | {path.rpartition(".")[2] for path in whole}
     end = keys_elsewhere(word.rpartition(".")[2]) or choice_sentence(word, sorted(whole | shorter))[0]
@@ -86,7 +86,7 @@ def refusal_end(word: str) -> str:
 
 
 def likeliest_beside(word: str) -> str:
-    """End of a message that suggests a key or kind of the same section: `wind.u10` for `wind.speed`; may be empty."""
+    """End of an error message that suggests a key or kind near the word: `wind.u10` for `wind.speed`; may be empty."""
     above, _, last = word.rpartition(".")
     beside = by_kind(above)
     there = {key.path.rpartition(".")[2] for key in keys_at(beside)} - {beside.rpartition(".")[2]} if above else set()
@@ -96,7 +96,7 @@ def likeliest_beside(word: str) -> str:
 
 
 def group_alike(found: list[Key]) -> list[tuple[Key, list[str]]]:
-    """Each key once with the paths of all kinds that have an equal one."""
+    """Pairs of a key and the paths of all keys in the list that are equal but for their kind, each once."""
     same: dict[tuple[Any, ...], tuple[Key, list[str]]] = {}
     for key in found:
         name = key.path.split(".")
@@ -121,10 +121,12 @@ def key_lines(key: Key, paths: list[str]) -> list[str]:
 
 
 def key_row(key: Key, paths: list[str]) -> list[str]:
+    """Table cells of a key: path (and number of others), default, meaning with unit."""
     more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
     return [paths[0] + more, key.default, f"{key.meaning}{in_brackets(key.unit)}"]
 
 
 def key_answer(key: Key, paths: list[str]) -> dict[str, Any]:
+    """Facts of a key as JSON data; `paths`: all paths at which it is found."""
     shown = ("meaning", "takes", "unit", "default", "range", "example")
     return {"key": paths[0], "keys": paths} | {name: getattr(key, name) for name in shown}

@@ -25,7 +25,7 @@ ALL_FIGURES = "all"  # of the thesis, and its errata; our own studies are drawn 
 
 
 class Outcome(NamedTuple):
-    """Result of a figure's script: success, wall time, files and error message."""
+    """Result of a figure's script: name, success, wall time [s], files and error message."""
 
     figure: str
     ok: bool
@@ -41,6 +41,7 @@ def figure_scripts() -> dict[str, Path]:
 
 
 def scripts_named(stem: str) -> str:
+    """Name of the figure that a script draws, by the stem of its file: `6-3` for `fig6_3`."""
     return re.sub(r"^fig(\d+)_(\d+)$", r"\1-\2", stem).replace("_", "-")
 
 
@@ -99,13 +100,14 @@ def figure(
 
 
 def report_figure(outcome: Outcome) -> str:
-    """Line for people with the wall time and the files or the error of a figure."""
+    """Line for people with a figure's wall time, and its files or its error."""
     what = ", ".join(map(str, outcome.files)) if outcome.ok else f"FAILED: {outcome.error}"
     return f"      {console.duration(outcome.wall_s)}  {what}"
 
 
 def draw_figure(name: str, script: Path, fast: bool, out: Path, show: Callable[[float, str], None]) -> Outcome:
-    """Draw a figure in a child process, where Taichi starts fresh; its files are moved to `out` once complete."""
+    """Run a figure's script in a child process, where Taichi starts fresh; its files are moved to `out` once complete.
+    `show(share, text)` gets its progress, 0 to 1."""
     began = perf_counter()
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     with TemporaryDirectory(prefix=".figure-", dir=out) as folder:

@@ -33,7 +33,7 @@ UNUSED_OBSERVERS = ("render", "report", "accuracy", "timings")  # observers that
 
 
 class Entry(Model):
-    """A picture of the gallery."""
+    """One picture of the gallery: file, caption, scene and its end time, drawing command, and code it depends on."""
 
     picture: str
     about: str
@@ -59,7 +59,7 @@ class Entry(Model):
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
 
     def commands(self, run: str) -> tuple[list[str], list[str]]:
-        """Words after `ocean-sim` that simulate the scene, and those that draw the picture from the run folder."""
+        """Words of two `ocean-sim` commands: one simulates the scene into folder `run`, one draws the picture of it."""
         verb, *options = shlex.split(self.draw)
         left_out = [word for name in UNUSED_OBSERVERS for word in ("--set", f"{name}=null")]
         drawing = [verb, run, *options] + (
@@ -70,13 +70,13 @@ class Entry(Model):
 
 @cache
 def law_files(scene: str) -> dict[str, KindConfig]:
-    """Parts of a packaged scene that its pictures show (sea, wind, water, surface, ships), by place."""
+    """Configs of the parts of a packaged scene that pictures of it show (LAW_SLOTS), by place (`wind`, `ships.tug`)."""
     parts = load(scene).parts().items()
     return {place: part for place, part in parts if isinstance(part, KindConfig) and slot_of(place) in LAW_SLOTS}
 
 
 def is_computing(code: str) -> list[str]:
-    """The lines of Python code without docstrings, comment lines and empty lines."""
+    """Lines of Python code that compute: without docstrings, comment lines and empty lines."""
     texts = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Expr)]
     said = {
         n
@@ -89,12 +89,13 @@ def is_computing(code: str) -> list[str]:
 
 
 def gallery_entries() -> list[Entry]:
+    """All pictures of the gallery, as LIST_FILE lists them."""
     listed = read_mapping(library("figures") / "gallery" / LIST_FILE).plain()["pictures"]
     return [Entry.model_validate(row) for row in listed]
 
 
 def stale_entries(folder: Path) -> list[Entry]:
-    """Entries whose picture is missing from a folder, or older than its sources."""
+    """Entries whose picture is missing from a folder, or whose stamp there differs from the present one."""
     stamps = folder / STAMP_FILE
     known = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
     return [
@@ -151,7 +152,7 @@ def gallery(
 
 
 def show_entry(entry: Entry) -> list[str]:
-    """The commands that make an entry's picture, as lines for people."""
+    """Command lines that make the picture of an entry, for people."""
     run = f"runs/{entry.scene.split('/')[-1]}"
     return [f"ocean-sim {shlex.join(words)}" for words in entry.commands(run)]
 
@@ -167,7 +168,7 @@ def command_line(words: list[str]) -> None:
 
 
 def keep_picture(drawn: Path, path: Path) -> None:
-    """Store the picture that a command drew as the JPEG or PNG file of the README."""
+    """Convert the picture that a command drew at `drawn` to the JPEG or PNG file `path` of the gallery."""
     from PIL import Image
 
     found = sorted(drawn.glob("still_*.png")) or [drawn / "motion.png"]
@@ -179,6 +180,7 @@ def keep_picture(drawn: Path, path: Path) -> None:
 
 
 def read_stamps(folder: Path, entry: Entry) -> None:
+    """Write the present stamp of an entry into the STAMP_FILE of a folder."""
     path = folder / STAMP_FILE
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     with atomic_write(path) as draft:

@@ -27,7 +27,7 @@ EMPTY_ANSWER = dict.fromkeys(("volume_m3", "displacement_kg", "draught_m", "kb_m
 
 
 class Asked(NamedTuple):
-    """Options of `ocean-sim hull` that change or describe the hull."""
+    """Options of `ocean-sim hull`: mass, centre, density and others that change the hull or its description."""
 
     mass: float | None = None  # [kg]
     draught: float | None = None  # [m], in place of the mass
@@ -142,7 +142,7 @@ def hull(
 
 
 def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float, tuple[float, float] | None]":
-    """The hull of this name (in configs/hull/ or configs/ship/), of a mesh file, or of a ship in a scene; density of
+    """The hull called `name` (in configs/hull/ or configs/ship/), of a mesh file, or of a ship in a scene; density of
     the water [kg/m3]; length and breadth of the bilge keels [m] or None. Raises ValueError, SceneError or Refused."""
     from ocean_sim.parts import library, named
     from ocean_sim.ship.hull.hull import MESH_ENDINGS, hull_of
@@ -187,7 +187,7 @@ def found_hull(name: str, ship: str | None, asked: Asked) -> "tuple[Hull, float,
 
 
 def condition_of(path: Path) -> "Loading":
-    """The loading condition in a YAML file; raises SceneError."""
+    """The loading condition (weights, tanks, openings) in a YAML file; raises SceneError."""
     from ocean_sim.files.yaml_file import Problem, SceneError, read_mapping
     from ocean_sim.reading.translation import validated
     from ocean_sim.ship.naval.stability import Loading
@@ -200,7 +200,7 @@ def condition_of(path: Path) -> "Loading":
 
 
 def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: list[str]) -> "Hull":
-    """The hull with mass and centre of mass from options or loading condition; `notes` lists assumed values."""
+    """The hull with mass and centre of mass from options or loading condition; values assumed are added to `notes`."""
     from ocean_sim.ship.hull.voxels import voxels
 
     mass, centre = asked.mass or shape.mass, shape.centre_of_mass
@@ -230,11 +230,12 @@ def load_ship(shape: "Hull", asked: Asked, condition: "Loading | None", notes: l
 
 
 def density_of(asked: Asked) -> float:
+    """Density of the water [kg/m3]: the option's, else WATER_DENSITY."""
     return asked.density or WATER_DENSITY
 
 
 def mass_at(shape: "Hull", asked: Asked) -> float:
-    """Mass [kg] of water that the hull displaces upright at the draught asked for; raises Refused."""
+    """Mass [kg] of the water that the hull displaces upright at the draught in the options; raises Refused."""
     from ocean_sim.ship.naval.hydrostatics import UPRIGHT
 
     assert asked.draught is not None
@@ -247,7 +248,7 @@ def mass_at(shape: "Hull", asked: Asked) -> float:
 
 
 def hull_report(shape: "Hull", asked: Asked, condition: "Loading | None" = None) -> tuple[dict[str, Any], list[str]]:
-    """Answer of `hull` as JSON data, with notes and problems; and the notes alone, as sentences."""
+    """Facts of a hull as JSON data, with notes and problems; and the notes alone, as sentences."""
     from ocean_sim.ship.hull.hull import CUBE_BUDGET
     from ocean_sim.ship.hull.voxels import MISSED_SHARE
     from ocean_sim.ship.naval.hydrostatics import metacentric_heights
@@ -303,7 +304,7 @@ def outlying_parts(shape: "Hull", afloat: "Hydrostatics", condition: "Loading | 
 
 
 def stability_problems(stability: "Stability") -> list[str]:
-    """Sentences on why the ship would not float upright at rest: instability, no equilibrium, or flooding."""
+    """Sentences on why a ship does not float upright at rest: instability, no equilibrium, flooding; else none."""
     from ocean_sim.ship.body.floating import MAX_LEAN, rest_angles
 
     found = []
@@ -348,7 +349,7 @@ def roll_damping_rows(afloat: "Hydrostatics", asked: Asked) -> tuple[list[dict[s
 
 def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[str, float]], list[str]]:
     """Squat at some speeds in water of this depth [m], a row per Froude number, and warnings on blunt ends; both empty
-    without a depth. Raises Refused."""
+    without a depth. Raises Refused if the ship draws more than the depth."""
     from math import degrees, sqrt
 
     from ocean_sim.ship.naval.hydrostatics import bow_squat, slender_squat
@@ -370,7 +371,7 @@ def squat_rows(afloat: "Hydrostatics", depth: float | None) -> tuple[list[dict[s
 
 
 def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) -> dict[str, Any]:
-    """Draught, GM, trim, levers, criteria and periods of a floating ship; `cross`: with cross curves."""
+    """Draught, GM, trim, righting levers, criteria and natural periods as JSON data; `cross`: and cross curves."""
     from ocean_sim.ship.forces.added_mass import by_rule
     from ocean_sim.ship.naval.hydrostatics import LEVER_HEELS
     from ocean_sim.ship.naval.stability import CROSS_HEELS
@@ -410,7 +411,7 @@ def stated_balance(afloat: "Hydrostatics", stability: "Stability", cross: bool) 
 
 
 def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
-    """Draughts fore and aft [m] and trim and heel at rest [deg], positive with bow and starboard down; None where the
+    """Draughts fore and aft [m], trim and heel at rest [deg], positive with bow and starboard down; all None where the
     ship has no equilibrium."""
     from math import asin, degrees
 
@@ -427,7 +428,7 @@ def balance_at_rest(afloat: "Hydrostatics") -> dict[str, float | None]:
 
 
 def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Path | None) -> None:
-    """Print the answer of `hull` for people."""
+    """Print the facts of `hull_report` (`found`) on a hull for people, and the path of its picture."""
     from ocean_sim.ship.naval.stability import LAST_HEEL
 
     console.say(name)
@@ -482,7 +483,7 @@ def print_report(name: str, found: dict[str, Any], notes: list[str], picture: Pa
 
 
 def draw_hull(path: Path, shape: Any, found: dict[str, Any]) -> None:
-    """Draw three views of the hull with its waterline, and its righting levers."""
+    """Draw three views of the hull with its waterline, and its righting levers, into a PNG file."""
     from matplotlib.figure import Figure
 
     from ocean_sim.ship.hull.voxels import voxels

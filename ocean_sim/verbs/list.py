@@ -38,7 +38,7 @@ def list_choices(
 
 
 def section_rows(section: str) -> list[dict[str, str]]:
-    """A dict with name, class (`kind`, `preset`, `scene`, ...) and sentence for each entry of a section."""
+    """Names in a section of `ocean-sim list` (a slot, `scenes`, `cases` ...), each a dict with class and sentence."""
     folder = library("configs") / ("run" if section == "profiles" else section)
     if section == "scenes":
         folder = library("scenes")

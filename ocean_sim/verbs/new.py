@@ -51,7 +51,7 @@ def new(
 
 
 def scene_lines(scene: Node, file: Path) -> Iterator[str]:
-    """Yield the lines of a scene file with a comment on each key, and on slots that are left out."""
+    """Yield the lines of a scene file with a comment on each key, and on slots that are left out; `file`: its path."""
     schema, here = schema_file(), file.absolute().parent
     near = schema.is_relative_to(PACKAGE) and PACKAGE.parent in (here, *here.parents)  # in a checkout
     yield f"# yaml-language-server: $schema={os.path.relpath(schema, here) if near else schema.absolute().as_uri()}"
@@ -85,7 +85,7 @@ def schema_file() -> Path:
 
 
 def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[str]:
-    """Yield the lines of a scene's sections, each key with its meaning as a comment."""
+    """Yield the lines of a scene's keys, by name, with their meanings (by path) as comments."""
     for key, node in data.items():
         name = isinstance(node.data, str) and key in SLOTS
         comment = part_sentence(key, node.data) if name else meanings.get(key, "")
@@ -100,6 +100,7 @@ def section_lines(data: dict[str, Node], meanings: dict[str, str]) -> Iterator[s
 
 
 def with_comment(text: str, comment: str) -> str:
+    """A line of YAML with a comment at COMMENT_COLUMN, if there is one."""
     return f"{text:<{COMMENT_COLUMN}}  # {comment}" if comment else text
 
 

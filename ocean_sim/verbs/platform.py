@@ -94,7 +94,7 @@ def platform(
 
 
 def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Config:
-    """Config of a platform with geometry and washout, each a name or a file, and `key=value` settings; raises
+    """Config of a motion platform from geometry and washout, each a name or a file, and settings `key=value`; raises
     SceneError or Refused."""
     nodes = {"geometry": platform_choice("geometry", geometry), "washout": platform_choice("washout", washout)}
     whole = node_of(nodes, Location("--geometry, --washout"))
@@ -110,7 +110,7 @@ def platform_config(geometry: str, washout: str, sets: Sequence[str] = ()) -> Co
 
 
 def platform_choice(what: str, name: str) -> Node:
-    """The mapping in configs/<what>/<name>.yaml, or in a file of the user; raises SceneError or Refused."""
+    """The mapping in configs/WHAT/NAME.yaml, or in the YAML file `name` of the user; raises SceneError or Refused."""
     if name in named(what):
         return read_mapping(library("configs") / what / f"{name}.yaml")
     if Path(name).suffix in (".yaml", ".yml"):
@@ -119,6 +119,7 @@ def platform_choice(what: str, name: str) -> Node:
 
 
 def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
+    """Sender of packets to an address, signed with the content of the file `key` if given; raises Refused."""
     try:
         secret = b"" if key is None else datagrams.read_key(str(key))
         return datagrams.Sender(stream, packets, secret)
@@ -131,7 +132,7 @@ def open_log(stream: str, packets: str, key: Path | None) -> datagrams.Sender:
 
 
 def opened_log(log: Path, frame: str | None) -> MotionLog:
-    """The motion log in a file or run folder, checked to be convertible to the frame; raises Refused."""
+    """The motion log in a CSV file or run folder, checked to be convertible to axes `frame`; raises Refused."""
     path = log / "motion.csv" if log.is_dir() else log
     if log.is_dir() and (log / "manifest.json").is_file() and not any(log.glob("motion*.csv")):
         raise console.Refused(f"{log}: this run has no motion log: its scene has no ship, or motion: null")
@@ -148,14 +149,14 @@ def opened_log(log: Path, frame: str | None) -> MotionLog:
 
 
 def join_words(parts: Sequence[Commands]) -> Commands:
-    """Consecutive platform commands joined into one."""
+    """One table of platform commands from several, row after row."""
     cues = [part.cue for part in parts]
     cue = Cue(*(np.concatenate(column) for column in zip(*cues)))
     return Commands._make([*(np.concatenate(column) for column in list(zip(*parts))[:-1]), cue])
 
 
 def to_log_frame(done: Commands, frame: str) -> Commands:
-    """Platform commands with their vectors along the axes of another frame (`ship`, `ned` or `flu`)."""
+    """Platform commands with pose, forces and rates along the axes `frame` (`ship`, `ned` or `flu`)."""
     force, rate = done.felt_force @ FRAME_AXES[frame].T, done.felt_rate @ FRAME_AXES[frame].T
     return done._replace(pose=wire.turn_to_frame(done.pose, frame), felt_force=force, felt_rate=rate)
 
@@ -170,7 +171,7 @@ def write_commands(
     frame: str | None,
     film: bool,
 ) -> list[Path]:
-    """Write all files of a ride into `out`, moved there once all are complete, and return their paths."""
+    """Write commands, metrics and pictures of a ride into `out`, moved there once all are complete; return paths."""
     with TemporaryDirectory(prefix=".platform-", dir=out) as name:
         folder = Path(name)
         head = heading(log.every, frame or "flu") | (
@@ -189,7 +190,7 @@ def write_commands(
 
 
 def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
-    """Write legs.csv with the leg lengths that the platform reported; its path in a list, empty without reports."""
+    """Write the leg lengths that the platform reported to legs.csv, if any; return a list of its path, or empty."""
     if not sender.readings:
         return []
     begin = sender.sent[0]
@@ -201,14 +202,14 @@ def report_ride(out: Path, sender: datagrams.Sender) -> list[Path]:
 
 
 def commands_table(path: Path, head: dict[str, Any], columns: Sequence[str], rows: Any) -> None:
-    """Write rows as a CSV file of the format of runs, atomically."""
+    """Write rows as a CSV file in the format of runs, atomically; `head`: comments by key."""
     with atomic_write(path) as draft, closing(CsvFile(draft, head, columns)) as csv:
         for row in rows:
             csv.row(row)
 
 
 def stream_ride(sender: datagrams.Sender, done: Commands, machine: Moving, frame: str) -> datagrams.Jitter:
-    """Send each row of the ride at its time, then the return to neutral, also after Ctrl-C; returns the jitter."""
+    """Send each row of the ride at its time, then, also after Ctrl-C, the return to neutral; return the send jitter."""
     try:
         for packet in wire.row_packets(done, frame):
             sender.send(packet)

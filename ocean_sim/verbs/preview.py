@@ -55,6 +55,7 @@ def preview(
     overrides |= {f"preview.{key}": value for key, value in (("camera", camera), ("content", content)) if value}
 
     def scene_in_wind(wind: str) -> SceneConfig:
+        """The scene with another preset of wind, or its own; raises SceneError."""
         if wind == SCENE_WIND:
             return load(scene, overrides, profile)
         kept = {key: value for key, value in overrides.items() if key.split(".")[0] != "wind"}
@@ -106,11 +107,12 @@ class Session:
         self.pictures = self.snapshots = 0
 
     def open(self, show: bool) -> None:
+        """Open a window, or with `show` false a hidden one, on the simulation."""
         self.screen = Screen(self.look, show)
         self.screen.watch(self.simulation, self.panel, self.look)
 
     def film(self, frames: int, quiet: bool) -> None:
-        """Write numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
+        """Write so many numbered pictures, `preview.every` s of simulated time apart, and join them to a film."""
         self.open(show=False)
         self.folder.mkdir(parents=True, exist_ok=True)
         bar = Bar(frames, quiet)
@@ -134,7 +136,7 @@ class Session:
             render.join_film(sorted(self.folder.glob("[0-9]*.png")), self.folder / "film.mp4", every)
 
     def play(self) -> None:
-        """Run the window until it is closed."""
+        """Step, draw and obey the user until the window is closed."""
         self.open(show=True)
         last = perf_counter()
         while not self.panel.closed:
@@ -155,7 +157,7 @@ class Session:
             self.pictures += 1
 
     def obey(self) -> None:
-        """Carry out the user's requests since the last picture, except snapshots."""
+        """Carry out what the user has requested since the last picture: helm, reset and wind."""
         panel = self.panel
         if panel.take("helm") and panel.ship:
             panel.person = self.simulation.ships[panel.ship].hand_over()
@@ -164,7 +166,7 @@ class Session:
             self.rebuild(panel.wind)
 
     def rebuild(self, wind: str) -> None:
-        """Restart the scene with a preset of wind, in a new window if Taichi has to restart."""
+        """Restart the scene with a preset of wind, in a new window if Taichi has to restart; mistakes are displayed."""
         panel = self.panel
         try:
             config = self.config if wind == self.wind else self.scene_in_wind(wind)
@@ -184,7 +186,7 @@ class Session:
             self.screen.watch(self.simulation, panel)
 
     def advance(self, span: float) -> None:
-        """Step over a span of simulated time [s], or less if it takes too long; one step if a single was requested."""
+        """Step over a span of simulated time [s], or less if that takes too long; by one step if the user asked so."""
         panel, begin = self.panel, perf_counter()
         until = self.simulation.time + span
         single = panel.take("step")
@@ -197,13 +199,14 @@ class Session:
             panel.paused, panel.message = True, f"diverged: {failure}. Reset starts again."
 
     def close(self) -> None:
+        """Close window and simulation, and delete temporary files."""
         if self.screen is not None:
             self.screen.close()
         self.simulation.close()
         self.scratch.cleanup()
 
     def build(self) -> Simulation:
-        """Build the simulation; in a window, a scene with `stream` drives its motion platform meanwhile."""
+        """Build the simulation; in a window, observers of a scene with `stream` drive its motion platform meanwhile."""
         if not self.shown or "stream" not in self.config.observers:
             return Simulation(self.config)
         observers = self.config.observers.items()
@@ -211,7 +214,7 @@ class Session:
         return Simulation(self.config.model_copy(update={"observers": playing}), Path(self.scratch.name))
 
     def facts(self) -> dict[str, Any]:
-        """Counts and times of the drawn pictures, as JSON data."""
+        """Numbers of pictures and snapshots, simulated time [s], time a picture [ms] and folder, as JSON data."""
         drawn = sorted(self.milliseconds[1:] or self.milliseconds)
         return {
             "pictures": self.pictures,
@@ -222,7 +225,7 @@ class Session:
         }
 
     def summary(self) -> str:
-        """The facts in a sentence."""
+        """The facts as a sentence for people."""
         facts = self.facts()
         sentence = f"{facts['pictures']} pictures, {facts['simulated_s']:.3g} s simulated"
         if facts["ms_per_picture"] is not None:

@@ -103,7 +103,7 @@ def picture_size(text: str | None) -> list[int] | None:
 
 
 def shown_files(value: Any) -> str:
-    """The value of an option as text on a command line."""
+    """Text of an option's value as it is written on a command line: numbers of a list between commas."""
     return ",".join(f"{item:g}" for item in value) if isinstance(value, list) else str(value)
 
 
@@ -152,13 +152,13 @@ def require_frames(folder: Path) -> None:
 
 
 def warn_unless_ended(folder: Path) -> None:
-    """Print a warning where a run has not ended."""
+    """Print a warning if, by its manifest, a run is still running or was killed."""
     if run_files.read_manifest(folder).get("outcome") == "running":
         console.complain(f"{folder}: this run is still running, or was killed: what it has written so far is used")
 
 
 def list_files(files: list[Path], as_json: bool) -> None:
-    """Print file names, of many only some; as JSON all of them."""
+    """Print file names, if more than MAX_FILE_LINES only some; as JSON all of them."""
     if as_json:
         console.answer({"files": files})
         return

@@ -45,7 +45,7 @@ def resume(
 
 
 def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: bool, quiet: bool) -> None:
-    """Resume the run in a folder that this process has claimed."""
+    """Resume the run in a folder that this process has claimed; raises Refused if that is not possible."""
     manifest = manifest_of(folder)
     config = scene_of(folder, manifest, until)
     if manifest.get("outcome") == "done" and (until is None or until <= manifest["simulated_s"] * (1.0 + 1e-12)):
@@ -65,6 +65,7 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
         console.say(f"{folder}: {start}\n{kernel_notice()}")
 
     def made() -> Result:
+        """Run on from the checkpoint, or from the start if there is none."""
         if kept is None:
             return simulate(config, folder, (progress,))
         return continue_run(config, kept, folder, progress, changed)
@@ -75,13 +76,14 @@ def resume_claimed(folder: Path, until: float | None, anyway: bool, as_json: boo
 def continue_run(
     config: SceneConfig, kept: checkpoint_file.Checkpoint, folder: Path, progress: Progress, changed: str = ""
 ) -> Result:
-    """Run on from a checkpoint. The simulation is built in a temporary folder, so that the run folder is unchanged
-    until the checkpoint is restored; `changed`: changes of the program in words."""
+    """Run on from the checkpoint `kept`. The simulation is built in a temporary folder, so that the run folder is
+    unchanged until the checkpoint is restored; `changed`: changes of the program in words."""
     from ocean_sim.observers.checkpoint import restore
     from ocean_sim.simulation import Simulation
     from ocean_sim.state.snapshot import FileShortened, Mismatch
 
     def restored(simulation: "Simulation") -> None:
+        """Restore the checkpoint in a simulation; raises Refused if it does not fit."""
         if kept.made.get("backend") != simulation.backend.arch:
             backends = f"{kept.made.get('backend')}, and this one on {simulation.backend.arch}"
             raise console.Refused(f"{folder}: the checkpoint was made on {backends}")
@@ -107,7 +109,7 @@ def continue_run(
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
-    """The manifest of a run folder as a dict; raises Refused."""
+    """The manifest of a run folder as a dict; raises Refused if it is damaged or of something else."""
     path = folder / MANIFEST_FILE
     try:
         manifest = input_file.read_json(path)
@@ -119,7 +121,7 @@ def manifest_of(folder: Path) -> dict[str, Any]:
 
 
 def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> SceneConfig:
-    """The scene of a run by its manifest, with `until` [s] as its duration if given; raises Refused or SceneError."""
+    """The scene in a run's manifest, with `until` [s] as its duration if given; raises Refused or SceneError."""
     try:
         return load(manifest["scene"], {} if until is None else {"duration": until_node(until)})
     except SceneError as error:
@@ -130,7 +132,7 @@ def scene_of(folder: Path, manifest: dict[str, Any], until: float | None) -> Sce
 
 
 def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: SceneConfig) -> None:
-    """Raise Refused if an input file of the run has changed since it began."""
+    """Raise Refused if an input file of the scene has changed since the run began, by the hashes in its manifest."""
     now, then = config.inputs(), manifest.get("inputs")
     changed = [name for name in now if then.get(name) != now[name]] if isinstance(then, dict) else []
     if changed:
@@ -139,14 +141,14 @@ def must_have_the_files_of(folder: Path, manifest: dict[str, Any], config: Scene
 
 
 def library_of(manifest: dict[str, Any], config: SceneConfig) -> str | None:
-    """Kernel library with which a run was computed; None where its manifest does not say."""
+    """Kernel library that a run needs, by its scene or the versions in its manifest; None where neither names one."""
     versions = manifest.get("versions")
     known = [name for name in (TAICHI, QUADRANTS) if isinstance(versions, dict) and name in versions]
     return config.runtime.library or next(iter(known), None)
 
 
 def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> None:
-    """Print that the run has already reached its end."""
+    """Print that the run has already reached its end, with its facts in JSON."""
     facts = {key: manifest.get(key) for key in ("outcome", "steps", "simulated_s")} | {"folder": str(folder)}
     if as_json:
         console.answer(facts)
@@ -155,7 +157,7 @@ def report_finished(folder: Path, manifest: dict[str, Any], as_json: bool) -> No
 
 
 def never_begun(folder: Path, config: SceneConfig) -> bool:
-    """True if a run with checkpoints ended before the first of them, and wrote no more than its first state."""
+    """True if a run with checkpoints ended before the first, having written no more than its initial state."""
     if "checkpoint" not in config.observers or any(checkpoint_file.checkpoint_files(folder)):
         return False
     return (
@@ -170,7 +172,7 @@ def recorded_rows(path: Path) -> list[str]:
 
 
 def newest_checkpoint(folder: Path, config: SceneConfig) -> checkpoint_file.Checkpoint:
-    """The newest readable checkpoint of a run; raises Refused."""
+    """The newest readable checkpoint of a run; raises Refused if there is none."""
     paths, reason = [*checkpoint_file.checkpoint_files(folder)], ""
     if not paths:
         gone = "its files checkpoint_*.h5 are gone; start it again"
@@ -208,7 +210,7 @@ def check_checkpoint(
 
 
 def program_changes(made: dict[str, Any]) -> str:
-    """Versions and source files that differ from those that made a checkpoint, in words; empty if none do."""
+    """Versions and source files that differ from those in `made`, of a checkpoint, in words; empty if none do."""
     from ocean_sim.observers.checkpoint import versions
 
     now, then, library = versions(), made.get("sources") or {}, other_library(made)
@@ -229,21 +231,21 @@ def program_changes(made: dict[str, Any]) -> str:
 
 
 def other_library(made: dict[str, Any]) -> str:
-    """Kernel library and version of a checkpoint's run, if this process uses another; else empty."""
+    """Kernel library and version in `made`, of a checkpoint, if this process uses another library; else empty."""
     return next(
         (f"{name} {made[name]}" for name in (TAICHI, QUADRANTS) if name in made and LIBRARY_NAME not in made), ""
     )
 
 
 def scene_differences(kept: Any, now: Any) -> str:
-    """Differences of two nested dicts in words; empty if they are equal."""
+    """Differences of two nested dicts in words, at most MAX_SHOWN_DIFFERENCES of them; empty if they are equal."""
     found = list(differing_keys(kept, now, ""))
     more = f", and {len(found) - MAX_SHOWN_DIFFERENCES} more" if len(found) > MAX_SHOWN_DIFFERENCES else ""
     return ", ".join(found[:MAX_SHOWN_DIFFERENCES]) + more
 
 
 def differing_keys(kept: Any, now: Any, key: str) -> Any:
-    """Yield a sentence for each key in which two nested dicts differ."""
+    """Yield a sentence for each key in which two nested dicts differ; `key`: dotted path of the two."""
     if isinstance(kept, dict) and isinstance(now, dict):
         for name in sorted({*kept, *now}):
             yield from differing_keys(kept.get(name), now.get(name), f"{key}.{name}".lstrip("."))

@@ -69,7 +69,7 @@ def report_run(
     as_json: bool,
     quiet: bool = False,
 ) -> None:
-    """Execute a run, store its step time and print its results; raises Stopped if the user interrupts it."""
+    """Carry out a run by `made()`, store its time per step and print its results; raises Stopped if interrupted."""
     try:
         result = made()
     except KeyboardInterrupt:
@@ -85,7 +85,7 @@ def report_run(
 
 
 def stopped_run(progress: Progress, folder: Path) -> console.Stopped:
-    """The error for an interrupted run, whose message gives the time, the files and how to continue."""
+    """The error to raise for an interrupted run; it tells the simulated time, the files and how to continue."""
     progress.close()
     if progress.over:
         later = f"`ocean-sim render {folder}` draws them"
@@ -104,19 +104,20 @@ def until_node(until: float) -> Node:
 
 
 def run_folder(stem: str, out: Path | None, overwrite: bool, coming: Iterable[str] = ()) -> Claim:
-    """Claim `out`, or an unused folder in runs/, for a run; raises Refused if another run or other files are there."""
+    """Claim `out`, or else an unused folder in runs/, for a run that writes the files `coming`; raises Refused if
+    another run (unless `overwrite`) or other files are there."""
     if out is None:
         return next(filter(None, map(unused_folder, run_folders(stem))))
     return claim_run_folder(coming, out, overwrite, f"--out {out}", "add --overwrite")
 
 
 def run_folders(stem: str) -> Iterator[Path]:
-    """Yield possible folders for a run: runs/NAME, runs/NAME-2 and so on."""
+    """Yield folders to try for a run: runs/STEM, runs/STEM-2 and so on."""
     return (Path("runs") / (stem if k == 1 else f"{stem}-{k}") for k in count(1))
 
 
 def unused_folder(folder: Path) -> Claim | None:
-    """A claim on a folder; None if it holds a run or other files, or another process has claimed it."""
+    """Claim a folder; None if it holds a run or other files, or another process has claimed it."""
     try:
         claim = None if (folder / MANIFEST_FILE).exists() or foreign_names(folder, FIRST_FILE) else Claim(folder)
     except FolderClaimed:
@@ -128,7 +129,7 @@ def unused_folder(folder: Path) -> Claim | None:
 
 
 def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
-    """Main results and file names of a run, as JSON data."""
+    """Main results and file names of a finished run, as JSON data."""
     accuracy = result.accuracy if "accuracy" in config.observers else {}
     columns = {name: f"compression_{name}" for name in ("mean", "max")}
     worst = {name: accuracy[column].max() for name, column in columns.items() if column in accuracy}
@@ -145,7 +146,8 @@ def run_facts(result: Any, config: SceneConfig) -> dict[str, Any]:
 
 
 def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]:
-    """Sentences on surface offset and energy budget that do not close, from the columns of accuracy.csv."""
+    """Sentences on a surface that has left the particles (`spacing` [m] apart) and on energy that is not accounted for,
+    from the columns of accuracy.csv; empty if all is well."""
     found, offset = [], columns.get("surface_offset_m", [0.0])
     apart = abs(offset[-1] - offset[0])
     if spacing is not None and apart > OFFSET_STATED * spacing:
@@ -164,7 +166,7 @@ def balance_remarks(columns: dict[str, Any], spacing: float | None) -> list[str]
 
 
 def run_summary(facts: dict[str, Any]) -> str:
-    """Text at the end of a run, for people."""
+    """Text for people at the end of a run, from its facts."""
     factor, limits = f"{figures(facts['real_time_factor'], 2)} x real time after the start", facts["limited_by"]
     end, since = f"{facts['simulated_s']:.3g} s simulated", facts["since_s"]
     span = f"t = {since:.3g} s to {end}" if since else end
@@ -190,5 +192,6 @@ def run_summary(facts: dict[str, Any]) -> str:
 
 
 def describe_event(event: dict[str, Any]) -> str:
+    """An event of a run in words: its name, and its other data in brackets."""
     rest = [f"{key} {value}" for key, value in event.items() if key not in ("time_s", "step", "event")]
     return f"{event.get('event')} ({', '.join(rest)})" if rest else str(event.get("event"))

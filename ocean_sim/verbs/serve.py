@@ -81,7 +81,7 @@ def serve_play(
 
 
 def live_files(title: str) -> dict[str, Any]:
-    """Content type and content by address, for the page of a live simulation."""
+    """Content type, and function that returns the content, by address for the page of a live simulation."""
     from ocean_sim.reading.schema import scene_schema
     from ocean_sim.viewer.still import page_document, sky_packet
 
@@ -113,14 +113,14 @@ def watch_runs(runs: list[Path], host: str, port: int | None, show: bool, as_jso
 
 
 def access_token(host: str) -> str:
-    """Random token in the address if other machines can reach the host, else empty."""
+    """Random token for the page's address if other machines can reach the host, else empty."""
     from ocean_sim.viewer.server import LOCAL_HOSTS
 
     return "" if host in LOCAL_HOSTS else secrets.token_urlsafe(24)
 
 
 def announce_page(server: Any, as_json: bool, show: bool, more: str) -> None:
-    """Print the address, and open it in the browser if there is a screen."""
+    """Print the address of a page, and open it in a browser if `show` and there is a screen."""
     if as_json:
         console.answer({"address": server.address})
     else:

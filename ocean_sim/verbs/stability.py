@@ -51,7 +51,7 @@ def stability(
 
 
 def print_map(lines: list[dict[str, Any]], table: list[dict[str, Any]], out: Path) -> None:
-    """Print the limits of stability, points that are degraded or without a verdict, and the points per verdict."""
+    """Print the limits of stability, points that are degraded or without a verdict, and the count of each verdict."""
     names = list(lines[0])
     title = (
         "steps over courant's own in still water; numbers: the longest stable step over h / c, h^2 / nu, sqrt(h / a)"

@@ -43,7 +43,7 @@ def sweep(
 
 
 def print_rows(rows: list[dict[str, Any]], keys: list[str]) -> None:
-    """Print a table with settings and outcome of each run."""
+    """Print a table with settings (columns `keys`) and outcome of each run."""
     names = ["run", *keys, *FACT_COLUMNS]
     console.table("", names, [[text(row.get(name)) for name in names] for row in rows])
 

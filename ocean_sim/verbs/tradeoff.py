@@ -69,7 +69,7 @@ def tradeoff(
 
 
 def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None:
-    """Study cost and accuracy of the validation cases; writes tradeoff.csv, equal.csv and a picture per case."""
+    """Measure cost and accuracy of the validation cases; write tradeoff.csv, equal.csv and a picture per case."""
     plan = study_points(quick)
     if not as_json:
         console.say(f"{len(plan)} runs of {len({point.trial.case for point in plan})} cases, each on one thread")
@@ -100,7 +100,7 @@ def of_cases(quick: bool, workers: int | None, out: Path, as_json: bool) -> None
 
 
 def print_settings(title: str, rows: list[dict[str, Any]], speed: str) -> None:
-    """Print the runs of a case, the cheapest first; a star marks those on the Pareto front."""
+    """Print the runs of a case, the cheapest by column `speed` first; a star marks those on the Pareto front."""
     done = [row for row in rows if row.get("error") is not None and row.get(speed)]
     best = {id(done[k]) for k in pareto_front([(row[speed], abs(row["error"])) for row in done])}
     lost = [row for row in rows if row.get("error") is None]
@@ -122,7 +122,7 @@ def of_scene(
     out: Path,
     as_json: bool,
 ) -> None:
-    """Run a scene with every setting and seed, one run at a time; writes tradeoff.csv, seeds.csv and a picture."""
+    """Run a scene with every setting and seed, one run at a time; write tradeoff.csv, seeds.csv and a picture."""
     try:
         limit = None if budget is None else Budget.of(budget)
     except ValueError as why:
@@ -160,7 +160,7 @@ def of_scene(
 
 
 def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -> tuple[list, list]:
-    """A row per setting, and one per run, with its errors against the finest setting of the same seed."""
+    """A row per setting, and one per run (`seeds` runs each), with errors against the finest setting of equal seed."""
     groups = [runs[n * seeds : (n + 1) * seeds] for n in range(len(plan))]
     finest = next(group for setting, group in zip(plan, groups) if setting.finest)
     rows, single = [], []
@@ -179,7 +179,8 @@ def compare_peers(plan: list[Setting], seeds: int, runs: list[dict[str, Any]]) -
 def json_answer(
     plan: list[Setting], rows: list[dict[str, Any]], judge: str, limit: Budget, seeds: int, out: Path, quiet: bool
 ) -> dict[str, Any] | None:
-    """The most accurate setting that keeps to the budget also when run again with a new seed; None if none does."""
+    """The best setting within the budget, by the error `judge` (see `best_setting`), that keeps to it also when run
+    again with a new seed; None if none does."""
     left, again = list(rows), out / "runs" / "again"
     shutil.rmtree(again, ignore_errors=True)  # an earlier study's
     reference = next(setting for setting in plan if setting.finest)
@@ -199,7 +200,7 @@ def json_answer(
 
 
 def show_settings(rows: list[dict[str, Any]], known: list[str]) -> None:
-    """Print a table of all settings, the cheapest first."""
+    """Print a table of all settings, the cheapest first; `known`: error columns, the deciding one first."""
     names = ["setting", *CLOCK_COLUMNS[:3], known[0], f"{known[0]}_spread", *known[1:4]]
     lines = [
         [*(text(row.get(name)) for name in names), "reference" if row["reference"] else row["reason"][:50]]

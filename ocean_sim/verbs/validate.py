@@ -104,7 +104,7 @@ def validate(
 
 
 def pairs_of(case: str, schemes: list[str], slow: bool, coarse: bool) -> list[tuple[Problem, str]]:
-    """All set-ups of a case, each paired with the schemes under which it runs."""
+    """Pairs of a set-up of a case and a scheme under which it runs, scheme by scheme."""
     pairs = [
         (problem, scheme)
         for problem in problems(case, slow=slow, coarse=coarse)
@@ -118,7 +118,7 @@ Order = tuple[str, list[str], bool, bool, list[str], Path]
 
 
 def case_answer(order: Order) -> list[dict[str, Any]]:
-    """Run a case under its schemes, draw its picture, and return its result rows."""
+    """Run a case under its schemes, draw its picture, and return a row for each result."""
     case, schemes, slow, coarse, sets, out = order
     overrides, rows, runs = console.set_values(sets), [], []
     for problem, scheme in pairs_of(case, schemes, slow, coarse):
@@ -153,7 +153,7 @@ def case_answers(orders: list[Order], workers: int) -> Iterator[list[dict[str, A
 
 
 def begin_table() -> None:
-    """Prepare a worker process: it ends with its parent, and silently on Ctrl-C."""
+    """Prepare a worker process to end with its parent, and silently on Ctrl-C; the pool calls this in each worker."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = parent_process()
     assert parent is not None
@@ -161,7 +161,7 @@ def begin_table() -> None:
 
 
 def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coarse: bool) -> Iterator[str]:
-    """Yield sentences on cases of which some or all set-ups were left out, and why."""
+    """Yield sentences on the cases of a plan of which some or all set-ups were left out, and why."""
     slow: dict[str, list[str]] = {}
     for case, pairs in plan.items():
         ran = {problem.name for problem, _ in pairs}
@@ -183,13 +183,13 @@ def left_out(plan: dict[str, list[tuple[Problem, str]]], schemes: list[str], coa
 
 
 def print_row(case: str, rows: list[dict[str, Any]]) -> None:
-    """Print the result rows of a case as a table."""
+    """Print all result rows of a case as a table."""
     columns = ["scheme", "quantity", "value", "reference", "error", "tolerance", "", "source"]
     console.table(f"\n{case}", columns, [row_line(row) for row in rows])
 
 
 def row_line(row: dict[str, Any]) -> list[str]:
-    """Cells of a result row, as text."""
+    """Table cells of a result row, as text."""
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     verdict = "reported" if row["tolerance"] is None else "ok" if row["ok"] else "MISSED"
     error = f"{number_cell(row['error'])}{unit}" if row["error"] is not None else "-"

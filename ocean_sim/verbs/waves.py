@@ -144,8 +144,8 @@ def surface_sentence(surface: SurfaceRecord) -> str:
 
 
 def particle_orbits(path: Path, folder: Path, begin: float, period: float | None) -> list[Path]:
-    """Print the orbits of tagged particles under waves of a period [s] and write orbits.csv; its path in a list, or,
-    after a message, an empty list."""
+    """Print the orbits of tagged particles under waves of a period [s] and write orbits.csv; return its path in a list,
+    or, after a message, an empty list."""
     if period is None:
         console.say(f"{path}: no orbits, as no gauge's record resolves a peak period")
         return []
@@ -166,7 +166,7 @@ def particle_orbits(path: Path, folder: Path, begin: float, period: float | None
 
 
 def read_record(run: Path) -> Path:
-    """Path of the gauge records of a run; raises Refused."""
+    """Path of a run's gauge records, gauges.csv; raises Refused if there are none."""
     path = run / "gauges.csv" if run.is_dir() else run
     if not run.exists():
         raise console.Refused(f"{run}: there is no such run folder")
@@ -177,7 +177,7 @@ def read_record(run: Path) -> Path:
 
 
 def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> dict[str, Any]:
-    """Trend removed from a gauge's record [m/s], hysteresis [m] and warnings on the record, each where there is one."""
+    """Facts on the treatment of a record (n,): trend removed [m/s], hysteresis [m], warnings; each if there is one."""
     warnings = [*filter(None, (missing_samples(time), slow_part(*even_samples(time, height), treatment)))]
     found: dict[str, Any] = {"trend_m_s": linear_trend(*even_samples(time, height))} if treatment.detrended else {}
     found |= {"hysteresis_m": treatment.hysteresis} if treatment.hysteresis else {}
@@ -185,7 +185,7 @@ def treatment_of(treatment: Treatment, time: np.ndarray, height: np.ndarray) -> 
 
 
 def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Treatment) -> Sea:
-    """Wave statistics of a gauge's record; raises Unmeasurable with the gauge's name."""
+    """Wave statistics of a gauge's heights (n,) [m] over time (n,) [s]; raises Unmeasurable with the gauge's name."""
     try:
         return measure_record(time, height, treatment)
     except Unmeasurable as why:
@@ -193,13 +193,13 @@ def measured_as(name: str, time: np.ndarray, height: np.ndarray, treatment: Trea
 
 
 def wind_config(path: Path) -> dict[str, Any] | None:
-    """The wind in the scene of a run, by the path of its gauge record; None if unknown."""
+    """The wind in the scene of a run as a dict, by the path of its gauge record; None if unknown."""
     wind = run_scene(path.parent).get("wind")
     return wind if isinstance(wind, dict) and "kind" in wind else None
 
 
 def pressure_gain(path: Path) -> dict[str, float]:
-    """Gain of a stress wind, and of its pressure if set separately, by name; empty for other winds."""
+    """Gain of a stress wind, and of its pressure if set separately, by column name; empty for other winds."""
     wind = wind_config(path) or {}
     if wind.get("kind") != "stress":
         return {}
@@ -208,7 +208,7 @@ def pressure_gain(path: Path) -> dict[str, float]:
 
 
 def wind_of(path: Path) -> str | None:
-    """Description of the run's wind with its gain; None if unknown."""
+    """Description in words of the run's wind with its gain; None if unknown."""
     wind = wind_config(path)
     if wind is None:
         return None
@@ -289,7 +289,7 @@ def draw_waves(
     frequency: np.ndarray,
     densities: dict[str, np.ndarray],
 ) -> None:
-    """Draw the elevation records [m] over their spectra [m2 s] into a PNG file."""
+    """Draw the elevation records [m] over time [s], and below them their spectra [m2 s], into a PNG file."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -312,7 +312,7 @@ def draw_waves(
 
 
 def orbit_rows(names: Sequence[int], found: Motion) -> list[list[str]]:
-    """Table rows of particle orbits, as text, the highest particle first."""
+    """Table rows of particle orbits (ORBIT_COLUMNS), as text, the highest particle first."""
     return [
         [f"{name}", *(f"{value:.6g}" for value in (level, o.along_m, o.up_m, o.ratio, o.drift_m_s))]
         for name, level, o in sorted(zip(names, found.level_m, found.orbits), key=lambda row: -row[1])

@@ -17,7 +17,7 @@ FILM_CURE = "; Ctrl-C leaves it out, and so does --set render=null from the star
 
 
 class Bar:
-    """Progress of work from 0 to `total`; nothing is shown if quiet."""
+    """Progress of work from 0 to `total`, as a bar on a terminal, else in lines; nothing is shown if `quiet`."""
 
     def __init__(self, total: float, quiet: bool) -> None:
         self.total, self.quiet = total, quiet
@@ -30,7 +30,7 @@ class Bar:
         return not self.quiet and now - self.shown >= BAR_SECONDS
 
     def show(self, done: float, text: str) -> None:
-        """Redraw the bar, or print a line if the output is no terminal and enough has been done since the last."""
+        """Redraw the bar at `done` with `text`; without a terminal, print a line if enough is done since the last."""
         if self.quiet:
             return
         now, share = perf_counter(), min(1.0, done / self.total)
@@ -43,6 +43,7 @@ class Bar:
             console.say(f"{share:4.0%}  {text}")
 
     def begun(self) -> Any:
+        """Start a progress bar of the library rich, and return it."""
         from rich.progress import BarColumn, TextColumn
         from rich.progress import Progress as RichProgress
 
@@ -52,13 +53,14 @@ class Bar:
         return bar
 
     def close(self) -> None:
+        """Stop redrawing the bar; a later `show` starts another."""
         if self.rich is not None:
             self.rich.stop()
             self.rich = None
 
 
 class Drawing:
-    """Progress bar for the pictures of a film, which prints an estimate of the remaining time once."""
+    """Progress bar for the pictures of a film; it once prints an estimate of the time left, after the first ones."""
 
     def __init__(self, quiet: bool, cure: str = "") -> None:
         """`cure`: hint printed after the estimate on how to leave the film out."""
@@ -67,6 +69,7 @@ class Drawing:
         self.estimated = quiet
 
     def __call__(self, done: int, total: int) -> None:
+        """Show that `done` of `total` pictures are drawn; the callback of a film."""
         now = perf_counter()
         self.first = self.first or (now, done)
         left = self.left(now, done, total)
@@ -86,11 +89,12 @@ class Drawing:
         return (total - done) * (now - self.first[0]) / (done - self.first[1])
 
     def close(self) -> None:
+        """Stop redrawing the bar."""
         self.bar.close()
 
 
 def rows_of(study: "Study", quiet: bool) -> list[dict[str, Any]]:
-    """Run a study under a progress bar and return its rows; raises Stopped on Ctrl-C."""
+    """Run all points of a study under a progress bar and return its table rows; raises Stopped on Ctrl-C."""
     total, began = len(study.points), perf_counter()
     bar = Bar(max(1.0, total), quiet)
     try:

@@ -32,6 +32,7 @@ class Outlet(FileIO):
     over: ClassVar = False  # the command has ended, and what went wrong is told
 
     def write(self, data: Any) -> int:
+        """Write bytes to the stream and return their number; bytes that nobody reads are discarded."""
         try:
             return super().write(data)
         except OSError as failure:
@@ -41,11 +42,11 @@ class Outlet(FileIO):
 
 
 class Stopped(Failed):
-    """A run that the user interrupted; the message gives the simulated time."""
+    """Error: the user has interrupted a run or a study; the message tells how far it came."""
 
 
 class Anew(BaseException):
-    """Request to start the command again with another kernel library; no Exception, so that no handler catches it."""
+    """Request to restart the command with another kernel library; no Exception, so that no handler catches it."""
 
     def __init__(self, library: str) -> None:
         super().__init__(library)
@@ -82,13 +83,13 @@ def say(text: str = "") -> None:
 
 
 def complain(text: str) -> None:
-    """Print a message, shortened, to standard error; ignored if nobody reads it."""
+    """Print a message, cut to MAX_COMPLAINT_BYTES, to standard error; nothing happens if that is closed."""
     with suppress(OSError):  # there may be nobody to tell
         print(shorten(escape_controls(text), MAX_COMPLAINT_BYTES), file=sys.stderr, flush=True)
 
 
 def escape_controls(text: str) -> str:
-    """The text with unprintable characters, except line breaks, as escape sequences."""
+    """Text with unprintable characters, except line breaks, as escape sequences, which no terminal obeys."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
@@ -99,6 +100,7 @@ def answer(data: Any) -> None:
 
 
 def _plain(value: Any) -> Any:
+    """Value as JSON takes it: paths as text, NumPy values as numbers, NaN and infinity as null."""
     if isinstance(value, dict):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -111,7 +113,7 @@ def _plain(value: Any) -> Any:
 
 
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table for people; columns of numbers are aligned to the right."""
+    """Print a table for people, its rows lists of cell texts; columns of numbers are aligned to the right."""
     from rich.console import Console
     from rich.table import Table
 
@@ -128,13 +130,13 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
 
 
 def problem_count(problems: list[Any]) -> str:
-    """Sentence that states the number of problems of a scene."""
+    """Sentence on the number of problems of a scene: `the scene has 2 problems`."""
     return "the scene has a problem" if len(problems) == 1 else f"the scene has {len(problems)} problems"
 
 
 def set_values(sets: list[str] | None) -> dict[str, Node]:
-    """Values of the options `--set` by dotted key; null also removes earlier settings below its key. Raises SceneError
-    with all mistakes."""
+    """Values of the options `--set KEY=VALUE` by dotted key; a null also removes earlier ones below its key. Raises
+    SceneError with all mistakes."""
     values: dict[str, Node] = {}
     problems: list[Problem] = []
     for text in sets or ():
@@ -151,12 +153,12 @@ def set_values(sets: list[str] | None) -> dict[str, Node]:
 
 
 def claim(out: Path, *ours: str) -> Claim:
-    """Claim the folder of the option `--out`; errors as in `claim_folder`."""
+    """Claim the folder of the option `--out`, which may hold files named as the patterns `ours`; see `claim_folder`."""
     return claim_folder(out, *ours, named=f"--out {out}")
 
 
 def draw_if_able(draw: Callable[..., object], *about: Any) -> bool:
-    """Call `draw(*about)` and return True; without the extra `pictures` print once that it is missing."""
+    """Call `draw(*about)` and return True; without the extra `pictures`, complain once and return False."""
     missing = missing_extra("pictures")
     if missing is None:
         draw(*about)

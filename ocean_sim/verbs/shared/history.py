@@ -20,7 +20,7 @@ SPEED_KEY = "particle_steps_per_cpu_s"
 
 
 def bench_file() -> Path:
-    """Path of the file with the last speeds that `bench` measured, by their conditions."""
+    """Path of the JSON file with the last speeds that `bench` measured, by their conditions (`bench_conditions`)."""
     return machine.cache_directory() / "bench_speeds.json"
 
 
@@ -31,7 +31,7 @@ def rate_file() -> Path:
 
 
 def keep_measurement(path: Path, conditions: str, measured: float | list[float]) -> None:
-    """Store a measurement in a JSON file under its conditions; a cache that cannot be written is ignored."""
+    """Store a measurement in a JSON file under the key `conditions`; a file that cannot be written is ignored."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_facts(path, read_json_object(path) | {conditions: measured})
@@ -44,14 +44,14 @@ def processor_name() -> str:
 
 
 def bench_conditions(order: dict[str, Any], row: dict[str, Any]) -> str:
-    """Key of comparable measurements, as JSON: processor, library, particles, threads, scene and settings."""
+    """Key of measurements that are comparable, as JSON: processor, library, particles, threads, scene, settings."""
     of_row = [row[key] for key in ("library", "particles", "threads")]
     return json.dumps([processor_name(), *of_row, *(order[key] for key in ("scene", "profile", "sets"))])
 
 
 def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
-    """Ratio of the processor time per step to the median of earlier measurements under equal conditions, or None if
-    there are too few; stores the new measurement."""
+    """Ratio of the processor time per step in `row` to the median of earlier ones under equal conditions, None if there
+    are too few; the new measurement is stored."""
     conditions = bench_conditions(order, row)
     known = read_json_object(bench_file()).get(conditions)
     before = [speed for speed in known if isinstance(speed, float)] if isinstance(known, list) else []
@@ -60,7 +60,7 @@ def slowdown(order: dict[str, Any], row: dict[str, Any]) -> float | None:
 
 
 def slowdown_warning(scene: str, times: float) -> str | None:
-    """Warning where a step takes notably longer than before (`times`: the ratio), else None."""
+    """Warning if a step takes `times` as long as before and that is over STATED_SLOWDOWN, else None."""
     if times <= STATED_SLOWDOWN:
         return None
     return (
@@ -89,5 +89,5 @@ def step_time(config: SceneConfig) -> tuple[float, bool]:
 
 
 def keep_step_time(config: SceneConfig, seconds: float) -> None:
-    """Store the mean wall time of a step [s] for estimates of later runs."""
+    """Store the mean wall time of a step, `seconds`, for estimates of later runs in `step_time`."""
     keep_measurement(rate_file(), rate_conditions(config), seconds / max(config.preflight.particles, 1))

@@ -25,7 +25,8 @@ PLATE_THICKNESS = 0.025  # of the drawn platform, as a part of its height
 
 
 def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving, film: bool) -> None:
-    """Draw motion.png, legs.png, workspace.png, strips.png, and if asked for film.gif into a folder."""
+    """Draw motion.png, legs.png, workspace.png, strips.png, and film.gif if `film`, of a platform's ride to a
+    folder."""
     shown = done.select(liveliest_span(done, machine, MAX_CURVE_SECONDS))
     for picture, name in (
         (draw_motion(shown), "motion.png"),
@@ -44,7 +45,7 @@ def draw_pictures(folder: Path, done: Commands, config: Config, machine: Moving,
 
 
 def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
-    """Slice of rows, `seconds` long, during which the legs move most."""
+    """Slice of a ride's rows, `seconds` [s] long, in which the legs move most."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(done.leg_velocity).sum(axis=1))])
     rows = min(len(done.time), round(seconds / machine.every))
     first = int(np.argmax(moved[rows:] - moved[: len(moved) - rows]))
@@ -52,7 +53,7 @@ def liveliest_span(done: Commands, machine: Moving, seconds: float) -> slice:
 
 
 def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) -> tuple[Any, np.ndarray]:
-    """A Matplotlib figure without a display, and its axes as an array (rows, columns)."""
+    """Matplotlib figure of `size` [inch] without a display, and its axes as an array (rows, columns)."""
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=size, layout="tight")
@@ -60,6 +61,7 @@ def new_figure(rows: int, columns: int, size: tuple[float, float], **more: Any) 
 
 
 def save_figure(picture: Any, path: Path) -> None:
+    """Write a Matplotlib figure as a PNG file, atomically."""
     with atomic_write(path) as draft:
         picture.savefig(draft, dpi=100)
 
@@ -70,8 +72,7 @@ def in_degrees(pose: np.ndarray) -> np.ndarray:
 
 
 def draw_motion(done: Commands) -> Any:
-    """Matplotlib figure of pose, specific force and rates over time, dashed the scaled ship motion, shaded where
-    limited."""
+    """Matplotlib figure of pose, specific force and rates over time; dashed: scaled ship motion; shaded: limited."""
     picture, axes = new_figure(4, 1, (10, 11.5), sharex=True)
     pose, resting = in_degrees(done.pose), [0.0, 0.0, GRAVITY]
     for axis, columns in ((axes[0, 0], range(3)), (axes[1, 0], range(3, 6))):
@@ -142,8 +143,8 @@ def draw_workspace(done: Commands, machine: Moving) -> Any:
 
 
 def reached_range(machine: Moving, one: int, other: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Grids of two motions [m, deg] that hold their common reach, and of the part of the stroke used there, all of one
-    shape; 2 marks singular poses."""
+    """Grids, all of one shape, of two motions (numbers of pose columns) [m, deg] around their common reach, and of the
+    part of the stroke used there; 2 marks singular poses."""
     size = np.ones(2)
     ends = in_degrees(machine.workspace.ends.T).T
     while True:
@@ -209,12 +210,12 @@ def draw_stand(axis: Any, hexapod: Hexapod, pose: np.ndarray, offset: float = 0.
 
 
 def draw_cylinder(hexapod: Hexapod, leg: np.ndarray) -> np.ndarray:
-    """Vectors (6, 3) along the cylinders of the legs, drawn as 0.8 of the shortest leg length."""
+    """Vectors (6, 3) [m] from the legs' feet to the ends of their cylinders, drawn as 0.8 of the shortest leg."""
     return leg * (0.8 * hexapod.low / np.linalg.norm(leg, axis=1))[:, None]
 
 
 def write_film(path: Path, done: Commands, machine: Moving) -> None:
-    """Write a film of the ride's liveliest seconds in real time."""
+    """Write a GIF film of the hexapod in the ride's liveliest seconds, at true speed."""
     from matplotlib.animation import PillowWriter
 
     picture, axes = new_figure(1, 1, (5, 5))
@@ -230,13 +231,13 @@ def write_film(path: Path, done: Commands, machine: Moving) -> None:
 
 
 def inscribed_size(pose: np.ndarray) -> str:
-    """Text of a pose in two lines, in m and degrees."""
+    """Text that a film shows of a pose (6,): two lines, in m and degrees."""
     x, y, z, roll, pitch, yaw = in_degrees(pose[None])[0]
     return f"x {x:+.2f} y {y:+.2f} z {z:+.2f} m\nroll {roll:+5.1f} pitch {pitch:+5.1f} yaw {yaw:+5.1f}°"
 
 
 def film_rows(done: Commands, machine: Moving) -> np.ndarray:
-    """Row numbers of the film's frames, within the liveliest seconds."""
+    """Numbers of the ride's rows that a film shows, one for each of its frames, within the liveliest seconds."""
     span = liveliest_span(done, machine, FILM_SECONDS)
     frames = max(1, round((span.stop - span.start) * machine.every * FRAME_RATE))
     rows = span.start + np.round(np.arange(frames) / FRAME_RATE / machine.every).astype(int)

@@ -47,6 +47,7 @@ class Progress(OutcomeObserver):
         self.unsolved: dict[str, int] = {}  # steps of each solver that ended above its tolerance
 
     def observe(self, simulation: "Simulation") -> None:
+        """Record time and limit of the step just made, and show them if the bar is due; called after each step."""
         now = perf_counter()
         self.time, self.steps = simulation.time, simulation.steps
         self.wall = now - self.began
@@ -69,7 +70,7 @@ class Progress(OutcomeObserver):
         return self.time >= self.duration * (1.0 - 1e-12)
 
     def pace(self) -> str:
-        """Speed and time left in words, without the time before the first step; empty before a second step."""
+        """End of the progress line: speed as a multiple of real time, and time left; empty before a second step."""
         if self.over:
             return ", writing and drawing what is left"
         if self.factor <= 0.0:
@@ -79,7 +80,7 @@ class Progress(OutcomeObserver):
         return f", {figures(self.factor, 2)} x real time, {console.duration(left)} left{drawn}"
 
     def attend(self, simulation: "Simulation") -> None:
-        """Let observers report drawn pictures here, during the run and after it."""
+        """Have the observers call `draw` for each picture that they finish, during the run and after it."""
         for observer in simulation.observers:
             observer.show_progress(self.draw)
 
@@ -106,7 +107,7 @@ class Progress(OutcomeObserver):
         return (self.began + self.wall - self.first[0]) / (self.steps - self.first[2])
 
     def summary(self) -> dict[str, Any]:
-        """Counts, times and limits of the run, to be called when all files and pictures are finished."""
+        """Counts, times and limits of the run as JSON data, to be called once all files and pictures are finished."""
         start = self.wall if self.first is None else self.first[0] - self.began
         after = perf_counter() - self.began - self.wall
         wall = {"start": start, "steps": self.wall - start, "pictures": after, "total": self.wall + after}
@@ -123,5 +124,6 @@ class Progress(OutcomeObserver):
         }
 
     def close(self) -> None:
+        """Stop redrawing the bars."""
         self.bar.close()
         self.drawing.close()

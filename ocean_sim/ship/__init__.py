@@ -23,8 +23,7 @@ NO_FORCE = np.zeros((2, 3))  # a part that does not act
 
 @dataclass(frozen=True)
 class Load:
-    """Load on a ship (4.27), (n, 2, 3): force [N] and torque about the centre of mass [N m] of each of n parts, world
-    axes."""
+    """Force [N] and torque about the centre of mass [N m] of each of n parts of a ship's load, world axes (4.27)."""
 
     parts: np.ndarray  # in the order of the ship's `parts`
 
@@ -113,8 +112,7 @@ class Outline(NamedTuple):
 
 
 class Ship(Protocol):
-    """Interface of a ship in a simulation: state, loads and motion; `ship.body.vessel.Vessel` is the base class of all
-    kinds."""
+    """Interface of a ship: state, loads and motion; `ship.body.vessel.Vessel` is the base class of all kinds."""
 
     name: str  # in the scene
     parts: tuple[str, ...] = PARTS  # names of the parts of its load, then those of the kind; columns of motion.csv
@@ -146,8 +144,7 @@ class Ship(Protocol):
         waypoint counts as reached from a ship's length before it."""
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3) of the hull as drawn; None
-        without a shape."""
+        """Hull as drawn: vertices (n, 3) from the centre of mass, body axes [m], triangles (m, 3); None without one."""
 
     def outline(self) -> Outline | None:
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""

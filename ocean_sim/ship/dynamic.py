@@ -68,16 +68,14 @@ class SeakeepingConfig(FloatingConfig):
         return self.added_mass.diagonal(still)
 
     def moved_at_once(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] of quick motions, in the order of `Motions`: A(infinity) where the
-        table has it."""
+        """(6,) added mass [kg], inertia [kg m2] of quick motions: A(infinity) of the table, else `moved_along`."""
         added = self.moved_along(still)
         if self.table is not None:
             added[self.table.numbers] = np.diag(self.table.impulse_response.added)
         return added
 
     def moved_together(self) -> np.ndarray | None:
-        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two motions, with a diagonal of 0; None if the table has
-        none."""
+        """(6, 6) added mass [kg], [kg m], [kg m2] that couples two motions, diagonal 0; None if there is none."""
         if self.table is None:
             return None
         own, found = self.table.impulse_response.added, np.zeros((6, 6))
@@ -119,8 +117,7 @@ class SeakeepingConfig(FloatingConfig):
         return found + [f"radiation: {sentence}" for sentence in said]
 
     def coverage_warnings(self, table: Radiation, still: Hydrostatics) -> Iterator[str]:
-        """Yield warnings of couplings, natural periods and wave forces of free motions that the table does not
-        contain."""
+        """Yield warnings of couplings, natural periods and wave forces of free motions that the table lacks."""
         names = [Motions._fields[k] for k in table.numbers if Motions._fields[k] in self.free]
         _, breadth, draught = still.stations
         ends = max(float(np.abs(row - row[::-1]).max() / row.max()) for row in (breadth, draught))

@@ -68,16 +68,14 @@ def skew_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def shift_matrix(arm: np.ndarray) -> np.ndarray:
-    """(6, 6) matrix that turns the linear and angular velocity (6,) of a body at one point into that at a point `arm`
-    [m] away."""
+    """(6, 6) matrix from the linear and angular velocity at one point of a body to those at a point `arm` [m] away."""
     whole = np.eye(6)
     whole[:3, 3:] = skew_matrix(arm).T
     return whole
 
 
 class Otter:
-    """Mass, stiffness and damping of the Otter, in SNAME axes about the model's origin, half way along at the still
-    water."""
+    """Mass, stiffness and damping of the Otter, in SNAME axes about its origin amidships at the still water."""
 
     def __init__(self) -> None:
         """Compute all matrices and coefficients from the constants of this module."""
@@ -114,8 +112,7 @@ class Otter:
         self.across = float(np.interp(PONTOON_BREADTH / (2.0 * self.draught), *HOERNER_DRAG))
 
     def drag_load(self, nu: np.ndarray) -> np.ndarray:
-        """(6,) drag [N], [N m] at a velocity `nu` (6,) [m/s], [rad/s] relative to the water: linear, quadratic in yaw,
-        and by cross-flow."""
+        """(6,) drag [N], [N m] at a velocity `nu` (6,) relative to the water: linear, quadratic in yaw, cross-flow."""
         load = -self.damping * nu
         load[5] -= 10.0 * self.damping[5] * abs(nu[5]) * nu[5]
         x = np.linspace(-HULL_LENGTH / 2.0, HULL_LENGTH / 2.0, 21)
@@ -182,8 +179,7 @@ class Manoeuvring(Vessel):
         return Load.of({name: load @ r.T for name, load in shared.items()}, self.parts)
 
     def about_centre(self, load: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque about the centre of mass [N m], body axes, from a (6,) load about the model's
-        origin."""
+        """(2, 3) force [N], torque [N m] about the centre of mass, body axes, of a (6,) load about the origin."""
         force, torque = from_frame("ned", load[:3]), from_frame("ned", load[3:])
         return np.stack([force, torque - np.cross(self.arm, force)])
 
@@ -201,9 +197,8 @@ class Manoeuvring(Vessel):
         return np.where(share > 0.0, MAX_REVOLUTIONS, MAX_ASTERN_REVOLUTIONS) * share
 
     def advance(self, load: Load, dt: float) -> None:
-        """Take a step of dt [s], second-order (leapfrog): from the first step on, velocities are those half a step
-        before the position, and the propellers follow the mean of the orders before and after the step, with a
-        delay."""
+        """Take a step of dt [s], second-order (leapfrog): velocities stay half a step behind the position, and the
+        propellers follow the mean of the orders before and after the step, with a delay."""
         body, before, (of, *gained) = self.body, self.ordered_revolutions, self.gained
         if of is not body or not np.any(gained):  # it begins: its velocities are still of the time of its place
             slower, less = load.force / body.mass * dt / 2.0, load.torque * dt / 2.0

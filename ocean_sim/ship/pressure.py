@@ -49,8 +49,7 @@ class Config(FloatingConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, flat)
 
     def moved_along(self, still: Hydrostatics) -> np.ndarray:
-        """(6,) added mass [kg] and inertia [kg m2] by rule, for natural periods alone: in a run the particles react
-        themselves."""
+        """(6,) added mass [kg], inertia [kg m2] by rule, for natural periods alone; in a run the particles react."""
         return by_rule(still)
 
     def starting_body(self, still: Hydrostatics, flat: bool) -> RigidBody:

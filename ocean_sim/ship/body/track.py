@@ -12,15 +12,15 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion (7, n), and their derivatives (7,
-    n)."""
+    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion in one array (7, n), and their time
+    derivatives (7, n)."""
 
     time: np.ndarray
     place: np.ndarray
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Part of the track: the moments with these numbers."""
+        """Track at the moments with these indices alone."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 
@@ -88,9 +88,10 @@ def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: 
 
 
 class Between:
-    """Interpolation of a track at times (n,) [s], each between the moment `number` and the one before it."""
+    """Interpolation of a track at times (n,) [s], each between two neighbouring moments."""
 
     def __init__(self, track: Track, time: np.ndarray, number: np.ndarray) -> None:
+        """Locate each time (n,) [s] in its step; `number` (n,): index of the moment that ends the step."""
         self.time, self.after, self.before = time, number, np.maximum(number - 1, 0)
         self.ends = track.moments(self.before), track.moments(self.after)
         start, end = (moment.time for moment in self.ends)
@@ -116,7 +117,7 @@ class Between:
 
 
 def attitude_of(track: Track) -> Attitude:
-    """Attitude at the places of a track, whose quaternions may have any length."""
+    """Attitude of the body at the moments of a track, whose quaternions may have any length."""
     w, x, y, z = q = track.place[3:]
     square = w * w + x * x + y * y + z * z
     unit = q / np.sqrt(square)

@@ -85,8 +85,7 @@ class FloatingConfig(VesselConfig):
         return {}
 
     def in_still_water(self, gravity: float, density: float) -> Hydrostatics:
-        """Hydrostatics of the hull at a gravity [m/s2] and a water density [kg/m3]; raises ValueError for a hull
-        without mass, that is no closed mesh, or of too many cubes."""
+        """Hydrostatics at a gravity [m/s2] and a water density [kg/m3]; raises ValueError for an unusable hull."""
         asked = gravity, density
         if asked not in self.still_water_cache:
             self.still_water_cache[asked] = self.whole_hull.in_still_water(self.cells_per_draught, density, gravity)

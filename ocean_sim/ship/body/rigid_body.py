@@ -214,8 +214,7 @@ def hold_motions(body: RigidBody, free: np.ndarray) -> RigidBody:
 
 
 def guide_step(before: RigidBody, after: RigidBody, free: np.ndarray, dt: float) -> RigidBody:
-    """Copy of `after`, the body dt [s] after `before`, moved in the `free` motions alone, so that held ones do not
-    creep."""
+    """Copy of `after`, the body dt [s] after `before`, moved in `free` motions alone, so that others do not creep."""
     if False not in free.tolist():
         return after
     heading, rates = axis_rotation(1, before.angles[1]), np.where(free[3:], after.rates, 0.0)

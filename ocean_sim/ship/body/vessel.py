@@ -230,6 +230,7 @@ class Vessel(Ship):
         return pilot
 
     def drawn(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Vertices (n, 3) from the centre of mass, body axes [m], and triangles (m, 3); None without a shape."""
         if self.shape is None:
             return None
         vertices, triangles = drawn_mesh(self.shape)

@@ -155,8 +155,7 @@ def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def water_momentum(water: list[float], between: np.ndarray | None, line: Vector, turn: Vector) -> tuple[Three, Three]:
-    """Linear and angular momentum of added mass (6,), coupled by `between`, at a velocity `line`, `turn`; or their
-    rates at accelerations."""
+    """Linear and angular momentum of added mass (6,) at a velocity `line`, `turn`; or rates at an acceleration."""
     own = times_each(water[:3], line), times_each(water[3:], turn)
     if between is None:
         return own

@@ -180,8 +180,7 @@ def read_capytaine(file: str) -> BemTable:
 
 
 def symmetric_part(file: str, names: list[str], matrix: np.ndarray) -> np.ndarray:
-    """(m, m, n) mean of each entry and its mirror image; raises Unreadable if they differ beyond
-    RECIPROCITY_TOLERANCE."""
+    """(m, m, n) mean of each entry and its mirror image; raises Unreadable beyond RECIPROCITY_TOLERANCE."""
     most = np.sqrt(np.abs(matrix[np.diag_indices(len(names))]).max(axis=1))
     mirrored = matrix.transpose(1, 0, 2)
     apart = np.median(np.abs(matrix - mirrored), axis=2) / np.maximum(np.outer(most, most), 1e-300)
@@ -380,8 +379,8 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N] and torque [N m] at a time [s], from the present velocity relative to the water
-        (6,) and those stored; all in body axes."""
+        """(2, 3) radiation force [N] and torque [N m] at a time [s] and a velocity relative to the water (6,), body
+        axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)

@@ -287,8 +287,7 @@ class RollDamping:
         return said
 
     def critical_share(self, amplitude: float) -> float:
-        """Damping by all components over critical damping, at one of FIT_AMPLITUDES [deg]; 0 without righting
-        moment."""
+        """Damping by all components over critical damping at one of FIT_AMPLITUDES [deg]; 0 if nothing rights her."""
         return self.scale * sum(self.parts[amplitude]) / self.critical if self.parts else 0.0
 
     def roll_moment(self, rate: float, ahead: float) -> float:

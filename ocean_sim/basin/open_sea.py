@@ -21,6 +21,7 @@ class Sea(waves.HeadedTrain):
     """Phase added to that of each wave; without it regular waves have a crest at the origin at time 0."""
 
     def sea(self, basin: waves.Tank, count: int = waves.SPECTRUM_WAVES) -> waves.Components:
+        """Plane waves of this train in a basin, `count` of a spectrum, with `phase_deg` added to their phases."""
         sea = super().sea(basin, count)
         return replace(sea, phase=sea.phase + radians(self.phase_deg))
 
@@ -113,8 +114,7 @@ class OpenSea(Protocol):
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Width over length of a patch with these periods [m], as a ratio of whole numbers up to MOST_PARTS, 1 in 2-D; None
-    if no such ratio fits."""
+    """Width over length of a patch with these periods [m]: 1 in 2-D; None if terms beyond MOST_PARTS are needed."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

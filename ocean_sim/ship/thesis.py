@@ -102,8 +102,7 @@ class Columns:
 
     @ti.kernel
     def sum_columns(self, surface: Template, position: tm.vec3, turn: tm.mat3):
-        """Write force [N] and torque [N m] of each column to `out`, at a position [m] and a rotation `turn`, body to
-        world."""
+        """Write force [N] and torque [N m] of each column to `out`; `turn`: rotation from body to world."""
         for k in range(self.n):
             arm = turn @ self.bottom[k]
             x = position + arm

@@ -366,8 +366,7 @@ def afloat_pose(still: Hydrostatics) -> tuple[float, np.ndarray]:
 
 @lru_cache(maxsize=4)
 def rest_angles(still: Hydrostatics) -> np.ndarray | None:
-    """(2,) pitch and roll [rad] at which a floating hull is in balance: 0 if that is upright; None if none is found
-    within MAX_LEAN."""
+    """(2,) pitch and roll [rad] at which a floating hull balances, upright if it can; None if beyond MAX_LEAN."""
 
     def levers(angle: np.ndarray) -> np.ndarray:
         """(2,) distances [m] ahead and to port of buoyancy from the centre of mass, at a pitch and a roll [rad]."""

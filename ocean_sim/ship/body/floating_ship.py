@@ -116,8 +116,7 @@ class FloatingShip(Vessel):
         return Load.of(self.answered(now, self.forces(now)), self.parts)
 
     def forces(self, now: Immersion) -> dict[str, np.ndarray]:
-        """(2, 3) force [N] and torque about the centre of mass [N m] of each part, world axes, without the reaction of
-        added mass."""
+        """(2, 3) force [N], torque [N m] of each part, world axes, without the reaction of added mass."""
         wet, density = now.wet, self.hydrostatics.density
         driven = self.actuators.load(now.motion, density, now.share)
         return {

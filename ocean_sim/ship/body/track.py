@@ -12,8 +12,7 @@ UNKNOWN_VELOCITY = np.full(7, np.nan)  # the velocity of a moment before which n
 
 
 class Track(NamedTuple):
-    """Motion of a body at n moments: times (n,) [s], position [m] and quaternion in one array (7, n), and their time
-    derivatives (7, n)."""
+    """Positions [m] and quaternions (7, n) of a body at times (n,) [s], and their time derivatives (7, n)."""
 
     time: np.ndarray
     place: np.ndarray
@@ -59,8 +58,7 @@ def pure_quaternion(vector: np.ndarray) -> np.ndarray:
 
 
 def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.ndarray) -> np.ndarray:
-    """(7, n) first derivatives of position [m/s] and quaternion [1/s], from velocities and angular velocities
-    [rad/s]."""
+    """(7, n) time derivatives of position and quaternion, from velocity [m/s] and `spin` [rad/s], (3, n) each."""
     return np.concatenate([velocity, 0.5 * quaternion_product(pure_quaternion(spin), orientation)])
 
 

@@ -114,8 +114,7 @@ class VesselConfig(Helm, ShipConfig):
         return with_spin(body, rotate_vector(turn, np.array(self.rates)))
 
     def settled_body(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The initial body in water that has settled: lowered with the surface if the ship begins afloat, else at its
-        given height."""
+        """Initial body in settled water: lowered with the surface if afloat, else at its given height."""
         x, y, z = body.position
         level = y - fluid.surface_drop if self.afloat_at_first else self.position[1]
         return replace(body, position=np.array([x, level, z]))

@@ -207,8 +207,7 @@ class Slamming:
         return -self.mass * min(speed, 0.0) * (now - before) / (self.mass + now) / dt
 
     def heave_drag(self, volume: float, speed: float) -> float:
-        """Drag upwards [N] on a hull far from its draught, at a volume under water [m3] and a vertical speed relative
-        to it [m/s]."""
+        """Drag [N] upwards on a hull far from its draught, by volume under water [m3] and upward speed [m/s]."""
         depth = volume / self.volume
         unusual = min(max(2.0 * abs(depth - 1.0) - 1.0, 0.0), 1.0)
         return -self.drag * unusual * min(1.0, 2.0 * depth) * abs(speed) * speed

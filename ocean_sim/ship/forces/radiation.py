@@ -216,8 +216,7 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N] and torque [N m] in world axes, on a hull of this heading [rad] and velocity through the
-        water (3,) [m/s]."""
+        """(2, 3) force [N], torque [N m], world axes; `yaw` [rad] of the hull, `velocity` in the water (3,) [m/s]."""
         if (
             self.known is None
             or abs(yaw - self.known[0]) > HEADING_STEP
@@ -379,8 +378,7 @@ class Memory:
         self.when, self.moved = np.zeros(0), np.zeros((0, len(radiation.numbers)))  # [s], [m/s] or [rad/s]
 
     def load(self, time: float, motion: np.ndarray) -> np.ndarray:
-        """(2, 3) radiation force [N] and torque [N m] at a time [s] and a velocity relative to the water (6,), body
-        axes."""
+        """(2, 3) radiation force [N], torque [N m] at a time [s] and velocity relative to the water (6,), body axes."""
         times = np.append(self.when, time)
         moved = np.concatenate([self.moved, motion[None, self.numbers]])
         known, ago, rate, momentum = self.impulse_response, time - times, np.zeros(6), np.zeros(6)

@@ -138,8 +138,7 @@ class Form(NamedTuple):
 
 
 class Components(NamedTuple):
-    """Components of roll damping at one amplitude and frequency: moments over the rate of roll, as B / (rho V B^2)
-    sqrt(B / 2g)."""
+    """Dimensionless components of roll damping, B44 / (rho V B^2) sqrt(B / 2g), at one amplitude and frequency."""
 
     friction: float
     wave: float

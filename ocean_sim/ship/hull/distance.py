@@ -68,12 +68,10 @@ def distance_lattice(
 
 @in_kernels
 class Distance:
-    """Signed distance from a hull and outward normal at any point, in body axes from the centre of mass, for
-    kernels."""
+    """Signed distance from a hull and its outward normal, for kernels, in body axes from the centre of mass."""
 
     def __init__(self, shape: HullShape, centre: np.ndarray, side: float, support: float, reach: float) -> None:
-        """`centre` of mass from the hull's origin, `side` of cubes, `support` of the water's kernel, `reach` over the
-        hull [m]."""
+        """`centre` of mass from the origin, `side` of cubes, `support` of the kernel, `reach` over the hull [m]."""
         values, first, step = distance_lattice(shape, side, support, reach)
         size = values["share"].shape
         self.lower = first - centre  # [m]

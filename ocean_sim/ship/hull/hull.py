@@ -46,8 +46,7 @@ class Hull(Model):
     density."""
 
     def matter_of(self, cubes: Voxels) -> Matter:
-        """Mass, centre of mass and inertia of the ship, given or of uniform density; raises ValueError without a
-        mass."""
+        """Mass, centre of mass and inertia, given or of uniform density; raises ValueError without a mass."""
         if self.mass is None:
             raise ValueError("has no mass; give mass [kg]")
         centre = cubes.centroid if self.centre_of_mass is None else np.array(self.centre_of_mass)
@@ -55,8 +54,7 @@ class Hull(Model):
         return Matter(self.mass, centre, own)
 
     def in_still_water(self, cells: float, density: float, gravity: float) -> Hydrostatics:
-        """Hydrostatics with `cells` cubes over the draught, water density [kg/m3], gravity [m/s2]; raises
-        ValueError."""
+        """Hydrostatics with `cells` cubes over the draught, by density and gravity; raises ValueError."""
         lower, upper = self.shape.bounds()
         breadth, height, length = (upper - lower).tolist()
         least, flat = self.smallest_side, MAX_FLATNESS if cells <= FLAT_CUBES_LIMIT else 1.0
@@ -84,8 +82,8 @@ class Hull(Model):
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """The hull of a name in configs/hull/, or in a mesh file, read with these axes and metres per unit where they are
-    given; raises ValueError."""
+    """Hull from a name in configs/hull/ or a mesh file, read with the axes and scale that are given; raises
+    ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:

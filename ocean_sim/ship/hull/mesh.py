@@ -113,8 +113,7 @@ class ClosedMesh:
         return f"{size}, read with {axes}; watertight, {len(self.faces)} faces"
 
     def unlike_a_ship(self, draught: float, kb: float) -> list[str]:
-        """Warnings of proportions that ships do not have, at a draught [m] and a height `kb` of the centre of buoyancy
-        over the keel [m]."""
+        """Warnings of proportions that ships do not have, by draught and height of buoyancy over the keel [m]."""
         broad, tall, long = self.size.tolist()
         odd = [
             f"{what} is {ratio:.2g} ({low:g} to {high:g} for ships)"
@@ -236,8 +235,7 @@ def edge_uses(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def closed_skins(faces: np.ndarray) -> np.ndarray:
-    """(m,) number of the closed skin of each face, the faces joined by shared edges; all 0 if these are not closed by
-    themselves."""
+    """(m,) number of each face's closed skin, of faces joined by edges; all 0 if these are not closed by themselves."""
     from trimesh.graph import connected_component_labels, face_adjacency
 
     labels = np.asarray(connected_component_labels(face_adjacency(faces), node_count=len(faces)))
@@ -246,8 +244,7 @@ def closed_skins(faces: np.ndarray) -> np.ndarray:
 
 
 def signed_volumes(triangles: np.ndarray) -> np.ndarray:
-    """(m,) volume [units3] between each face (3, 3) and the middle of the mesh, positive if the face looks away from
-    it."""
+    """(m,) volume [units3] between each face (3, 3) and the mesh's middle, positive if it looks away from it."""
     a, b, c = np.moveaxis(triangles - 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))), 1, 0)
     return np.asarray((a * np.cross(b, c)).sum(axis=1) / 6.0)
 
@@ -337,8 +334,7 @@ def line_crossings(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple
 
 
 def pairs_within(low: np.ndarray, high: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of an interval low <= value < high and an ascending value in it: index of the interval, index of the
-    value."""
+    """Pairs of an interval low <= value < high and an ascending value in it: the indices of both."""
     first, last = np.searchsorted(values, low), np.searchsorted(values, high)
     count = last - first
     interval = np.repeat(np.arange(len(count)), count)
@@ -370,8 +366,7 @@ def inside_stretches(triangles: np.ndarray, x: np.ndarray, z: np.ndarray) -> tup
 
 
 def column_shares(triangles: np.ndarray, x: np.ndarray, z: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval between `edges` along y, in columns at x
-    and z [m]."""
+    """(len(x), len(edges) - 1, len(z)) share inside a mesh of each interval along y, in columns at x and z."""
     line, low, high = inside_stretches(triangles, x, z)
     parts = np.diff(np.clip(edges, low[:, None], high[:, None])) / np.diff(edges)
     shares = np.zeros((len(x) * len(z), len(edges) - 1))

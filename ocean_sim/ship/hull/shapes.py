@@ -65,6 +65,7 @@ class Box(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m]."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
@@ -90,6 +91,7 @@ class Wigley(HullShape):
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] between the parabolic sides, keel and deck."""
         below = np.clip(1.0 - x[..., 1] / self.draught, 0.0, 1.0)
         half = self.breadth / 2 * (1.0 - (2.0 * x[..., 2] / self.length) ** 2) * (1.0 - below**2)
         return (np.abs(x[..., 0]) <= half) & (x[..., 1] >= 0.0) & (x[..., 1] <= self.height)
@@ -144,8 +146,7 @@ class Outline(HullShape):
         return x.min(axis=0), x.max(axis=0)
 
     def fill_lattice(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """(len(x), len(y), len(z)) True for lattice points [m] inside, by the interval that the planes leave of each
-        column."""
+        """(len(x), len(y), len(z)) True for lattice points [m] between the planes of the convex hull."""
         from scipy.spatial import ConvexHull
 
         low, high = np.full((len(x), len(z)), -np.inf), np.full((len(x), len(z)), np.inf)

@@ -83,8 +83,7 @@ class Voxels:
 
 
 def voxels(shape: HullShape, side: float, flat: float = MAX_FLATNESS) -> Voxels:
-    """Divide a shape into cubes `side` [m] tall and up to `flat` times as long; raises ValueError if they are too
-    many."""
+    """Cubes of a shape, `side` [m] tall and up to `flat` times as long; raises ValueError if they are too many."""
     lower, upper = shape.bounds()
     sides = np.clip((upper - lower) / SUFFICIENT_CUBES, side, flat * side)
     counts = np.maximum(1, np.ceil((upper - lower) / sides - 1e-6).astype(int))

@@ -68,8 +68,7 @@ class Absorbing(Model):
 
 
 class Rim(Model):
-    """The band in which the water of the patch is relaxed towards the sea; the ship is in the middle of the free
-    water."""
+    """The band in which the patch's water is relaxed towards the sea; the ship is in the middle of the free water."""
 
     width: float | None = quantity("m", None, gt=0.0)
     """Width of the band on either side of the seam; null: three quarters of the highest waves' length, at most a

@@ -19,6 +19,7 @@ class Written(Seas, SeaConfig):
 
     @property
     def significant_height(self) -> float:
+        """Height of the highest wave train [m]; 0 in calm water."""
         return 0.0 if self.highest is None else self.highest[0]
 
     ramp: float | None = quantity("s", None, ge=0.0)
@@ -30,7 +31,9 @@ class Written(Seas, SeaConfig):
         return sea if sea.amplitude.any() else None
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence) of the waves in this basin, or of the patch."""
         return self.sea_faults(preflight.tank) or super().problems(preflight)
 
     def warnings(self, preflight: Preflight) -> list[str]:
+        """Warnings, also of angles in a table of waves that could be radians."""
         return self.like_radians() + super().warnings(preflight)

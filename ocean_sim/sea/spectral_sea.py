@@ -20,6 +20,7 @@ class Config(Steepening, Written):
 
     @property
     def nonlinear(self) -> Nonlinear | None:
+        """Settings of the nonlinear sea; None at order 1 or in calm water."""
         if self.order == 1 or self.highest is None:
             return None
         return Nonlinear(self.onset_in(self.highest[1]), self.breaking)

@@ -17,6 +17,7 @@ class Config(TimeStepConfig):
     """The time step."""
 
     def advice(self, limit: str, shortest: float) -> str:
+        """Advice to print after a run has diverged; `shortest` [s]: length that `limit` would allow."""
         if self.dt > shortest:
             return f"try time_step: courant, or a dt below its {limit} limit (here {shortest:.3g} s)"
         return "try a smaller time_step.dt, or a weaker wind"
@@ -41,4 +42,5 @@ class Fixed:
         self.config = self.config.model_copy(update=values)
 
     def next(self, limits: Limits) -> float:
+        """The constant time step `dt` [s], whatever the limits."""
         return self.config.dt

@@ -147,8 +147,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """A body that starts at a given height, raised by the distance that the water will settle, so that no gap opens
-        under it; unchanged if it starts afloat."""
+        """A body that starts at a given height, raised as far as the water will settle; others unchanged."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 

@@ -84,8 +84,7 @@ def to_world(load: np.ndarray, body: RigidBody) -> np.ndarray:
 
 
 def plain_components(vector: np.ndarray) -> list:
-    """Components of a vector as Python floats, with which Python computes many times as quickly as with NumPy's; those
-    of n vectors (k, n) as k arrays (n,)."""
+    """Components of a vector as Python floats, for quick arithmetic; k arrays (n,) of n vectors (k, n)."""
     return vector.tolist() if vector.ndim == 1 else list(vector)
 
 

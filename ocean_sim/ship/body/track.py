@@ -65,8 +65,7 @@ def first_derivative(velocity: np.ndarray, spin: np.ndarray, orientation: np.nda
 def second_derivative(
     acceleration: np.ndarray, turning: np.ndarray, spin: np.ndarray, orientation: np.ndarray
 ) -> np.ndarray:
-    """(7, n) second derivatives of position [m/s2] and quaternion [1/s2], from accelerations, angular accelerations
-    [rad/s2] and angular velocities [rad/s]."""
+    """(7, n) second time derivatives of position and quaternion, from accelerations and `spin`, (3, n) each."""
     x, y, z = spin
     turned = quaternion_product(pure_quaternion(turning), orientation) - 0.5 * (x * x + y * y + z * z) * orientation
     return np.concatenate([acceleration, 0.5 * turned])
@@ -74,8 +73,7 @@ def second_derivative(
 
 def join_moments(time: np.ndarray, place: np.ndarray, bends: np.ndarray, first: np.ndarray) -> Track:
     """Track through places (7, n) at times (n,) [s]: velocities are the mean over a step, corrected by second
-    derivatives `bends` (7, n) that change linearly over it. `first`: (7,) velocity at the first moment; NaN: to be
-    estimated."""
+    derivatives `bends` (7, n), linear over it. `first`: (7,) velocity at the first moment, or NaN to estimate it."""
     step = time[1:] - time[:-1]
     mean = (place[:, 1:] - place[:, :-1]) / step
     if np.isnan(first).any():
@@ -98,9 +96,8 @@ class Between:
         self.part = np.maximum(0.0, (time - start) / self.step)  # of the step that is over
 
     def interpolated_track(self) -> Track:
-        """Track at these times: cubic Hermite interpolation of place and velocity, both continuous from one step to the
-        next. If velocities of the moments are third-order in the step, so are those returned, and places are
-        fourth-order."""
+        """Track at these times: cubic Hermite interpolation, place and velocity continuous. With velocities that are
+        third-order in the step, those returned are third-order, and places fourth-order."""
         (before, after), s, step = self.ends, self.part, self.step
         moved = after.place - before.place
         start, end = step * before.velocity - moved, step * after.velocity - moved

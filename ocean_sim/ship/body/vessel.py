@@ -102,8 +102,7 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start. Where the config gives none: `height` of the centre of mass over the still water
-        [m], and attitude `trim`, a quaternion (4,)."""
+        """Rigid body at the start; `height` over still water [m] and `trim` (4,) stand in where none are given."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):

@@ -93,8 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) fourth power [m4] of the breadth of a flat plate with the added roll inertia of each section; every section
-    counts as full as the whole hull."""
+    """(n,) fourth power [m4] of the breadth of plates with the sections' added roll inertia, all of equal fullness."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])

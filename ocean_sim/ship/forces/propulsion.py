@@ -325,7 +325,6 @@ class Person:
 
 
 def rate_limited(now: float, wanted: float, rate: float | None, dt: float, limit: float) -> float:
-    """Position of an actuator dt [s] later on its way from `now` to `wanted`: at most `limit` to either side, and
-    changed by at most `rate` a second."""
+    """Position of an actuator dt [s] later, towards `wanted` within +-`limit`, by at most `rate` a second."""
     wanted = min(max(wanted, -limit), limit)
     return wanted if rate is None else now + min(max(wanted - now, -rate * dt), rate * dt)

@@ -82,8 +82,7 @@ class Hull(Model):
 
 
 def hull_of(name: str, up: AxisName | None = None, bow: AxisName | None = None, scale: float | None = None) -> Hull:
-    """Hull from a name in configs/hull/ or a mesh file, read with the axes and scale that are given; raises
-    ValueError."""
+    """Hull of a name in configs/hull/ or of a mesh file, read with these axes and scale; raises ValueError."""
     if name in named("hull"):
         return Hull.model_validate(preset("hull", name))
     if Path(name).suffix.lower() in MESH_ENDINGS:

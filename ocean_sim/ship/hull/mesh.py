@@ -161,8 +161,7 @@ def axis_vector(name: str) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
-    """The hull in the content of a mesh file, with metres per unit and the file's axes up and to the bow, guessed where
-    they are None; raises BadMesh."""
+    """Hull from the `data` of a mesh file; scale and axes are guessed where None. Raises BadMesh."""
     vertices, faces = read_mesh(file, data)
     problems = mesh_flaws(vertices, faces)
     if problems:

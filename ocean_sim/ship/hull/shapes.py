@@ -194,8 +194,7 @@ Shape = Annotated[Box | Wigley | Cylinder | Sphere | Outline | MeshFile, Field(d
 
 
 def drawn_mesh(shape: HullShape) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) vertices [m] in the hull's axes and (m, 3) triangles that face outwards: those of a mesh, or of the convex
-    hull of the shape."""
+    """(n, 3) vertices [m] in the hull's axes and (m, 3) outward triangles, of the mesh or the shape's convex hull."""
     mesh = shape.closed_mesh()
     if mesh is not None:
         return mesh.vertices, mesh.faces

@@ -47,8 +47,7 @@ class Voxels:
         return float(self.share.sum() * self.size.prod())
 
     def centre_heights(self, up: np.ndarray) -> np.ndarray:
-        """(n,) height of each cube's centre along a unit vector `up` [m]; summed term by term, so that results do not
-        depend on the number of threads."""
+        """(n,) height of each cube's centre along a unit vector `up` [m]; not threaded, so the same bytes always."""
         return up[0] * self.centre[:, 0] + up[1] * self.centre[:, 1] + up[2] * self.centre[:, 2]
 
     def height_spread(self, up: np.ndarray) -> float:

@@ -89,8 +89,7 @@ class Loading(Model):
         return float(across), float(along)
 
     def outside_hull(self, lower: np.ndarray, upper: np.ndarray) -> list[str]:
-        """Sentences on points outside the box of the hull, which has a lower and an upper corner (3,) [m]. Masses and
-        openings above the deck are allowed."""
+        """Sentences on points outside the hull's box, by its corners (3,) [m]; above the deck is allowed."""
         low, high = np.array(lower), np.array([upper[0], inf, upper[2]])
         found = []
         for what, point in self.named_points.items():

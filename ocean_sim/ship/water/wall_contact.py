@@ -104,7 +104,6 @@ class Sides:
 
 
 def effective_mass(mass: float, heavy: np.ndarray, arm: np.ndarray, along: np.ndarray) -> float:
-    """Effective mass [kg] of a body for a push at `arm` [m] from its centre of mass along a unit vector `along`;
-    `heavy`: inverse of its inertia, world axes."""
+    """Mass [kg] that a push at `arm` [m] along a unit vector feels; `heavy`: inverse of inertia, world axes."""
     lever = cross(arm, along)
     return float(1.0 / (1.0 / mass + lever @ heavy @ lever))

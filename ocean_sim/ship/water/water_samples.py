@@ -160,8 +160,7 @@ class SurroundingWater(SampleLattice):
 
     @ti.func
     def read_water(self, water: Template, table: Template):
-        """Sample the elevation of the water around a ship, along her heading, at the pose in the first row of a table.
-        Call it at the top of a kernel."""
+        """Sample the elevation around a ship at the pose in row 0 of `table`. Call it at the top of a kernel."""
         position, turn = row_vector(table, pose.position), row_matrix(table)
         ahead, heading = tm.vec2(turn[0, 2], turn[2, 2]), tm.vec2(0.0, 1.0)
         if ahead.norm() > 0.0:

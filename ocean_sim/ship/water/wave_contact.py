@@ -113,8 +113,7 @@ class MovingHull:
 
     @ti.func
     def sample(self, d, turn: Template):
-        """Outward normal, distance [m] and thinning [1/m] of `Distance.at`, world axes, at d from the centre of
-        mass."""
+        """Outward normal, distance [m], thinning [1/m] of `Distance.at`, world axes; d from the centre of mass."""
         normal, away, thinning = self.distance.at(turn.transpose() @ d)
         return turn @ normal, away, turn @ thinning
 

@@ -504,7 +504,7 @@ class Basin:
 
     @property
     def rough_bed(self) -> RoughBed | None:
-        """The bed if it has friction, or None."""
+        """Friction settings of the bed; None if it has no friction."""
         return self.config.floor if isinstance(self.config.floor, RoughBed) else None
 
     @cached_property
@@ -553,7 +553,8 @@ class Basin:
         )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest positions of walls, bed and lid (piston at its farthest) by axis [m]; OPEN without."""
+        """Lowest and highest positions by axis [m] of walls, bed, lid, and piston at its farthest; OPEN where none
+        is."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.reach if side.piston is not None else 0.0

@@ -68,6 +68,7 @@ def ramp_law(law: Law, ramp: float) -> Law:
     """Law of motion that grows to `law` over `ramp` [s] by 10 s^3 - 15 s^4 + 6 s^5, without a jump in acceleration."""
 
     def grown(t: float) -> tuple[float, float, float]:
+        """Displacement, velocity and acceleration at a time t [s]."""
         x, v, a = law(t)
         if t >= ramp:
             return x, v, a
@@ -119,7 +120,7 @@ def overturn_warnings(axis: str, angle: float) -> list[str]:
 
 
 def axis_faults(axis: str, basin: waves.Tank) -> Problems:
-    """Fault of a motion along or about an axis that this basin does not allow; empty for any other."""
+    """Fault (key path, sentence) of an axis that a 2-D basin does not allow; empty for any other."""
     if basin.dimension == 2 and axis not in SLICE_AXES:
         return [
             (("axis",), f"a 2-D basin, in x-y, moves along x or y or about z ({', '.join(SLICE_AXES)}), not {axis!r}")
@@ -161,6 +162,7 @@ class Harmonic(Tank):
         omega, phase = 2.0 * pi / self.period, radians(self.phase_deg)
 
         def law(t: float) -> tuple[float, float, float]:
+            """Displacement, velocity and acceleration at a time t [s], without ramp."""
             x = self.amplitude * sin(omega * t + phase)
             return x, self.amplitude * omega * cos(omega * t + phase), -(omega**2) * x
 
@@ -211,8 +213,7 @@ class Recorded(Tank):
         return super().problems(basin) + axis_faults(axis, basin)
 
     def warnings(self, duration: float) -> list[str]:
-        """Warn of rows that a run does not reach, a roll that is very large or looks like radians, and a speed that
-        jumps where rows begin or end, as water feels only acceleration."""
+        """Warnings of rows beyond the run, of odd angles of roll, and of speeds that jump at the first or last row."""
         (axis, times, moved), law = self.rows(), self.build().law
         fastest = max(abs(law(float(t))[1]) for t in np.linspace(times[0], times[-1], FREQUENCY_SAMPLES))
         unit = "rad/s" if axis.startswith("roll") else "m/s"
@@ -266,7 +267,7 @@ class TankMotion:
         return np.eye(3)["xyz".index(self.axis[-1])]
 
     def at(self, time: float) -> Frame:
-        """Displacement, velocity and acceleration of the tank, or its angles and their rates, at a time [s]."""
+        """Displacement, velocity and acceleration of the tank at a time [s], or its angles and their rates."""
         x, v, a = (value * self.direction for value in self.law(time))
         still, pivot = np.zeros(3), np.array((*(self.about or (0.0, 0.0)), 0.0)[:3])
         if self.axis.startswith("roll"):

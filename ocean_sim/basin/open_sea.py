@@ -27,7 +27,7 @@ class Sea(waves.HeadedTrain):
 
 
 class Target(Model):
-    """A motion of the water: a current and waves, either or both."""
+    """Motion of the water that an absorbing zone does not damp: a current and waves, either or both."""
 
     current: Vector3 = quantity("m/s", (0.0, 0.0, 0.0))
     """A current, the same everywhere and horizontal."""
@@ -83,14 +83,14 @@ class Rim(Model):
 
 
 class Nonlinear(NamedTuple):
-    """Settings of a nonlinear sea."""
+    """Settings of a nonlinear sea: onset of its nonlinear terms, and breaking."""
 
     onset: float  # [s] time in which the nonlinear terms set in
     breaking: bool  # True: its crests break
 
 
 class OpenSea(Protocol):
-    """The sea that a patch is part of."""
+    """Interface of the sea around a patch of particles."""
 
     rim: Rim
     feed: float | None
@@ -113,7 +113,7 @@ class OpenSea(Protocol):
 
 
 def width_over_length(periods: tuple[float, float, float]) -> Fraction | None:
-    """Width over length of a patch with these periods [m]: 1 in 2-D; None if terms beyond MOST_PARTS are needed."""
+    """Width over length of a patch with these periods [m]; 1 in 2-D, None if MOST_PARTS is too small a denominator."""
     if not periods[2]:
         return Fraction(1)
     share = periods[2] / periods[0]

@@ -26,6 +26,7 @@ class Config(Steepening, Written):
         return Nonlinear(self.onset_in(self.highest[1]), self.breaking)
 
     def problems(self, preflight: Preflight) -> Problems:
+        """Faults (key, sentence), also of sides that are not multiples of one cell."""
         found = super().problems(preflight)
         if not found and self.nonlinear is not None and width_over_length(preflight.tank.periods) is None:
             sentence = f"the sides of the patch are not multiples of one cell; take a ratio of at most {MOST_PARTS}"

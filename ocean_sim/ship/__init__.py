@@ -67,7 +67,8 @@ class Look(NamedTuple):
 
 
 class Afloat(NamedTuple):
-    """Hydrostatic data of a ship at rest in still water."""
+    """Hydrostatic data of a ship at rest in still water: displacement, draught, metacentric heights, natural
+    periods."""
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks
@@ -150,8 +151,8 @@ class Ship(Protocol):
         """Plan-view outline and height range of the hull at its present pose; None where the ship has no shape."""
 
     def displaced(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions x and z (m, 2) [m] and volumes (m,) [m3] of the water that the hull displaces, in the water of the
-        last load; m is 0 if the kind does not know them."""
+        """Positions x and z (m, 2) [m], volumes (m,) [m3] of water that the hull displaces; m is 0 if the kind has
+        none."""
         return np.zeros((0, 2)), np.zeros(0)
 
     def limits(self) -> "Limits":

@@ -209,15 +209,15 @@ class SeakeepingShip(FloatingShip):
         return now.share * to_world(resisted, now.body)
 
     def drift_velocity(self, now: Immersion) -> np.ndarray:
-        """(6,) water velocity [m/s], [rad/s], body axes; the current alone in motions with a wave force of the
-        table."""
+        """(6,) velocity of the water that added mass reacts to, body axes [m/s], [rad/s]: of the current alone in
+        motions whose wave force is in the table."""
         if self.scattering is None:
             return now.wet.velocity
         stream = np.concatenate([now.body.matrix.T @ self.stream, np.zeros(3)])
         return self.through * now.wet.velocity + (1.0 - self.through) * stream
 
     def answered(self, now: Immersion, forces: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The forces by part with reactions of added mass: to the hull as `damping`, to the water as `wave`."""
+        """`forces` by part plus added mass: its reaction to the hull in `damping`, to the water's motion in `wave`."""
         force, torque = np.concatenate(list(forces.values())).reshape(-1, 2, 3).sum(axis=0)
         wet = now.wet
         if self.scattering is not None and self.sea is not None:

@@ -179,8 +179,7 @@ class Cloth:
 
     @ti.func
     def moved_to_water(self, n, y):
-        """Height [m] of node n after it is moved from y [m] towards the surface of the water: Newton's steps, never
-        longer than at a flat surface, so they do not overshoot."""
+        """Height [m] of node n after Newton steps, which never overshoot, from y [m] towards the surface."""
         p, start, moves = self.heights.column_place(n), y, 0
         while moves < MAX_MOVES:
             move = self.newton_move(tm.vec3(p.x, y, p.y))

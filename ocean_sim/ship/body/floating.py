@@ -147,7 +147,7 @@ class FloatingConfig(VesselConfig):
         return Solid(self.whole_hull.shape, still.matter.centre, body, False, is_sampled=False, reach=reach)
 
     def above_unsettled_water(self, body: RigidBody, preflight: Preflight) -> RigidBody:
-        """A body that starts at a given height, raised as far as the water will settle; others unchanged."""
+        """A body with a given height, raised by the water's later settling, so no gap opens; others unchanged."""
         rise = 0.0 if self.afloat_at_first else preflight.fluid.settling(preflight)
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
@@ -380,8 +380,7 @@ def rest_angles(still: Hydrostatics) -> np.ndarray | None:
 
 
 def newton_balance(levers: Callable[[np.ndarray], np.ndarray], angle: np.ndarray) -> np.ndarray:
-    """(2,) pitch and roll [rad] at which both `levers` [m] vanish, by Newton's method from `angle`, with differences
-    over 1e-4 rad and at most 0.1 rad a step: to 1e-10 rad, or as near as 20 steps come."""
+    """(2,) pitch and roll [rad] at which both `levers` [m] vanish, by at most 20 Newton steps from `angle`."""
     small = 1e-4
     for _ in range(20):
         here = levers(angle)

@@ -90,8 +90,7 @@ class FloatingShip(Vessel):
         self.relative, self.wet, self.rising, self.upwards = np.zeros(6), 0.0, 0.0, np.zeros((2, 3))
 
     def carried_along(self, body: RigidBody, fluid: Fluid) -> RigidBody:
-        """The body with the mean velocity of closed-form water around the hull added, so that it does not start with a
-        drift through the water; unchanged among particles."""
+        """The body with the mean velocity of closed-form water around it added; unchanged among particles."""
         if fluid.of_particles is not None:
             return body
         still, turn = self.hydrostatics, body.matrix

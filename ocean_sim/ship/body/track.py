@@ -19,7 +19,7 @@ class Track(NamedTuple):
     velocity: np.ndarray
 
     def moments(self, number: np.ndarray) -> "Track":
-        """Track at the moments with these indices alone."""
+        """Part of the track: the moments with these indices."""
         return Track(self.time[number], self.place[:, number], self.velocity[:, number])
 
 

@@ -102,7 +102,7 @@ class VesselConfig(Helm, ShipConfig):
         return len(self.position) == 2
 
     def body_at_start(self, matter: Matter, height: float, trim: np.ndarray) -> RigidBody:
-        """Rigid body at the start; `height` over still water [m] and `trim` (4,) stand in where none are given."""
+        """Rigid body at the start; `height` [m] and `trim`, a quaternion, count where the config gives none."""
         pitch, yaw, roll = (radians(angle) for angle in self.attitude_deg)
         turn = euler_quaternion(pitch, yaw + radians(self.heading_deg), roll)
         if not (pitch or roll):
@@ -267,9 +267,11 @@ class Vessel(Ship):
             sides = None
 
         def guided_step(load: Load) -> RigidBody:
+            """The body dt [s] later, moved in its free motions alone."""
             return guide_step(before, self.free_step(before, load, dt), self.free, dt)
 
         def walled_step(load: Load) -> RigidBody:
+            """The body dt [s] later, in its free motions, and moved back from walls and bed."""
             return guided_step(load) if sides is None else sides.moved_inside(guided_step(load))
 
         touched = False

@@ -93,7 +93,7 @@ def by_rule(hull: Hydrostatics) -> np.ndarray:
 
 
 def equivalent_breadth_4(hull: Hydrostatics, breadth: np.ndarray, draught: np.ndarray) -> np.ndarray:
-    """(n,) fourth power [m4] of the breadth of plates with the sections' added roll inertia, all of equal fullness."""
+    """(n,) breadth^4 [m4] of the flat plate with each section's added roll inertia; sections are equally full."""
     full = min(hull.needed_volume, hull.voxels.volume) / float((breadth * draught).sum() * hull.voxels.size[2])
     share = min(max((full - pi / 4.0) / (1.0 - pi / 4.0), 0.0), 1.0)
     deep = np.minimum(draught / np.maximum(breadth, 1e-9), DRAUGHT_RATIOS[-1])
@@ -148,7 +148,7 @@ def water_reaction(
 
 
 def line_and_turn(motion: np.ndarray) -> tuple[list[float], list[float]]:
-    """Linear and angular part of a motion (6,), three numbers each, as plain numbers."""
+    """Linear and angular part of a motion (6,), as two lists of three Python floats."""
     six = motion.tolist()
     return six[:3], six[3:]
 

@@ -194,7 +194,7 @@ class Helm(Model):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        """Check that orders have one source and rows rising times; raises ValueError."""
+        """Check that orders come from one source, in rows of rising times; raises ValueError."""
         if self.helm is not None and self.controls != []:
             raise ValueError("helm: the ship has controls, too; leave one of them out")
         if isinstance(self.controls, list):

@@ -216,7 +216,7 @@ class Scattering:
         self.known: tuple[float, np.ndarray, np.ndarray] | None = None  # a heading, frequencies, what is given (6, n)
 
     def load(self, waves: Arriving, yaw: float, velocity: np.ndarray) -> np.ndarray:
-        """(2, 3) force [N], torque [N m], world axes; `yaw` [rad] of the hull, `velocity` in the water (3,) [m/s]."""
+        """(2, 3) scattering force [N], torque [N m], world axes; `yaw` [rad], `velocity` in the water (3,) [m/s]."""
         if (
             self.known is None
             or abs(yaw - self.known[0]) > HEADING_STEP

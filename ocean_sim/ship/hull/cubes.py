@@ -60,7 +60,7 @@ class Wetted(NamedTuple):
 
 @in_kernels
 class Cubes:
-    """Cubes of a hull in fields, from the centre of mass, body axes, and the sums of forces over them."""
+    """Cubes of a hull in Taichi fields, in body axes from the centre of mass, and kernels that sum forces over them."""
 
     def __init__(self, hull: Hydrostatics) -> None:
         """Copy the cubes to fields, the lowest first, in blocks of BLOCK_CUBES."""

@@ -71,7 +71,7 @@ class Hull(Model):
 
     @property
     def smallest_side(self) -> float:
-        """Side [m] of the smallest cubes for finding where the hull floats."""
+        """Least side [m] of cubes that are tried: that of CUBE_BUDGET cubes in the box around the hull."""
         lower, upper = self.shape.bounds()
         return float((upper - lower).prod() / CUBE_BUDGET) ** (1.0 / 3.0)
 

@@ -161,7 +161,7 @@ def axis_vector(name: str) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def closed_mesh(file: str, data: bytes, scale: float | None, up: str | None, bow: str | None) -> ClosedMesh:
-    """Hull from the `data` of a mesh file; scale and axes are guessed where None. Raises BadMesh."""
+    """Closed mesh of a hull, from the `data` of a file; scale and axes are guessed where None. Raises BadMesh."""
     vertices, faces = read_mesh(file, data)
     problems = mesh_flaws(vertices, faces)
     if problems:
@@ -249,8 +249,7 @@ def signed_volumes(triangles: np.ndarray) -> np.ndarray:
 
 
 def turned_outwards(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """(m, 3) faces turned so that each closed skin faces outwards, and sentences on multiple skins and on those that
-    had another orientation than the largest."""
+    """(m, 3) faces turned so that each closed skin faces outwards, and sentences on multiple or inverted skins."""
     labels = closed_skins(faces)
     volumes = np.bincount(labels, signed_volumes(vertices[faces]))
     inverted = volumes < 0.0

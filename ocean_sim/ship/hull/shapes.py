@@ -69,6 +69,7 @@ class Box(HullShape):
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the box."""
         lower, upper = self.bounds()
         return np.all((x >= lower) & (x <= upper), axis=-1)
 
@@ -88,6 +89,7 @@ class Wigley(HullShape):
     """Height from keel to deck."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the hull."""
         return box_on_keel(self.breadth, self.height, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
@@ -108,9 +110,11 @@ class Cylinder(HullShape):
     """Radius of the circle."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the cylinder."""
         return box_on_keel(2.0 * self.radius, 2.0 * self.radius, self.length)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the cylinder."""
         return (np.hypot(x[..., 0], x[..., 1] - self.radius) <= self.radius) & (np.abs(x[..., 2]) <= self.length / 2)
 
 
@@ -123,9 +127,11 @@ class Sphere(HullShape):
     """Radius of the ball."""
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the ball."""
         return box_on_keel(*[2.0 * self.radius] * 3)
 
     def inside(self, x: np.ndarray) -> np.ndarray:
+        """True for points (..., 3) [m] in the ball."""
         return np.linalg.norm(x - [0.0, self.radius, 0.0], axis=-1) <= self.radius
 
 
@@ -142,6 +148,7 @@ class Outline(HullShape):
         return np.concatenate([port, port[port[:, 0] > 0.0] * [-1.0, 1.0, 1.0]])
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the points."""
         x = self.vertices()
         return x.min(axis=0), x.max(axis=0)
 
@@ -187,6 +194,7 @@ class MeshFile(HullShape):
             raise BadMesh(error) from None
 
     def bounds(self) -> Box3:
+        """Lower and upper corner (3,) [m] of the box around the mesh; raises BadMesh."""
         return self.closed_mesh().bounds
 
 

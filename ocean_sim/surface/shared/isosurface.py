@@ -107,6 +107,7 @@ def triangles(loop: Loop, lengths: np.ndarray) -> list[tuple[int, int, int]]:
     n = len(loop)
 
     def length(cut: Cut) -> float:
+        """Sum of squared lengths of the diagonals of a cut."""
         pairs = {pair for corners in cut for pair in combinations(corners, 2) if pair[1] - pair[0] not in (1, n - 1)}
         return sum(lengths[loop[a], loop[b]] for a, b in sorted(pairs))
 
@@ -243,7 +244,7 @@ class Isosurface:
 
     @ti.kernel
     def number_slabs(self, totals: Array):
-        """Count vertices, triangles, cut and ambiguous cubes; write sums to `totals` (4,), number slabs."""
+        """Count vertices, triangles, cut and ambiguous cubes per slab; write their sums to `totals` (4,)."""
         for s in range(ROW_SLABS * TASK_ITERATIONS):
             if s % TASK_ITERATIONS == 0:
                 self.count_slab(s // TASK_ITERATIONS)

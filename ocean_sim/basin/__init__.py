@@ -553,8 +553,7 @@ class Basin:
         )
 
     def stops(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest positions by axis [m] of walls, bed, lid, and piston at its farthest; OPEN where none
-        is."""
+        """Lowest and highest positions by axis [m] of walls, bed, lid and a piston at its farthest; OPEN without."""
         low, up = [-OPEN] * 3, [OPEN] * 3
         for side in self.sides:
             away = side.piston.reach if side.piston is not None else 0.0

@@ -67,8 +67,7 @@ class Look(NamedTuple):
 
 
 class Afloat(NamedTuple):
-    """Hydrostatic data of a ship at rest in still water: displacement, draught, metacentric heights, natural
-    periods."""
+    """Hydrostatic data of a ship at rest in still water: mass, draught, metacentric heights and natural periods."""
 
     displacement: float  # [kg]
     draught: float  # [m]; infinite where she sinks

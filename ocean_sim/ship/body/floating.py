@@ -152,7 +152,7 @@ class FloatingConfig(VesselConfig):
         return replace(body, position=body.position + [0.0, rise, 0.0])
 
     def oversize(self, basin: Basin) -> str:
-        """Message on a hull that is larger than the basin; empty if it is not."""
+        """Message on a hull that is longer or broader than the basin; empty if it is not."""
         beam, _, length = np.ptp(self.whole_hull.shape.bounds(), axis=0)
         ahead, abeam = abs(cos(radians(self.heading_deg))), abs(sin(radians(self.heading_deg)))
         spans = {"x": max(length * abeam, beam * ahead), "z": max(length * ahead, beam * abeam)}
@@ -188,7 +188,7 @@ class FloatingConfig(VesselConfig):
         return found
 
     def unfollowable_orders(self) -> Problems:
-        """Problems of orders for which the ship has no propeller or rudder."""
+        """Faults (key, sentence) of orders for which the ship has no propeller or rudder."""
         found, pilot, autopilot = Problems(), self.helm, isinstance(self.controls, Autopilot)
         if pilot is not None and (self.propeller is None or "surge" not in self.free):
             lacks = "she has no propeller" if self.propeller is None else "her surge is held"

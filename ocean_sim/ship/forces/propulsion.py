@@ -289,7 +289,7 @@ class Helmsman:
 
     @property
     def ahead(self) -> list[Vector2]:
-        """The waypoints that are not passed yet."""
+        """Waypoints x, z [m] that are not passed yet."""
         return self.route[self.leg :]
 
     def has_arrived(self, body: RigidBody) -> bool:
@@ -299,7 +299,7 @@ class Helmsman:
         return self.leg_position(float(body.position[0]), float(body.position[2]))[1] < self.near
 
     def leg_position(self, x: float, z: float) -> tuple[float, float, float]:
-        """Heading of the present leg [rad], distance along it to its end, and distance to port of it, from x, z [m]."""
+        """Heading of the present leg [rad], distance along it to its end [m], and offset to port of it [m], at x, z."""
         assert self.start is not None
         (x_0, z_0), (x_1, z_1) = self.start, self.route[self.leg]
         along = atan2(x_1 - x_0, z_1 - z_0)

@@ -82,7 +82,7 @@ class BemTable(NamedTuple):
 
 
 def columns_of(motion: str, other: str) -> tuple[str, str]:
-    """Column names of a motion, or of the coupling of two motions: added mass, damping."""
+    """Names of the columns of added mass and damping of a motion, or of the coupling of two motions."""
     whole = motion if motion == other else f"{motion}_{other}"
     unit = ADDED_UNITS[motion] if ADDED_UNITS[motion] == ADDED_UNITS[other] else "kg_m"
     return f"{whole}_added_{unit}", f"{whole}_damping_{unit}_s"
@@ -307,7 +307,7 @@ class Radiation:
                 raise END_RULE.broken(file, f"at {omega[-1]:g} rad/s {still}")
 
     def has_coupling(self, one: str, other: str) -> bool:
-        """True if the table has the coupling of two motions."""
+        """True if the table has added mass or damping that couples two motions."""
         pair = tuple(self.numbers.index(Motions._fields.index(motion)) for motion in (one, other))
         return bool(self.mass[pair].any() or self.damping[pair].any())
 

@@ -47,7 +47,7 @@ FACE_COLUMNS = Columns(
 
 class Wetted(NamedTuple):
     """Sums over all cubes of a hull: forces [N] and torques about the centre of mass [N m] by part, (2, 3) each, world
-    axes, and volume and motion of the water around them."""
+    axes; their volume under water, and the motion of the water around them."""
 
     buoyancy: np.ndarray
     wave: np.ndarray

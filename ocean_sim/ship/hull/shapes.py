@@ -143,7 +143,7 @@ class Outline(HullShape):
     """Vertices [m]; each with x > 0 also stands for its mirror image on starboard."""
 
     def vertices(self) -> np.ndarray:
-        """(n, 3) points of both sides [m]."""
+        """(n, 3) points of both sides [m], port and its mirror image."""
         port = np.array(self.points, dtype=float)
         return np.concatenate([port, port[port[:, 0] > 0.0] * [-1.0, 1.0, 1.0]])
 

@@ -162,7 +162,7 @@ class Hydrostatics:
 
     @cached_property
     def at_the_water(self) -> np.ndarray:
-        """(n,) volume of each cube within a quarter of a cube's height of the still water [m3]."""
+        """(n,) volume [m3] of each cube in the layer a quarter of its height above and below the still water."""
         step = 0.25 * self.voxels.size[1]
         return self.wet_volumes(UPRIGHT, self.waterline + step) - self.wet_volumes(UPRIGHT, self.waterline - step)
 
@@ -316,7 +316,7 @@ class Slender(NamedTuple):
 
     @property
     def end_sinkage(self) -> float:
-        """Sinkage of the lower of her ends [m]."""
+        """Sinkage of the lower end of the ship, bow or stern [m]."""
         return self.sinkage + self.trim * (self.levers[1] if self.trim > 0.0 else -self.levers[0])
 
     def at_speed(self, speed: float, depth: float) -> "Slender":

@@ -130,8 +130,8 @@ class Solid:
         return {"gone": np.flatnonzero(gone & water), "near": moved, "moved": points[moved]}
 
     def deepest_first(self, own: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances from the hull [m] of points (n, 3) in its axes, and their order, the deepest in the hull
-        first, spread evenly along rows of the same depth."""
+        """(n,) distances from the hull [m] of points `own` (n, 3) in its axes, and the order of the points, the deepest
+        in the hull first, spread evenly along rows of the same depth."""
         values, first, step = distance_lattice(self.shape, spacing / CUBES_A_SPACING, spacing, 2.0 * spacing)
         if self.flat:
             own[:, 2] = first[2] + 0.5 * step[2] * (values["distance"].shape[2] - 1)
@@ -140,7 +140,7 @@ class Solid:
         return distance, np.lexsort((np.arange(len(own)) * GOLDEN_RATIO % 1.0, rows))
 
     def displaced_volume(self, spacing: float, boxes: Boxes) -> float:
-        """Volume of the hull inside boxes [m3]; in 2-D its area [m2]."""
+        """Volume of the hull inside `boxes` [m3]; in 2-D its area [m2]."""
         cubes = voxels(self.shape, spacing / CUBES_A_SPACING, 1.0)
         positions, tall = (cubes.centre - self.centre) @ self.turn.T + self.origin, cubes.height_spread(self.turn[1])
         found, across, met = 0.0, [0] if self.flat else [0, 2], self.met_cubes(cubes)
@@ -191,11 +191,10 @@ def face_normals(slopes: Sequence[np.ndarray], at: np.ndarray, turn: np.ndarray)
 def pack_particles(
     free: np.ndarray, others: np.ndarray, spacing: float, off: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """(m, 3) positions of the `free` particles near a hull at which they neither touch it nor crowd each other or the
-    `others` (k, 3), which stay; `off` moves points off the hull. Those nearer than a spacing push each other half of
-    the way apart, again and again (a particle packing as in Colagrossi et al. 2012, Comput. Phys. Commun. 183). Crowded
-    ones would burst into the hull at once. They do not rise above the highest nor sink below the lowest of the water
-    around them."""
+    """(m, 3) positions of the `free` particles near a hull, moved so that they neither touch it nor crowd each other or
+    the `others` (k, 3), which stay; `off` moves points off the hull. Those nearer than a spacing push each other half
+    of the way apart, again and again (particle packing, Colagrossi et al. 2012, Comput. Phys. Commun. 183), within the
+    heights of the water around; crowded ones would burst into the hull at once."""
     from scipy.spatial import cKDTree
 
     if len(free) == 0:

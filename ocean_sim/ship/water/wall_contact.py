@@ -76,8 +76,8 @@ class Sides:
         return load.plus("wave", total / dt)
 
     def contact_impulses(self, body: RigidBody, normals: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        """(2, 3) impulse [N s] and moment [N m s] that keep points `arms` (n, 3) from the centre of mass from moving
-        against `normals` (n, 3): one after the other, in sweeps."""
+        """(2, 3) impulse [N s] and moment [N m s] that stop points at `arms` (n, 3) [m] from the centre of mass from
+        moving against the inward `normals` (n, 3): one after the other, in sweeps."""
         turn = body.matrix
         heavy = turn @ np.linalg.inv(body.inertia_body) @ turn.T
         velocity, omega = body.velocity.copy(), body.angular_velocity.copy()

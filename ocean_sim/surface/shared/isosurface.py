@@ -231,7 +231,7 @@ class Isosurface:
 
     @ti.func
     def wet_corners(self, rows, i):
-        """Case bits of the corners at x = 0 of a cube: set for each of the four rows whose node i is wet."""
+        """Case bits of the cube corners at x = 0, set where node i of one of the four `rows` is in the water."""
         wet = 0
         for corner in ti.static(range(4)):
             wet |= int(self.value[rows[corner] + i] >= 0.0) << 2 * corner
@@ -239,7 +239,7 @@ class Isosurface:
 
     @ti.func
     def first_row(self, slab):
-        """First stored row of a slab."""
+        """Index of the first stored row of a slab of rows."""
         return slab * self.rows.count[None] // ROW_SLABS
 
     @ti.kernel
